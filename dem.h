@@ -484,6 +484,7 @@ typedef struct dem_wall_motion {
     dem_vec drift;       /* constant velocity [m/s] */
     dem_vec spin_centre; /* centre of a rotation [m] */
     dem_vec belt;        /* velocity of its surface within itself [m/s] */
+    dem_vec belt_turn;   /* the same around pulleys: axis times speed; along its product with the normal [m/s] */
     double inertia, load, damping; /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
     dem_motion_fn motion;          /* prescribed */
     void *motion_user;
@@ -514,6 +515,9 @@ typedef struct dem_wall {
         rate_change;       /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
     dem_vec force, torque; /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
     dem_vec impulse;       /* time integral of the force [N s] */
+    dem_vec angular_impulse; /* time integral of the torque about the world's origin [N m s]; see
+                                dem_wall_angular_impulse */
+    double work;             /* done on the particles by its motion and its belt [J] */
 
     const struct dem__wall_kind *kind__; /* private: the functions of its kind */
     int slides;                          /* private: 1 if its surface moves otherwise than its origin */
@@ -1025,7 +1029,15 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
 /* Makes a wall a belt: its surface moves at this velocity [m/s], or at its part along the surface, while the wall stays
    where it is. */
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
+/* Makes a wall a belt that runs around pulleys: where the normal is n, its surface moves along axis x n, at this speed
+   [m/s] where the surface is parallel to the axis. Adds to dem_set_belt. */
+DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, double speed);
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
+/* Returns the time integral of the torque of particles on a wall about a point at rest [N m s], since the wall was
+   added: its difference over the time between is the mean torque. Forces of links are not in it. NaN for a wall that
+   does not exist. world->wall[].work is the work that its motion has done on the particles [J]: its difference over the
+   time between is the mean power of its drive, without that of a piston's or rotor's inertia. */
+DEM_API dem_vec dem_wall_angular_impulse(const dem_world *world, int wall, dem_vec point);
 
 /* ---- meshes from files ---- */
 
@@ -1208,9 +1220,9 @@ typedef struct dem_field {
    rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
 
-/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N] or overlap [m]; contacts without
-   overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
-typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP } dem_quantity;
+/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force
+   [N]; contacts without overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
+typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP, DEM_CONTACT_TANGENTIAL_FORCE } dem_quantity;
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count);
 
@@ -2189,9 +2201,10 @@ typedef struct dem__correction {
     double impulse[9];  /* time integrals of the force on i and the torques on i and j [N s], [N m s] */
 } dem__correction;
 
-/* Force [N] and torque [N m] of a chunk's contacts on a wall. */
+/* Force [N] and torque [N m] of a chunk's contacts on a wall, and the power of its belt [W]. */
 typedef struct dem__wall_force {
     dem_vec force, torque;
+    double belt_power;
 } dem__wall_force;
 
 /* The numbers kept of the place where a contact touches: the arrays of contacts.touch. A sphere at a mesh, a sphere at
@@ -3825,10 +3838,30 @@ DEM_INLINE dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double ra
                : dem_vec3(0.0, 0.0, 0.0);
 }
 
+/* Returns whether a wall's surface runs while it stays. */
+DEM_INLINE int dem__turns_as_belt(const dem_wall *w) {
+    return w->asked.belt_turn.x != 0.0 || w->asked.belt_turn.y != 0.0 || w->asked.belt_turn.z != 0.0;
+}
+DEM_INLINE int dem__is_belt(const dem_wall *w) {
+    return w->asked.belt.x != 0.0 || w->asked.belt.y != 0.0 || w->asked.belt.z != 0.0 || dem__turns_as_belt(w);
+}
+/* Returns the velocity of a wall's surface within itself where the normal is n. */
+DEM_INLINE dem_vec dem__belt_velocity(const dem_wall *w, dem_vec n) {
+    const dem_vec along = dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n));
+    return dem__turns_as_belt(w) ? dem__add(along, dem__cross(w->asked.belt_turn, n)) : along;
+}
 /* Returns the velocity of a wall's surface at a point whose normal is n. */
 DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
     const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
-    return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
+    return dem__add(dem__add(w->velocity, turning), dem__belt_velocity(w, n));
+}
+/* Adds what a push lasting h gives a wall: the integrals of its force and of its torque about its origin, and the work
+   that the wall does meanwhile; belt_power: what its belt does. */
+DEM_INLINE void dem__book_push(dem_wall *w, double h, dem_vec force, dem_vec torque, double belt_power) {
+    const dem_vec spin = dem__scale(w->spin, w->spin_axis);
+    w->impulse = dem__plus(w->impulse, h, force);
+    w->angular_impulse = dem__plus(w->angular_impulse, h, dem__add(torque, dem__cross(w->position, force)));
+    w->work += h * (belt_power - dem__dot(force, w->velocity) - dem__dot(torque, spin));
 }
 /* Returns the acceleration of a wall's surface at a point. */
 DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {
@@ -6320,7 +6353,7 @@ static inline void dem__bound_speed(dem_wall *a) {
         rate * rate *
         (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
     a->spin_bound = fabs(a->spin);
-    a->slides = a->spin != 0.0 || a->asked.belt.x != 0.0 || a->asked.belt.y != 0.0 || a->asked.belt.z != 0.0;
+    a->slides = a->spin != 0.0 || dem__is_belt(a);
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
@@ -6439,6 +6472,17 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     return DEM_OK;
 }
 
+DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, double speed) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_vec unit;
+    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
+        !dem__moderate(speed))
+        return DEM_BAD_ARGUMENT;
+    world->wall[wall].asked.belt_turn = dem__scale(speed, unit);
+    world->wall[wall].slides = 1;
+    return DEM_OK;
+}
+
 /* Computes the accelerations of controlled walls from the forces on them, and corrects their predicted rates. The
    damper is implicit. */
 static inline void dem__kick_walls(dem_world *w, double h) {
@@ -6460,13 +6504,21 @@ static inline void dem__kick_walls(dem_world *w, double h) {
     }
 }
 
-/* Applies an impulse at a sphere's place and an angular impulse to a wall, in addition to the forces of the step. */
-static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
-    a->impulse = dem__add(a->impulse, impulse);
+/* Applies an impulse at a sphere's place, where the wall's normal is n, and an angular impulse to a wall, in addition
+   to the forces of the step. */
+static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec n, dem_vec impulse, dem_vec angular) {
+    const dem_vec about_origin = dem__add(angular, dem__cross(dem__sub(place, a->position), impulse));
+    dem__book_push(a, 1.0, impulse, about_origin, -dem__dot(impulse, dem__belt_velocity(a, n)));
     if (a->asked.drive < DEM_FORCE_CONTROLLED) return;
     const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->asked.spin_centre), impulse));
     a->rate += dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->asked.inertia;
     dem__rated_wall(a, a->rate);
+}
+
+DEM_API dem_vec dem_wall_angular_impulse(const dem_world *world, int wall, dem_vec point) {
+    if (!world || wall < 0 || wall >= world->walls) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    const dem_wall *a = &world->wall[wall];
+    return dem__sub(a->angular_impulse, dem__cross(point, a->impulse));
 }
 
 DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {
@@ -8235,6 +8287,18 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
     }
 }
 
+/* Adds up the power of belts: that of the rest of a wall's motion follows from the sums of its forces. */
+static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdiff_t chunk, double *const *out) {
+    for (int q = 0; q < x->walls; q++) {
+        const dem_wall *wall = x->wall[q].wall;
+        const int k = x->wall[q].row;
+        if (!dem__is_belt(wall)) continue;
+        const dem_vec along = dem__belt_velocity(wall, dem_vec3(x->rows.nx[k], x->rows.ny[k], x->rows.nz[k]));
+        w->engine->contacts.wall_force[chunk * w->engine->walls.capacity + (wall - w->wall)].belt_power +=
+            out[0][k] * along.x + out[1][k] * along.y + out[2][k] * along.z;
+    }
+}
+
 /* Evaluates the contacts of a chunk. A contact reads its own slot, particles and walls, which do not change meanwhile,
    and writes its own slot; therefore any division among threads gives the same bits. Each block is summed while it is
    in the cache. */
@@ -8267,6 +8331,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, x, chunk, base, n, at.out, has_friction, postpone_from);
+        if (x->walls > 0) dem__add_belts(w, x, chunk, at.out);
     }
 }
 
@@ -8282,7 +8347,7 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
         contacts->chunk[q].marked = contacts->chunk[q].postponed = 0, contacts->chunk[q].at_walls = 0;
         for (ptrdiff_t k = 0; k < w->walls; k++) {
             dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
-            push->force = push->torque = dem_vec3(0.0, 0.0, 0.0);
+            push->force = push->torque = dem_vec3(0.0, 0.0, 0.0), push->belt_power = 0.0;
         }
         dem__evaluate_chunk(w, work, q, law, correct, features, postpone_from);
     }
@@ -9813,14 +9878,16 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
     if (contacts->shares > 1) dem__add_postponed(w, &e);
     for (int k = 0; k < w->walls; k++) {
         dem_wall *wall = &w->wall[k];
+        double belt_power = 0.0;
         wall->force = wall->torque = dem_vec3(0.0, 0.0, 0.0);
         for (int q = 0; q < contacts->chunk_count; q++) {
             if (!contacts->chunk[q].at_walls) continue;
             const dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
             wall->force = dem__add(wall->force, push->force);
             wall->torque = dem__add(wall->torque, push->torque);
+            belt_power += push->belt_power;
         }
-        wall->impulse = dem__plus(wall->impulse, h, wall->force);
+        dem__book_push(wall, h, wall->force, wall->torque, belt_power);
     }
 }
 
@@ -10659,7 +10726,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     if (j < 0) {
         const dem_vec place = w->particle[i].x, t = has_friction ? dem__second(h->impulse) : dem_vec3(0.0, 0.0, 0.0);
         const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
-        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
+        dem__strike_wall(&w->wall[-1 - j], place, n, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
         return;
     }
@@ -11630,7 +11697,7 @@ static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_fric
                   on_j = has_friction ? dem__first(h->impulse + 6) : none;
     dem__push_any(w, i, impulse, on_i, 0.0, n);
     if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
-    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, n, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
 }
 
 /* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
@@ -11772,7 +11839,8 @@ static inline void dem__get_place(const dem_world *w, ptrdiff_t slot, dem_contac
     const double gap = w->engine->contacts.touch[DEM__PLACE_GAP][slot], radius = dem__touching_radius(w, info->i);
     const double part = info->j >= 0 ? radius / (radius + dem__touching_radius(w, info->j)) : 1.0;
     info->normal = dem__place_normal(w, slot);
-    info->point = dem__add(dem_position(w, info->i), dem__plus(dem__place_arm(w, slot), -(radius + part * gap), info->normal));
+    info->point =
+        dem__add(dem_position(w, info->i), dem__plus(dem__place_arm(w, slot), -(radius + part * gap), info->normal));
 }
 
 /* Finds normal and point of the contact in a slot, or of a link (slot -1): from the present positions, but for
@@ -15418,19 +15486,25 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
     return DEM_OK;
 }
 
+static inline double dem__quantity_of(const dem_contact_info *c, dem_quantity quantity) {
+    if (quantity == DEM_CONTACT_FORCE) return dem__length(c->force);
+    if (quantity == DEM_CONTACT_OVERLAP) return -c->gap;
+    return dem__length(dem__plus(c->force, -dem__dot(c->force, c->normal), c->normal));
+}
+
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count) {
     const dem_world *w = world;
     ptrdiff_t outside = 0;
     if (!w || !w->def.allocator.fn || !count || bins < 1 || !(low < high) || !dem__finite(high - low))
         return -(ptrdiff_t)DEM_BAD_ARGUMENT;
-    if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP && quantity != DEM_CONTACT_TANGENTIAL_FORCE)
+        return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     for (int k = 0; k < bins; k++) count[k] = 0.0;
     for (ptrdiff_t k = 0; k < w->engine->contacts.count; k++) {
         const dem_contact_info c = dem_get_contact(w, k);
         if (!(c.gap < 0.0)) continue;
-        const double value = quantity == DEM_CONTACT_FORCE ? dem__length(c.force) : -c.gap,
-                     bin = floor((value - low) / (high - low) * bins);
+        const double value = dem__quantity_of(&c, quantity), bin = floor((value - low) / (high - low) * bins);
         if (value >= low && value <= high) count[bin < (double)bins ? (int)bin : bins - 1] += 1.0;
         else outside++;
     }
@@ -15615,6 +15689,7 @@ static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
         DEM__DOUBLES("wall.drift", asked->drift, s),
         DEM__DOUBLES("wall.spin_centre", asked->spin_centre, s),
         DEM__DOUBLES("wall.belt", asked->belt, s),
+        DEM__DOUBLES("wall.belt_turn", asked->belt_turn, s),
         DEM__DOUBLES("wall.inertia", asked->inertia, s),
         DEM__DOUBLES("wall.load", asked->load, s),
         DEM__DOUBLES("wall.damping", asked->damping, s),
@@ -15631,6 +15706,8 @@ static inline void dem__wall_fields(dem_wall *a, dem__group *g) {
         DEM__DOUBLES("wall.force", a->force, s),
         DEM__DOUBLES("wall.torque", a->torque, s),
         DEM__DOUBLES("wall.impulse", a->impulse, s),
+        DEM__DOUBLES("wall.angular_impulse", a->angular_impulse, s),
+        DEM__DOUBLES("wall.work", a->work, s),
         DEM__INTEGER("wall.solid", a->solid, s),
         DEM__INTEGER("wall.groups", a->groups, s),
         DEM__INTEGER("wall.slides", a->slides, s),
@@ -16946,6 +17023,7 @@ typedef struct dem__placed_edge {
         half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
     int number, ends; /* ends: bits of the ends that are corners, which have points of their own */
     int sided;        /* of a wall's edge: whether it is touched only from the side of `outward` */
+    double deep;      /* of a wall's edge: how much deeper than the radii it may be in the core [m] */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -16998,7 +17076,7 @@ static inline void dem__place_edge(const dem__side *side, int e, int apart, dem_
     const dem_convex *s = side->shape;
     const int from = s->edge[e][0], to = s->edge[e][1];
     const dem_vec u = dem__sub(dem__point(s->corner[to]), dem__point(s->corner[from]));
-    p->number = e, p->ends = 3, p->sided = 0;
+    p->number = e, p->ends = 3, p->sided = 0, p->deep = 0.0;
     p->from = dem__corner_at(s, side->place, from);
     if (s->is_box) { /* along an axis */
         const int k = !(fabs(u.x) > 0.0) * (1 + !(fabs(u.y) > 0.0));
@@ -17083,7 +17161,7 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
     double s, distance, rest[4], left = 1.0, share[4];
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
-    if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* deeper: on far sides of the cores */
+    if (!(overlap > 0.0) || !(overlap < 2.0 * radii + q->deep)) return 0; /* deeper: on far sides of the cores */
     int n = 1;
     out->key = key, out->taken = 0;
     out->gap = -overlap;
@@ -17269,6 +17347,163 @@ static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, c
     return dem__find_edge_points(&sa, &sb, low_a > high_b, out, n);
 }
 
+/* -------------------------------------------------------------------------------------------- >>polyhedra/behind.h */
+/* Polyhedra that a thin sheet cuts: which of their points are behind it, and how deep. A sheet has no inside, a body
+   has: the side of its centre is in front. Reads a wall, a shape and its place. Promises: overlap and normal of a point
+   that passes the sheet are continuous; nothing is computed here unless a core is cut. */
+
+/* Returns the place at which the line from p to q passes through triangle k of a tree, 0 .. 1; above 1: none. */
+static inline double dem__passes_at(const dem__tree *t, int32_t k, dem_vec p, dem_vec q) {
+    const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]],
+                  c = t->vertex[t->corner[3 * k + 2]];
+    const dem_vec u = dem__sub(q, p), pa = dem__sub(a, p), pb = dem__sub(b, p), pc = dem__sub(c, p);
+    const double from = -dem__dot(t->normal[k], pa), to = -dem__dot(t->normal[k], dem__sub(a, q));
+    if (!(from * to < 0.0)) return HUGE_VAL;
+    const double ab = dem__dot(u, dem__cross(pa, pb)), bc = dem__dot(u, dem__cross(pb, pc)),
+                 ca = dem__dot(u, dem__cross(pc, pa));
+    const int passes = (ab >= 0.0 && bc >= 0.0 && ca >= 0.0) || (ab <= 0.0 && bc <= 0.0 && ca <= 0.0);
+    return passes ? from / (from - to) : HUGE_VAL;
+}
+
+/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
+   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
+   in another direction. */
+static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
+                                              int32_t k, double enough) {
+    const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
+    const double height = dem__dot(d, up);
+    double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
+    dem_vec corner[3];
+    if (most >= enough) return most;
+    for (int c = 0; c < 3; c++) corner[c] = dem__into_core(core, dem__sub(t->vertex[t->corner[3 * k + c]], core->x));
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double a = dem__dot(n, corner[0]), b = dem__dot(n, corner[1]), c = dem__dot(n, corner[2]);
+        const double lowest = a < b ? (a < c ? a : c) : b < c ? b : c, apart = lowest - s->plane[f][3];
+        most = apart > most ? apart : most;
+    }
+    return most;
+}
+
+/* Returns a core's place in the frame of a wall. */
+static inline dem__placed dem__in_frame(const dem_wall *wall, const dem__placed *place) {
+    dem__placed core;
+    core.x = dem__to_frame(wall, dem__sub(place->x, wall->position));
+    for (int k = 0; k < 3; k++) core.axis[k] = dem__to_frame(wall, place->axis[k]);
+    return core;
+}
+
+/* Returns whether a triangle of a mesh may cut a core. */
+static inline int dem__may_cut(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
+    const dem__tree *t = wall->tree;
+    const dem__placed core = dem__in_frame(wall, place);
+    const double reach = s->reach - s->radius;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, core.x, reach)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            if (!(dem__apart_from_triangle(s, &core, t, k, 0.0) > 0.0)) return 1;
+        }
+    }
+    return 0;
+}
+
+/* Finds the first triangle through which the line from p to q passes. Returns its number, -1: none; at: where. */
+static inline int32_t dem__first_passed(const dem__tree *t, dem_vec p, dem_vec q, dem_vec *at) {
+    const dem_vec u = dem__sub(q, p), middle = dem__plus(p, 0.5, u);
+    const double half = 0.5 * dem__length(u);
+    double first = 1.0;
+    int32_t found = -1;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, middle, 1.000001 * half)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            const double here = dem__passes_at(t, k, p, q);
+            if (here < first) first = here, found = k;
+        }
+    }
+    *at = dem__plus(p, first, u);
+    return found;
+}
+
+/* A place behind a sheet, in the mesh's frame. */
+typedef struct dem__behind {
+    const dem__tree *tree;
+    dem_vec centre, x, at; /* of the body; the place; where the line between them passes the sheet first */
+    int32_t first, best;   /* triangle there; triangle that is nearest */
+    double distance;       /* to the nearest [m] */
+    dem_vec normal;        /* from the nearest triangle to the front */
+} dem__behind;
+
+/* Returns the normal of a triangle that points to the centre's side, or 0 if the place is on that side. */
+static inline dem_vec dem__front_of(const dem__behind *q, int32_t k) {
+    const dem_vec n = q->tree->normal[k], a = q->tree->vertex[q->tree->corner[3 * k]];
+    const double centre = dem__dot(n, dem__sub(q->centre, a)), x = dem__dot(n, dem__sub(q->x, a));
+    return dem__scale(centre > 0.0 && x < 0.0 ? 1.0 : centre < 0.0 && x > 0.0 ? -1.0 : 0.0, n);
+}
+
+/* Takes triangle k if it is the nearest one behind which the place is. One that is as good as parallel to the first one
+   and behind that is the far side of a plate, which does not count. */
+static inline void dem__try_behind(dem__behind *q, int32_t k) {
+    const dem_vec front = dem__front_of(q, k), a = q->tree->vertex[q->tree->corner[3 * k]];
+    double distance;
+    int inside;
+    if (dem__dot(front, front) == 0.0) return;
+    const dem_vec v = dem__from_triangle(q->tree, k, q->x, &distance, &inside);
+    if (!(distance < q->distance)) return;
+    const double above = dem__dot(front, dem__sub(q->at, a));
+    if (k != q->first && dem__dot(front, dem__front_of(q, q->first)) > DEM__SMOOTH && above > 1e-3 * distance) return;
+    const dem_vec up = inside || !(distance > 0.0) ? front : dem__scale(-1.0 / distance, v);
+    q->distance = distance, q->best = k, q->normal = up;
+    if (dem__dot(up, front) > DEM__SMOOTH) return;
+    q->normal = front; /* beyond a rim: behind its plane */
+}
+
+/* Finds how deep a place is behind a mesh, seen from a body's centre. Returns 0 if it is not. */
+static inline int dem__find_behind(const dem_wall *wall, dem_vec centre, dem_vec x, dem__touch *out) {
+    dem__behind q;
+    q.tree = wall->tree, q.distance = HUGE_VAL;
+    q.centre = dem__to_frame(wall, dem__sub(centre, wall->position)),
+    q.x = dem__to_frame(wall, dem__sub(x, wall->position));
+    q.first = dem__first_passed(q.tree, q.centre, q.x, &q.at);
+    if (q.first < 0) return 0;
+    dem__try_behind(&q, q.first);
+    for (int32_t b = 0; b < q.tree->nodes;) {
+        const dem__node *node = &q.tree->node[b];
+        if (dem__is_far(node, q.x, q.distance)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) dem__try_behind(&q, k);
+    }
+    if (!(q.distance < HUGE_VAL)) return 0;
+    const dem_vec a = q.tree->vertex[q.tree->corner[3 * q.best]];
+    if (dem__dot(q.normal, dem__front_of(&q, q.best)) >= 1.0 - 1e-12)
+        q.distance = fabs(dem__dot(q.normal, dem__sub(q.x, a)));
+    out->gap = -q.distance, out->normal = dem__from_frame(wall, q.normal);
+    out->curvature = 0.0, out->element = 0, out->face = -1;
+    return 1;
+}
+
+/* Returns whether a curved sheet may cut a core: an edge passes through it. */
+static inline int dem__sheet_cuts(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
+    dem_vec corner[DEM_CORNERS_MAX];
+    for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
+    for (int e = 0; e < s->edges; e++) {
+        if (w->kind__->crosses(w, corner[s->edge[e][0]], corner[s->edge[e][1]])) return 1;
+    }
+    return 0;
+}
+
 /* ---------------------------------------------------------------------------------------- >>polyhedra/mesh_edges.h */
 /* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. The
    table is made once for each mesh, in a world with polyhedra. */
@@ -17404,7 +17639,8 @@ typedef struct dem__at_wall {
     dem_vec centre;   /* of the polyhedron */
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
-    int edges; /* length of the list; 0 until edges are needed */
+    int edges;  /* length of the list; 0 until edges are needed */
+    int is_cut; /* whether a sheet may cut the core: only then corners can be behind it */
     int n;
     dem__convex_point *out;
 } dem__at_wall;
@@ -17465,18 +17701,56 @@ static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_e
     return 0;
 }
 
-/* Adds the points of all edges of the polyhedron at an edge of a wall. */
+/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
+static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
+    double low = 0.0, high = 1.0;
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
+        if (from >= 0.0 && to >= 0.0) return 0;
+        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
+        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
+    }
+    return low < high;
+}
+
+/* Returns the least distance of a face of a core from its centre [m]. */
+static inline double dem__half_width(const dem_convex *s) {
+    double least = s->reach;
+    for (int f = 0; f < s->faces; f++) least = s->plane[f][3] < least ? s->plane[f][3] : least;
+    return least;
+}
+
+/* Finds the direction in which an edge of a wall, which is in the core, is nearest to its surface, among those at which
+   edges of the core cross it. Returns 0 if there is none. */
+static inline int dem__find_way_out(const dem__at_wall *q, const dem__placed_edge *e, dem_vec *way) {
+    double nearest = HUGE_VAL, s, distance;
+    dem_vec n;
+    for (int k = 0; k < q->edges; k++) {
+        if (!dem__find_crossing(&q->edge[k], e, 0, &s, &n, &distance) || !(fabs(distance) < nearest)) continue;
+        nearest = fabs(distance), *way = n;
+    }
+    return nearest < HUGE_VAL;
+}
+
+/* Adds the points of all edges of the polyhedron at an edge of a wall. Where this is in the core, edges of the core
+   tell the side, and only those count through which it came. */
 static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_edge *of) {
     dem__at_wall *q = (dem__at_wall *)(void *)v;
     dem__placed_edge e;
+    dem_vec way;
     if (q->n == DEM__POINTS_MAX || !dem__set_wall_edge(q, of, &e)) return;
     const double radii = q->shape->radius + of->radius;
     if (dem__is_beyond_face(q, &e, DEM__WINDOW * radii)) return;
     dem__list_edges(q);
+    const int is_deep =
+        dem__core_holds_line(q->shape, dem__into_core(&q->core, of->from), dem__into_core(&q->core, of->to)) &&
+        dem__find_way_out(q, &e, &way);
+    if (is_deep) e.deep = dem__half_width(q->shape);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n =
-            dem__cross_edges(&q->edge[k], &e, radii, !e.sided, of->key + 5 * q->edge[k].number, q->out + q->n);
-        if (n == 0) continue;
+        const int n = dem__cross_edges(&q->edge[k], &e, radii, !e.sided && !is_deep, of->key + 5 * q->edge[k].number,
+                                       q->out + q->n);
+        if (n == 0 || (is_deep && !(dem__dot(q->out[q->n].normal, way) > 0.7))) continue;
         const double up = dem__dot(q->out[q->n].normal, of->side);
         if (of->sign == 0.0 || (of->sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
     }
@@ -17496,13 +17770,41 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
     q->n++;
 }
 
+/* Finds the touches of a sphere of the rounding at x with a sheet that may cut the core. Behind the sheet its overlap
+   counts on, along the normal to the front. Returns their number. */
+static inline int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double limit, dem__touch *touch) {
+    const dem_wall *wall = q->wall;
+    dem__touch behind;
+    double least;
+    int kept = 0, is_behind = 0;
+    int found = dem__touch_wall(wall, x, q->shape->radius, limit, touch, &least);
+    if (dem__has(wall, DEM__TRIANGULATED)) is_behind = dem__find_behind(wall, q->centre, x, &behind);
+    else if (wall->kind__->crosses(wall, dem__sub(q->centre, wall->position), dem__sub(x, wall->position))) {
+        dem__touch_wall(wall, x, q->shape->radius, HUGE_VAL, &behind, &least);
+        behind.gap = -q->shape->radius - behind.gap, behind.normal = dem__scale(-1.0, behind.normal);
+        is_behind = 1;
+    }
+    if (!is_behind) return found;
+    behind.gap -= q->shape->radius;
+    for (int m = 0; m < found; m++) { /* other surfaces stay, this one's far side does not */
+        if (dem__dot(touch[m].normal, behind.normal) > -0.5 && dem__dot(touch[m].normal, behind.normal) < 0.5)
+            touch[kept++] = touch[m];
+    }
+    kept = kept < DEM__TOUCHES ? kept : DEM__TOUCHES - 1;
+    for (int m = kept; m > 0; m--) touch[m] = touch[m - 1];
+    touch[0] = behind;
+    return kept + 1;
+}
+
 /* Adds the points of the polyhedron's corners, which are spheres. */
 static inline void dem__touch_with_corners(dem__at_wall *q) {
     dem__touch touch[DEM__TOUCHES];
     double least;
     for (int k = 0; k < q->shape->corners; k++) {
-        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k]));
-        const int found = dem__touch_wall(q->wall, dem__add(q->centre, arm), q->shape->radius, 0.0, touch, &least);
+        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k])),
+                      x = dem__add(q->centre, arm);
+        const int found = q->is_cut ? dem__touch_cutting(q, x, 0.0, touch)
+                                    : dem__touch_wall(q->wall, x, q->shape->radius, 0.0, touch, &least);
         for (int m = 0; m < found && q->n < DEM__POINTS_MAX; m++) {
             dem__convex_point *point = &q->out[q->n];
             int is_new = touch[m].gap < 0.0;
@@ -17519,10 +17821,11 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
 /* Returns the touch of a sheet with the sphere about the point at t of an edge. */
 static inline dem__touch dem__touch_sheet_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
     dem__touch touch[DEM__TOUCHES];
+    const dem_vec x = dem__add(q->centre, dem__plus(e->from, t, e->along));
     double least;
     touch->normal = q->wall->axis[2];
-    dem__touch_wall(q->wall, dem__add(q->centre, dem__plus(e->from, t, e->along)), q->shape->radius, HUGE_VAL, touch,
-                    &least);
+    if (q->is_cut) dem__touch_cutting(q, x, HUGE_VAL, touch);
+    else dem__touch_wall(q->wall, x, q->shape->radius, HUGE_VAL, touch, &least);
     return touch[0];
 }
 
@@ -17607,39 +17910,20 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
     q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
     q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
+    q.is_cut = 0;
+    if (dem__has(wall, DEM__TRIANGULATED)) q.is_cut = dem__may_cut(wall, s, place);
+    else if (wall->kind__->crosses) q.is_cut = dem__sheet_cuts(wall, s, place);
     if (dem__corners_at(wall) != DEM__CORNERS_NONE) dem__touch_with_corners(&q);
     if (dem__has(wall, DEM__CURVED_SHEET)) dem__touch_sheet_with_edges(&q);
     if (wall->kind__->edges) wall->kind__->edges(wall, place->x, s->reach, &q.visitor);
     return q.n;
 }
 
-/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
-   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
-   in another direction. */
-static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
-                                              int32_t k, double enough) {
-    const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
-    const double height = dem__dot(d, up);
-    double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
-    dem_vec corner[3];
-    if (most >= enough) return most;
-    for (int c = 0; c < 3; c++) corner[c] = dem__into_core(core, dem__sub(t->vertex[t->corner[3 * k + c]], core->x));
-    for (int f = 0; f < s->faces; f++) {
-        const dem_vec n = dem__point(s->plane[f]);
-        const double a = dem__dot(n, corner[0]), b = dem__dot(n, corner[1]), c = dem__dot(n, corner[2]);
-        const double lowest = a < b ? (a < c ? a : c) : b < c ? b : c, apart = lowest - s->plane[f][3];
-        most = apart > most ? apart : most;
-    }
-    return most;
-}
-
 /* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: of the core. */
 static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
     const dem__tree *t = wall->tree;
-    dem__placed core;
+    const dem__placed core = dem__in_frame(wall, place);
     double least = s->reach;
-    core.x = dem__to_frame(wall, dem__sub(place->x, wall->position));
-    for (int k = 0; k < 3; k++) core.axis[k] = dem__to_frame(wall, place->axis[k]);
     for (int32_t b = 0; b < t->nodes && least > 0.0;) {
         const dem__node *node = &t->node[b];
         if (dem__is_far(node, core.x, s->reach + least)) {
@@ -17699,18 +17983,6 @@ static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s,
         }
     }
     return 0;
-}
-/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
-static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
-    double low = 0.0, high = 1.0;
-    for (int f = 0; f < s->faces; f++) {
-        const dem_vec n = dem__point(s->plane[f]);
-        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
-        if (from >= 0.0 && to >= 0.0) return 0;
-        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
-        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
-    }
-    return low < high;
 }
 /* Looks for the axis of a bar that passes through a core. */
 typedef struct dem__axis_visitor {

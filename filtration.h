@@ -325,9 +325,12 @@ typedef struct filtration_curve_def {
     double volume_error; /* [m3] >= 0; default 0. Both only weight the readings; intervals follow from the scatter */
     double
         drift_error; /* standard error of the last volume used by a balance that drifts in proportion to time [m3] >= 0; default 0.
-                              Such a drift looks like another filter, so that no readings tell it */
-    int independent; /* 1: the errors of neighbours are known to be independent; 0: not known, intervals allow for errors that are
-                              alike or add up; default 0 */
+                              Such a drift looks like another filter, so that hardly any readings tell it. 0: with
+                              `independent` there is none; otherwise the intervals allow for one that changes the last
+                              reading by seven times its scatter */
+    int independent; /* 1: the errors of neighbours are known to be independent, and the balance does not drift; 0: not known,
+                              intervals allow for errors that are alike or add up, and for a drift: they are two to ten times
+                              as wide; default 0 */
     double
         start_time; /* of the stage that is evaluated [s]; default 0. Then (t - t1) / (V - V1) is fitted over V + V1 */
     double start_volume;   /* [m3] >= 0; default 0 */
@@ -1416,10 +1419,22 @@ typedef struct filtration__roughness {
     int for_bend;                     /* 1: one of those that tell a bend from scatter (three are enough) */
 } filtration__roughness;
 
-enum { FILTRATION__WEIGHTS = 4, FILTRATION__ROUGHS = 7, FILTRATION__KINDS = FILTRATION__WEIGHTS * FILTRATION__ROUGHS };
+/* A drift of the balance in proportion to time: what it changes at the end, over the scatter of a reading there. */
+typedef struct filtration__drifting {
+    double size, prior;
+} filtration__drifting;
+
+enum {
+    FILTRATION__WEIGHTS = 4,
+    FILTRATION__ROUGHS = 7,
+    FILTRATION__DRIFTS = 2,
+    FILTRATION__FITS = FILTRATION__WEIGHTS * FILTRATION__ROUGHS,
+    FILTRATION__KINDS = FILTRATION__FITS * FILTRATION__DRIFTS
+};
+static const filtration__drifting filtration__drifts[FILTRATION__DRIFTS] = {{0.0, 0.4}, {7.0, 0.6}};
 static const double filtration__weight_prior[FILTRATION__WEIGHTS] = {1.0, 1.0, 0.5, 0.5};
 static const filtration__roughness filtration__roughs[FILTRATION__ROUGHS] = {
-    {0.0, 0.0, 1.0, 2.0, 1},                                                      /* independent errors */
+    {0.0, 0.0, 1.0, 1.0, 1},                                                      /* independent errors */
     {0.3, 0.91, 0.0, 1.0, 0}, {0.6, 0.64, 0.0, 1.0, 1}, {0.8, 0.36, 0.0, 1.0, 0}, /* each like the one before, of variance 1 */
     {1.0, 0.03, 1.0, 0.5, 0}, {1.0, 0.3, 1.0, 0.5, 1},  {1.0, 1.0, 0.0, 0.5, 0}}; /* errors that add up, as of a balance that wanders */
 
@@ -1553,36 +1568,66 @@ static inline double filtration__normal_matrix(const filtration__readings *r, si
     return logs + riddle_log(product);
 }
 
-/* Fits a level, or a level and a slope (unknowns 1, 2). */
-static inline void filtration__fit_kind(const filtration__readings *r, size_t first, size_t last, const filtration__line *line,
-                                        int unknowns, int weight, const filtration__roughness *rough, filtration__kind *kind) {
-    double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS];
-    const double logs = filtration__normal_matrix(r, first, last, line, weight, rough, g), n = (double)line->n;
-    const double rounding = FILTRATION__ROUNDING * 1e-2 * line->mean_y, least = g[0][0] * rounding * rounding;
-    double drift[4][4], bent[5][5];
-    const int of_drift[4] = {0, 1, 4, 5}, of_bend[5] = {0, 1, 2, 3, 5};
+/* Fits a level, or a level and a slope (unknowns 1, 2), by the normal matrix of a kind of scatter. drift: standard error
+   of an ordinate at the line's end by a drift of the balance, over that of a reading there; 0: none. It is an unknown
+   that is expected to be 0, which an observation of its own says. */
+static inline void filtration__fit_line(const double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], double drift, double rate,
+                                        double logs, double least, int unknowns, const filtration__line *line,
+                                        filtration__kind *kind) {
+    const int of_line[4] = {0, 1, 4, 5}, of_drift[4] = {4, 0, 1, 5}, *columns = drift > 0.0 ? of_drift : of_line;
+    const int first = drift > 0.0 ? 1 : 0, pivots = 2 + first;
+    const double n = (double)line->n, expected = drift > 0.0 ? rate / drift : 0.0;
+    double f[4][4];
     for (int i = 0; i < 4; i++)
-        for (int j = 0; j <= i; j++) drift[i][j] = g[of_drift[i]][of_drift[j]];
-    for (int i = 0; i < 5; i++)
-        for (int j = 0; j <= i; j++) bent[i][j] = g[of_bend[i]][of_bend[j]];
-    memset(kind, 0, sizeof *kind);
+        for (int j = 0; j <= i; j++) {
+            const int high = columns[i] > columns[j] ? columns[i] : columns[j], low = columns[i] + columns[j] - high;
+            f[i][j] = g[high][low];
+        }
+    if (drift > 0.0) f[0][0] += expected * expected;
     if (unknowns == 1)
-        for (int i = 1; i < 4; i++) drift[i][1] = 0.0;
-    const double determinant = filtration__decompose(drift[0], 4, 2), a = drift[0][0], b = drift[1][0], c = drift[1][1];
-    kind->squares = drift[3][3] > least ? drift[3][3] : least;
+        for (int i = first + 1; i < 4; i++) f[i][first + 1] = 0.0;
+    const double determinant = filtration__decompose(f[0], 4, pivots);
+    const double a = f[first][first], b = f[first + 1][first], c = f[first + 1][first + 1];
+    const double *rest = f[3], *of = drift > 0.0 ? NULL : f[2];
+    memset(kind, 0, sizeof *kind);
+    kind->squares = rest[3] > least ? rest[3] : least;
     if (unknowns == 2) {
-        kind->slope = drift[3][1] / c, kind->drifted[1] = drift[2][1] / c;
+        kind->slope = rest[first + 1] / c, kind->drifted[1] = of ? of[1] / c : 0.0;
         kind->of_slope = 1.0 / (c * c), kind->of_both = -b / (a * c * c);
     }
-    kind->level = (drift[3][0] - b * kind->slope) / a, kind->drifted[0] = (drift[2][0] - b * kind->drifted[1]) / a;
+    kind->level = (rest[first] - b * kind->slope) / a;
+    kind->drifted[0] = of ? (of[0] - b * kind->drifted[1]) / a : 0.0;
     kind->of_level = 1.0 / (a * a) - b / a * kind->of_both;
-    kind->drift = drift[2][2] > 0.0 ? drift[3][2] / drift[2][2] : 0.0;
+    kind->drift = of && of[2] > 0.0 ? rest[2] / of[2] : 0.0;
     kind->likelihood = logs - determinant - 0.5 * (n - unknowns) * riddle_log(kind->squares);
+    if (drift > 0.0) kind->likelihood += riddle_log(expected);
+}
+
+/* Fits the same with a parabola and a cubic in addition. */
+static inline void filtration__fit_bend(const double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], double logs, double least,
+                                        const filtration__line *line, filtration__kind *kind) {
+    const int columns[5] = {0, 1, 2, 3, 5};
+    double bent[5][5];
+    for (int i = 0; i < 5; i++)
+        for (int j = 0; j <= i; j++) bent[i][j] = g[columns[i]][columns[j]];
     const double of_bent = filtration__decompose(bent[0], 5, 4);
     kind->bent_squares = bent[4][4] > least ? bent[4][4] : least;
-    kind->bent_likelihood = logs - of_bent - 0.5 * (n - 4.0) * riddle_log(kind->bent_squares);
+    kind->bent_likelihood = logs - of_bent - 0.5 * ((double)line->n - 4.0) * riddle_log(kind->bent_squares);
     kind->coefficient[1] = bent[3][3] > 0.0 ? bent[4][3] / bent[3][3] : 0.0;
     kind->coefficient[0] = bent[2][2] > 0.0 ? (bent[4][2] - bent[3][2] * kind->coefficient[1]) / bent[2][2] : 0.0;
+}
+
+/* Fits one kind of scatter without and with drifts of the balance that nobody has stated: fills drifts entries. */
+static inline void filtration__fit_kind(const filtration__readings *r, size_t first, size_t last, const filtration__line *line,
+                                        int unknowns, int weight, const filtration__roughness *rough, int drifts,
+                                        filtration__kind *kind) {
+    double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], rate;
+    const double logs = filtration__normal_matrix(r, first, last, line, weight, rough, g);
+    const double rounding = FILTRATION__ROUNDING * 1e-2 * line->mean_y, least = g[0][0] * rounding * rounding;
+    filtration__on_line(line, line->high, line->end, &rate);
+    for (int k = 0; k < drifts; k++)
+        filtration__fit_line(g, filtration__drifts[k].size, rate, logs, least, unknowns, line, &kind[k]);
+    filtration__fit_bend(g, logs, least, line, kind);
 }
 
 /* The kinds that are thought of: all, or those that the definition leaves. */
@@ -1601,33 +1646,45 @@ typedef struct filtration__mixture {
     double drift; /* of the balance by the last reading, a standard error, in shares of the line's end */
 } filtration__mixture;
 
+/* Computes the means. The line is that without a drift that nobody has stated: it only widens the range. */
+static inline void filtration__average(filtration__mixture *m, int drifts) {
+    double sum = 0.0, still = 0.0;
+    for (int k = 0; k < m->n; k++) {
+        sum += m->share[k];
+        if (k % drifts == 0) still += m->share[k];
+    }
+    for (int k = 0; k < m->n; k++) {
+        const filtration__kind *kind = &m->kind[k];
+        const double share = k % drifts == 0 && still > 0.0 ? m->share[k] / still : 0.0;
+        m->level += share * kind->level, m->slope += share * kind->slope;
+        m->drifted[0] += share * kind->drifted[0], m->drifted[1] += share * kind->drifted[1];
+        m->share[k] = m->share[k] > 3e-4 * sum ? m->share[k] / sum : 0.0;
+        m->rough += m->share[k] * kind->likelihood;
+    }
+}
+
 static inline void filtration__mix(const filtration__readings *r, size_t first, size_t last, const filtration__line *line, int unknowns,
                                    filtration__mixture *m) {
-    double best = -HUGE_VAL, sum = 0.0;
+    double best = -HUGE_VAL;
     memset(m, 0, sizeof *m);
     m->freedom = (double)line->n - unknowns, m->confidence = r->def->confidence;
     m->student = filtration_student(m->confidence, m->freedom);
     m->drift = r->def->drift_error / r->x_scale / line->end;
-    for (int k = 0; k < FILTRATION__KINDS; k++) {
+    const int drifts = unknowns == 1 || r->def->independent || m->drift > 0.0 ? 1 : FILTRATION__DRIFTS;
+    for (int k = 0; k < FILTRATION__FITS; k++) {
         if (!filtration__is_thought_of(r->def, k)) continue;
         const filtration__roughness *rough = &filtration__roughs[k % FILTRATION__ROUGHS];
-        filtration__fit_kind(r, first, last, line, unknowns, k / FILTRATION__ROUGHS, rough, &m->kind[m->n]);
-        m->share[m->n] = riddle_log(rough->prior * filtration__weight_prior[k / FILTRATION__ROUGHS]) + m->kind[m->n].likelihood;
-        m->kind[m->n].likelihood = rough->white > 0.0 && rough->step == 0.0 ? 0.0 : rough->keeps; /* from here on: of neighbours */
-        if (m->share[m->n] > best) best = m->share[m->n];
-        m->n++;
+        filtration__fit_kind(r, first, last, line, unknowns, k / FILTRATION__ROUGHS, rough, drifts, &m->kind[m->n]);
+        for (int q = 0; q < drifts; q++, m->n++) {
+            filtration__kind *kind = &m->kind[m->n];
+            const double prior = rough->prior * filtration__weight_prior[k / FILTRATION__ROUGHS] * filtration__drifts[q].prior;
+            m->share[m->n] = riddle_log(prior) + kind->likelihood;
+            kind->likelihood = rough->white > 0.0 && rough->step == 0.0 ? 0.0 : rough->keeps; /* from here on: of neighbours */
+            if (m->share[m->n] > best) best = m->share[m->n];
+        }
     }
-    for (int k = 0; k < m->n; k++) {
-        m->share[k] = riddle_exp(m->share[k] - best);
-        if (!(m->share[k] > 3e-4)) m->share[k] = 0.0;
-        sum += m->share[k];
-    }
-    for (int k = 0; k < m->n; k++) {
-        const filtration__kind *kind = &m->kind[k];
-        const double share = m->share[k] /= sum;
-        m->level += share * kind->level, m->slope += share * kind->slope, m->rough += share * kind->likelihood;
-        m->drifted[0] += share * kind->drifted[0], m->drifted[1] += share * kind->drifted[1];
-    }
+    for (int k = 0; k < m->n; k++) m->share[k] = riddle_exp(m->share[k] - best);
+    filtration__average(m, drifts);
 }
 
 /* Returns the standard error of level times the level and slope times the slope: with Student's factor it gives the half width of the
@@ -1740,10 +1797,10 @@ static inline filtration__bend filtration__find_bend(const filtration__readings 
     filtration__bend bend = {0.0, 1.0, 0.0};
     filtration__kind kind, best = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, {0.0, 0.0}, 0.0, 0.0, 0.0, {0.0, 0.0}};
     if (line->n < 6) return bend; /* a bend would be a guess */
-    for (int k = 0; k < FILTRATION__KINDS; k++) {
+    for (int k = 0; k < FILTRATION__FITS; k++) {
         if (!filtration__is_thought_of(r->def, k) || !filtration__roughs[k % FILTRATION__ROUGHS].for_bend) continue;
         filtration__fit_kind(r, first, last, line, 2, k / FILTRATION__ROUGHS,
-                             &filtration__roughs[k % FILTRATION__ROUGHS], &kind);
+                             &filtration__roughs[k % FILTRATION__ROUGHS], 1, &kind);
         if (k == 0 || kind.bent_likelihood > best.bent_likelihood) best = kind;
     }
     bend.size = (fabs(best.coefficient[0]) * 2.0 / 3.0 + fabs(best.coefficient[1]) * 0.4) / line->mean_y;
@@ -2189,6 +2246,23 @@ typedef struct filtration__ball {
     int64_t hull[3];          /* sum over its links of 72 w c [-]: 0 where its surface is closed */
 } filtration__ball;
 
+#define FILTRATION__NEAR 24  /* most gaps to other spheres that a sphere lists */
+#define FILTRATION__PUSHES 5 /* sums over a gap */
+
+/* A gap between a sphere and another one near it. */
+typedef struct filtration__near {
+    int32_t other;
+    double normal[3], gap; /* from the sphere to the other; [nodes], 0 where they touch */
+    double cap;            /* the surface farther along the normal, from the centre, belongs to the gap [nodes] */
+    double push[FILTRATION__PUSHES]; /* along the normal, of its links in the gap, and of a density and slopes of 1 there */
+} filtration__near;
+
+/* The gaps beside a sphere. */
+typedef struct filtration__gaps {
+    int count;
+    filtration__near near[FILTRATION__NEAR];
+} filtration__gaps;
+
 /* Relaxation and forcing of one step, of the kernel's precision. */
 typedef struct filtration__rates {
     double plus, minus, bulk; /* rates [-] of even and odd parts and of the trace of the stress */
@@ -2214,6 +2288,7 @@ typedef struct filtration__lattice {
     double real_c[FILTRATION__Q][3], squared_c[FILTRATION__Q];
     filtration__rates rates;
     int periodic_x, half_way, refill;
+    int repeats[3]; /* 1: the axis is periodic */
     /* Of nodes whose neighbours all lie in the box, between steps; the first index is `odd`: where an outgoing and an incoming population
        is, after the place of the node itself; how far the next node is, in places and in nodes. */
     ptrdiff_t out_at[2][FILTRATION__Q], in_at[2][FILTRATION__Q], next_place[FILTRATION__Q], next_node[FILTRATION__Q];
@@ -2228,6 +2303,8 @@ typedef struct filtration__lattice {
     filtration__entry entries[64][FILTRATION__Q];
     filtration__ball *balls;
     ptrdiff_t ball_count, ball_room;
+    filtration__gaps *gaps; /* [gap_room], of the spheres in the last step */
+    ptrdiff_t gap_room;
     ptrdiff_t fluid_nodes, solid_nodes;
     double to_velocity, to_pressure, to_force; /* SI per lattice unit */
     double reduce[FILTRATION__TASKS][8];       /* sums of tasks */
@@ -2998,8 +3075,103 @@ FILTRATION__STATIC void filtration__face_task(void *context, int task) {
     }
 }
 
+/* ------------------------------------------------------------------------------------------------- >>fluid/batch.h */
+/* Links in batches: what they need is gathered, computed for many at a time, and stored. */
+
+/* ==== >>batch ==== */
+
+#define FILTRATION__BATCH 64 /* links after which a batch is applied, a multiple of FILTRATION__LANES */
+#define FILTRATION__ROOM (2 * FILTRATION__BATCH) /* what it can hold */
+#define FILTRATION__LANES                                                                                              \
+    8 /* parts of a sum, added in their order at the end: the same bits for any width of a vector */
+
+/* Links from fluid nodes to a surface. */
+typedef struct filtration__batch {
+    int n;
+    ptrdiff_t place[FILTRATION__ROOM]; /* of the node, then where the next step reads what returns */
+    double out[FILTRATION__ROOM], other[FILTRATION__ROOM]; /* what leaves the node along the link, and against it */
+    double behind[FILTRATION__ROOM],
+        free[FILTRATION__ROOM];    /* what leaves the node behind along the link, if that is fluid (1, else 0) */
+    double back[FILTRATION__ROOM]; /* what returns */
+    double d[3][FILTRATION__ROOM]; /* the fluid node, then the surface, from the centre */
+    double fraction[FILTRATION__ROOM],
+        push[FILTRATION__ROOM]; /* q; weight times c . velocity of the surface, c into the solid */
+    double w[FILTRATION__ROOM]; /* weight; 0: nothing is added */
+} filtration__batch;
+
+/* Where the populations of links along one direction are, after the place of the node, whose neighbours all lie in the box. */
+typedef struct filtration__paths {
+    ptrdiff_t out, other, behind, in, node_behind;
+} filtration__paths;
+
+/* i: from the fluid node to the surface. */
+static inline filtration__paths filtration__paths_of(const filtration__lattice *l, int i) {
+    const ptrdiff_t *out = l->out_at[l->odd];
+    const int opposite = filtration__opposite(i);
+    const filtration__paths p = {out[i], out[opposite], out[i] - l->next_place[i], l->in_at[l->odd][opposite],
+                                 -l->next_node[i]};
+    return p;
+}
+
+/* Reads the populations of links of such nodes along one direction; their places become those of what returns. */
+FILTRATION__INLINE void filtration__read_batch(const filtration__lattice *l, filtration__batch *b,
+                                               const filtration__paths *path) {
+    for (int k = 0; k < b->n; k++) {
+        const ptrdiff_t place = b->place[k], behind = place + (b->free[k] > 0.0 ? path->behind : path->out);
+        b->place[k] = place + path->in;
+        b->out[k] = filtration__get(l, place + path->out), b->other[k] = filtration__get(l, place + path->other);
+        b->behind[k] = filtration__get(l, behind);
+    }
+}
+
+/* Adds the link from any fluid node p along i, and reads its populations. */
+static inline void filtration__gather_link(const filtration__lattice *l, filtration__batch *b, const int p[3], int i) {
+    const int k = b->n++, opposite = filtration__opposite(i);
+    int mirrored, at[3] = {p[0] - l->c[i][0], p[1] - l->c[i][1], p[2] - l->c[i][2]};
+    b->place[k] = filtration__incoming(l, p[0], p[1], p[2], opposite), b->free[k] = b->behind[k] = 0.0;
+    b->out[k] = filtration__get(l, filtration__outgoing(l, p[0], p[1], p[2], i));
+    b->other[k] = filtration__get(l, filtration__outgoing(l, p[0], p[1], p[2], opposite));
+    if (l->half_way || !filtration__inside(l, at, &mirrored) ||
+        l->owner[filtration__node(l, at[0], at[1], at[2])] != FILTRATION__FLUID)
+        return;
+    b->free[k] = 1.0;
+    b->behind[k] = filtration__get(
+        l, filtration__outgoing(l, at[0], at[1], at[2], mirrored ? filtration__turned(l, i, mirrored) : i));
+}
+
+/* Fills a batch to whole lanes with links that add nothing. */
+static inline int filtration__pad_batch(filtration__batch *b) {
+    int end = b->n;
+    for (; end % FILTRATION__LANES; end++) {
+        b->free[end] = b->w[end] = b->fraction[end] = b->push[end] = b->out[end] = b->behind[end] = b->other[end] = 0.0;
+        for (int a = 0; a < 3; a++) b->d[a][end] = 0.0;
+    }
+    return end;
+}
+
+/* Stores the populations that return where the next step reads them. */
+FILTRATION__INLINE void filtration__write_batch(filtration__lattice *l, const filtration__batch *b) {
+    if (l->single)
+        for (int k = 0; k < b->n; k++) ((float *)l->f)[b->place[k]] = (float)b->back[k];
+    else
+        for (int k = 0; k < b->n; k++) ((double *)l->f)[b->place[k]] = b->back[k];
+}
+
+/* Computes the populations that return: by central linear interpolation (Ginzburg et al. 2008), or half way where there is no second fluid
+   node. end: a multiple of FILTRATION__LANES. */
+FILTRATION__INLINE void filtration__bounce_lanes(filtration__batch *b, int end) {
+    for (int k = 0; k < end; k++) {
+        const double q = b->fraction[k], weight = 1.0 / (1.0 + 2.0 * q), push = b->push[k];
+        const double linear =
+            b->out[k] + (1.0 - 2.0 * q) * weight * (b->behind[k] - b->other[k]) - 12.0 * weight * push;
+        b->back[k] = b->free[k] > 0.0 ? linear : b->out[k] - 6.0 * push;
+    }
+}
+FILTRATION__CLONES(filtration__bounce_batch, (filtration__batch * b, int end), (b, end),
+                   filtration__bounce_lanes(b, end))
+
 /* ------------------------------------------------------------------------------------------------- >>fluid/links.h */
-/* Lattice links that a surface cuts: the boundary law, the links of the solid at rest. */
+/* Lattice links that the surface of the solid at rest cuts. */
 
 /* ==== >>links ==== */
 
@@ -3009,73 +3181,44 @@ typedef struct filtration__cut {
     double fraction; /* q [-] */
 } filtration__cut;
 
-/* Reads the outgoing population i of the node behind (against i). Returns 0 if that node is not fluid. */
-static inline int filtration__behind(const filtration__lattice *l, const filtration__cut *k, double *h) {
-    int p[3] = {k->x - l->c[k->i][0], k->y - l->c[k->i][1], k->z - l->c[k->i][2]}, mirrored;
-    if (!filtration__inside(l, p, &mirrored) || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID)
-        return 0;
-    int i = mirrored ? filtration__turned(l, k->i, mirrored) : k->i;
-    *h = filtration__get(l, filtration__outgoing(l, p[0], p[1], p[2], i));
-    return 1;
-}
-
-/* Computes the population that returns along a link, and stores it where the next step reads it: by central linear interpolation (Ginzburg
-   et al. 2008), or half way where there is no second fluid node. cu: c_i . velocity of the surface. Returns the outgoing population; *back:
-   the returning one. */
-static inline double filtration__bounce(filtration__lattice *l, const filtration__cut *k, double cu, double *back) {
-    int opposite = filtration__opposite(k->i);
-    double out = filtration__get(l, filtration__outgoing(l, k->x, k->y, k->z, k->i)), behind = 0.0;
-    if (l->half_way || !filtration__behind(l, k, &behind)) {
-        *back = out - 6.0 * l->w[k->i] * cu;
-    } else {
-        double other = filtration__get(l, filtration__outgoing(l, k->x, k->y, k->z, opposite));
-        double weight = 1.0 / (1.0 + 2.0 * k->fraction);
-        *back = out + (1.0 - 2.0 * k->fraction) * weight * (behind - other) - 12.0 * weight * l->w[k->i] * cu;
-    }
-    filtration__put(l, filtration__incoming(l, k->x, k->y, k->z, opposite), *back);
-    return out;
-}
-
-/* The same at a node whose neighbours all lie in the box; place: of the node, node: its number. */
-FILTRATION__INLINE double filtration__bounce_inner(filtration__lattice *l, ptrdiff_t place, ptrdiff_t node, int i,
-                                                   double fraction, double cu, double *back) {
-    const ptrdiff_t *at = l->out_at[l->odd];
-    const int opposite = filtration__opposite(i);
-    const double out = filtration__get(l, place + at[i]);
-    if (l->half_way || l->owner[node - l->next_node[i]] != FILTRATION__FLUID) {
-        *back = out - 6.0 * l->w[i] * cu;
-    } else {
-        const double behind = filtration__get(l, place - l->next_place[i] + at[i]),
-                     other = filtration__get(l, place + at[opposite]);
-        const double weight = 1.0 / (1.0 + 2.0 * fraction);
-        *back = out + (1.0 - 2.0 * fraction) * weight * (behind - other) - 12.0 * weight * l->w[i] * cu;
-    }
-    filtration__put(l, place + l->in_at[l->odd][opposite], *back);
-    return out;
-}
-
 static inline filtration__cut filtration__link_cut(const filtration__link *link) {
     filtration__cut k = {link->x, link->y, link->z, link->i, (double)link->fraction};
     return k;
 }
 
+static inline void filtration__bounce_links(filtration__lattice *l, filtration__batch *b) {
+    if (b->n == 0) return;
+    filtration__bounce_batch(b, filtration__pad_batch(b));
+    filtration__write_batch(l, b);
+    b->n = 0;
+}
+
 FILTRATION__STATIC void filtration__link_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
+    filtration__batch b;
+    filtration__paths path[FILTRATION__Q];
     ptrdiff_t first, end;
-    double back;
+    for (int i = 0; i < l->q; i++) path[i] = filtration__paths_of(l, i);
     filtration__task_range(l->link_count, task, &first, &end);
+    b.n = 0;
     for (ptrdiff_t n = first; n < end; n++) {
         const filtration__link *link = &l->links[n];
-        const ptrdiff_t node = filtration__node(l, link->x, link->y, link->z);
+        const int p[3] = {link->x, link->y, link->z}, i = link->i;
+        const ptrdiff_t node = filtration__node(l, p[0], p[1], p[2]);
         if (l->owner[node] != FILTRATION__FLUID) continue;
-        if (filtration__is_inner(l, link->x, link->y, link->z)) {
-            const ptrdiff_t place = filtration__inner_place(l, link->x, link->y, link->z);
-            filtration__bounce_inner(l, place, node, link->i, (double)link->fraction, 0.0, &back);
+        b.fraction[b.n] = (double)link->fraction, b.push[b.n] = 0.0;
+        if (filtration__is_inner(l, p[0], p[1], p[2])) {
+            const ptrdiff_t place = filtration__inner_place(l, p[0], p[1], p[2]);
+            const int k = b.n++, is_free = l->owner[node + path[i].node_behind] == FILTRATION__FLUID && !l->half_way;
+            b.free[k] = is_free ? 1.0 : 0.0, b.place[k] = place + path[i].in;
+            b.out[k] = filtration__get(l, place + path[i].out), b.other[k] = filtration__get(l, place + path[i].other);
+            b.behind[k] = is_free ? filtration__get(l, place + path[i].behind) : 0.0;
         } else {
-            const filtration__cut k = filtration__link_cut(link);
-            filtration__bounce(l, &k, 0.0, &back);
+            filtration__gather_link(l, &b, p, i);
         }
+        if (b.n == FILTRATION__BATCH) filtration__bounce_links(l, &b);
     }
+    filtration__bounce_links(l, &b);
 }
 
 static inline void filtration__point(const filtration_fluid_def *def, int x, int y, int z, double point[3]) {
@@ -3134,6 +3277,100 @@ static inline void filtration__mark_solid(const filtration_fluid_def *def, filtr
         }
 }
 
+/* -------------------------------------------------------------------------------------------------- >>fluid/near.h */
+/* Spheres so near to each other that the lattice does not resolve how the liquid leaves the gap. There the lattice's force along the line
+   of centres gives way to lubrication; the force of the liquid around the gap stays. */
+
+/* ==== >>near ==== */
+
+/* The gap between two spheres at some distance from their line is h + rho^2 / (2 r), r: reduced radius. Where it is below `cap`, the pressure
+   is that of lubrication: integrated, 6 pi mu r^2 v (1 / h - 1 / cap). 1.75 voxels: calibrated (docs/filtration.md, two spheres). */
+#define FILTRATION__CAP 1.75
+/* The same force at this gap [voxel] acts below it, because a larger one would need an implicit step: filtration_lubrication_force with this
+   cutoff adds what is missing. */
+#define FILTRATION__FILM (2.0 / 3.0)
+
+/* Lists the spheres near sphere n, in their order; at most FILTRATION__NEAR. */
+static inline void filtration__find_near(const filtration__lattice *l, ptrdiff_t n, filtration__gaps *gaps) {
+    const int nodes[3] = {l->nx, l->ny, l->nz};
+    const filtration__ball *b = &l->balls[n];
+    gaps->count = 0;
+    for (ptrdiff_t k = 0; k < l->ball_count && gaps->count < FILTRATION__NEAR; k++) {
+        const filtration__ball *other = &l->balls[k];
+        const double sum = b->radius + other->radius, reach = sum + FILTRATION__CAP;
+        double d[3] = {0, 0, 0}, dd = 0.0;
+        for (int a = 0; a < 3 && dd < reach * reach; a++) {
+            d[a] = other->centre[a] - b->centre[a];
+            if (l->repeats[a]) d[a] -= nodes[a] * floor(d[a] / nodes[a] + 0.5);
+            dd += d[a] * d[a];
+        }
+        if (!(dd < reach * reach) || !(dd > 0.0) || !(other->radius > 0.0) || k == n) continue;
+        const double distance = sqrt(dd), gap = distance - sum > 0.0 ? distance - sum : 0.0;
+        filtration__near *f = &gaps->near[gaps->count++];
+        f->other = (int32_t)k, f->gap = gap;
+        for (int a = 0; a < 3; a++) f->normal[a] = d[a] / distance;
+        f->cap = b->radius - (FILTRATION__CAP - gap) * other->radius / sum;
+        if (!(f->cap > 0.0)) f->cap = 0.0;
+    }
+}
+
+/* Adds for the links within the cap the force along the normal, and what a density of 1 and a slope of 1 along each axis would give.
+   along: of what a link brings, the part along the normal. */
+FILTRATION__INLINE void filtration__push_lanes(const filtration__batch *s, int end, const double normal[3], double cap,
+                                               double along, double part[FILTRATION__PUSHES][FILTRATION__LANES]) {
+    const double nx = normal[0], ny = normal[1], nz = normal[2];
+    int hit = 0;
+    for (int k = 0; k < end; k++) hit |= s->d[0][k] * nx + s->d[1][k] * ny + s->d[2][k] * nz > cap;
+    if (!hit) return;
+    for (int first = 0; first < end; first += FILTRATION__LANES) FILTRATION__INDEPENDENT
+    for (int lane = 0; lane < FILTRATION__LANES; lane++) {
+        const int k = first + lane;
+        const double x = s->d[0][k], y = s->d[1][k], z = s->d[2][k],
+                     share = x * nx + y * ny + z * nz > cap ? along : 0.0, of_one = 2.0 * s->w[k] * share;
+        part[0][lane] += share * (s->out[k] + s->back[k]), part[1][lane] += of_one;
+        part[2][lane] += of_one * x, part[3][lane] += of_one * y, part[4][lane] += of_one * z;
+    }
+}
+FILTRATION__CLONES(filtration__push_batch,
+                   (const filtration__batch *s, int end, const double normal[3], double cap, double along,
+                    double part[FILTRATION__PUSHES][FILTRATION__LANES]),
+                   (s, end, normal, cap, along, part), filtration__push_lanes(s, end, normal, cap, along, part))
+
+/* Returns whether the surface of a sphere between two heights [nodes] may lie within the cap. */
+static inline int filtration__may_reach(const filtration__ball *b, const filtration__near *f, double low, double high) {
+    const double top = f->normal[2] * b->radius, z = top < low ? low : top > high ? high : top;
+    const double rest = b->radius * b->radius - z * z, flat = 1.0 - f->normal[2] * f->normal[2];
+    return !(z * f->normal[2] + sqrt((rest > 0.0 ? rest : 0.0) * (flat > 0.0 ? flat : 0.0)) <
+             f->cap - 1e-6 * b->radius);
+}
+
+/* Returns the force along the normal that the lattice's links within the cap exert on the sphere, over that of the line fitted to its
+   density: a constant pressure has none. */
+static inline double filtration__cap_force(const filtration__ball *b, const filtration__near *f) {
+    return f->push[0] - f->push[1] * b->density - f->push[2] * b->slope[0] - f->push[3] * b->slope[1] -
+           f->push[4] * b->slope[2];
+}
+
+/* Exchanges the lattice's force in the gaps beside sphere n, the mean of both spheres', for lubrication: equal and opposite forces. */
+static inline void filtration__lubricate(filtration__lattice *l, ptrdiff_t n, double viscosity) {
+    filtration__ball *b = &l->balls[n];
+    for (int m = 0; m < l->gaps[n].count; m++) {
+        const filtration__near *f = &l->gaps[n].near[m];
+        const filtration__gaps *back = &l->gaps[f->other];
+        const filtration__ball *other = &l->balls[f->other];
+        int at = 0;
+        while (at < back->count && back->near[at].other != (int32_t)n) at++;
+        if (at == back->count) continue; /* its list is full */
+        const double r = b->radius * other->radius / (b->radius + other->radius),
+                     h = f->gap > FILTRATION__FILM ? f->gap : FILTRATION__FILM;
+        double closing = 0.0;
+        for (int a = 0; a < 3; a++) closing += (b->velocity[a] - other->velocity[a]) * f->normal[a];
+        const double push = 0.5 * (filtration__cap_force(b, f) + filtration__cap_force(other, &back->near[at])) +
+                            6.0 * RIDDLE_PI * viscosity * r * r * (1.0 / h - 1.0 / FILTRATION__CAP) * closing;
+        for (int a = 0; a < 3; a++) b->force[0][a] -= push * f->normal[a];
+    }
+}
+
 /* ----------------------------------------------------------------------------------------------- >>fluid/spheres.h */
 /* Moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. */
 
@@ -3144,8 +3381,9 @@ static inline void filtration__chord(const filtration__ball *b, int y, int z, in
     double dy = y - b->centre[1], dz = z - b->centre[2], rest = b->radius * b->radius - (dy * dy + dz * dz);
     *first = 1, *end = 0;
     if (!(rest > 0.0)) return;
-    double half = sqrt(rest);
-    *first = (int)floor(b->centre[0] - half) + 1, *end = (int)ceil(b->centre[0] + half) - 1;
+    const double half = sqrt(rest), low = b->centre[0] - half, high = b->centre[0] + half;
+    const int a = (int)low, e = (int)high; /* floor and ceil are calls on some machines */
+    *first = a - (a > low) + 1, *end = e + (e < high) - 1;
 }
 
 /* Finds the rows that a sphere may cover along an axis. */
@@ -3206,28 +3444,84 @@ static inline void filtration__surface_velocity(const filtration__ball *b, const
 typedef struct filtration__surface {
     double weight, density, place[3], rise[3]; /* sums of w, w r, w d, w r d */
     double spread[6];                          /* of w d d: xx, yy, zz, yz, zx, xy */
-    double arm[3];                             /* of w (d x c) */
+    double arm[3];                             /* of w (d x c), c into the fluid */
     double force[3], torque[3];
-    int64_t links[FILTRATION__Q]; /* number along each direction */
 } filtration__surface;
+enum { FILTRATION__SUMS = sizeof(filtration__surface) / sizeof(double) };
 
-/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the
-   density there. d: from the centre, u: velocity of the surface. Written out, because there is a link for every few nodes
-   of a cake. */
-FILTRATION__INLINE void filtration__exchange(const filtration__lattice *l, filtration__surface *s, int i,
-                                             const double d[3], const double u[3], double out, double back) {
-    const double *c = l->real_c[i], w = l->w[i], both = out + back, less = out - back, wr = 0.5 * both;
-    const double fx = c[0] * both - u[0] * less, fy = c[1] * both - u[1] * less, fz = c[2] * both - u[2] * less;
-    const double wx = w * d[0], wy = w * d[1], wz = w * d[2];
-    s->force[0] += fx, s->force[1] += fy, s->force[2] += fz;
-    s->torque[0] += d[1] * fz - d[2] * fy, s->torque[1] += d[2] * fx - d[0] * fz, s->torque[2] += d[0] * fy - d[1] * fx;
-    s->links[i]++;
-    s->weight += w, s->density += wr;
-    s->place[0] += wx, s->place[1] += wy, s->place[2] += wz;
-    s->rise[0] += wr * d[0], s->rise[1] += wr * d[1], s->rise[2] += wr * d[2];
-    s->spread[0] += wx * d[0], s->spread[1] += wy * d[1], s->spread[2] += wz * d[2];
-    s->spread[3] += wy * d[2], s->spread[4] += wz * d[0], s->spread[5] += wx * d[1];
-    s->arm[0] += wy * c[2] - wz * c[1], s->arm[1] += wz * c[0] - wx * c[2], s->arm[2] += wx * c[1] - wy * c[0];
+/* A sphere while its links are visited. */
+typedef struct filtration__visit {
+    double part[FILTRATION__SUMS][FILTRATION__LANES]; /* of filtration__surface, in its order */
+    double push[FILTRATION__NEAR][FILTRATION__PUSHES][FILTRATION__LANES];
+    int64_t links[FILTRATION__Q];  /* number along each direction, from the sphere */
+    filtration__paths path;        /* along the present direction */
+    double whole;                  /* 0: half-way, otherwise 1 */
+    filtration__batch inner, edge; /* links of nodes whose neighbours all lie in the box, and of others */
+} filtration__visit;
+
+/* Finds for the links of a batch, along c from the sphere, where the surface is and how it moves. */
+FILTRATION__INLINE void filtration__cut_lanes(const filtration__ball *b, const double *c, filtration__batch *s, int end,
+                                              int half_way) {
+    const double v[3] = {b->velocity[0], b->velocity[1], b->velocity[2]},
+                 spin[3] = {b->spin[0], b->spin[1], b->spin[2]};
+    const double cx = c[0], cy = c[1], cz = c[2], cc = cx * cx + cy * cy + cz * cz;
+    const double rr = b->radius * b->radius, share = half_way ? 0.0 : 1.0 / cc, half = half_way ? 0.5 : 0.0;
+    double along[FILTRATION__ROOM], root[FILTRATION__ROOM];
+    for (int k = 0; k < end; k++) {
+        const double dx = s->d[0][k], dy = s->d[1][k], dz = s->d[2][k], cd = -(dx * cx) - dy * cy - dz * cz,
+                     rest = cd * cd - cc * (dx * dx + dy * dy + dz * dz - rr);
+        along[k] = cd, root[k] = 0.5 * (rest + fabs(rest)); /* 0 where it would be below: a link that grazes */
+    }
+    for (int k = 0; k < end; k++) root[k] = sqrt(root[k]); /* alone: gcc takes errno for control flow */
+    FILTRATION__INDEPENDENT
+    for (int k = 0; k < end; k++) {
+        const double q = half + share * (-along[k] - root[k]);
+        const double ex = s->d[0][k] - q * cx, ey = s->d[1][k] - q * cy, ez = s->d[2][k] - q * cz;
+        const double ux = v[0] + spin[1] * ez - spin[2] * ey, uy = v[1] + spin[2] * ex - spin[0] * ez,
+                     uz = v[2] + spin[0] * ey - spin[1] * ex;
+        s->fraction[k] = q, s->d[0][k] = ex, s->d[1][k] = ey, s->d[2][k] = ez;
+        s->push[k] = -s->w[k] * (cx * ux + cy * uy + cz * uz);
+    }
+}
+FILTRATION__CLONES(filtration__cut_batch,
+                   (const filtration__ball *b, const double *c, filtration__batch *s, int end, int half_way),
+                   (b, c, s, end, half_way), filtration__cut_lanes(b, c, s, end, half_way))
+
+/* Adds the momentum exchange of links, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the density there. */
+FILTRATION__INLINE void filtration__exchange_lanes(const filtration__ball *b, const double *c,
+                                                   const filtration__batch *s, int end,
+                                                   double part[FILTRATION__SUMS][FILTRATION__LANES]) {
+    const double v[3] = {b->velocity[0], b->velocity[1], b->velocity[2]},
+                 spin[3] = {b->spin[0], b->spin[1], b->spin[2]};
+    const double cx = c[0], cy = c[1], cz = c[2];
+    for (int first = 0; first < end; first += FILTRATION__LANES) FILTRATION__INDEPENDENT
+    for (int lane = 0; lane < FILTRATION__LANES; lane++) {
+        const int k = first + lane;
+        const double x = s->d[0][k], y = s->d[1][k], z = s->d[2][k];
+        const double both = s->out[k] + s->back[k], less = s->out[k] - s->back[k], w = s->w[k], wr = 0.5 * both;
+        const double fx = -cx * both - (v[0] + spin[1] * z - spin[2] * y) * less,
+                     fy = -cy * both - (v[1] + spin[2] * x - spin[0] * z) * less,
+                     fz = -cz * both - (v[2] + spin[0] * y - spin[1] * x) * less;
+        const double wx = w * x, wy = w * y, wz = w * z;
+        part[0][lane] += w, part[1][lane] += wr;
+        part[2][lane] += wx, part[3][lane] += wy, part[4][lane] += wz;
+        part[5][lane] += wr * x, part[6][lane] += wr * y, part[7][lane] += wr * z;
+        part[8][lane] += wx * x, part[9][lane] += wy * y, part[10][lane] += wz * z;
+        part[11][lane] += wy * z, part[12][lane] += wz * x, part[13][lane] += wx * y;
+        part[14][lane] += wy * cz - wz * cy, part[15][lane] += wz * cx - wx * cz, part[16][lane] += wx * cy - wy * cx;
+        part[17][lane] += fx, part[18][lane] += fy, part[19][lane] += fz;
+        part[20][lane] += y * fz - z * fy, part[21][lane] += z * fx - x * fz, part[22][lane] += x * fy - y * fx;
+    }
+}
+FILTRATION__CLONES(filtration__exchange_batch,
+                   (const filtration__ball *b, const double *c, const filtration__batch *s, int end,
+                    double part[FILTRATION__SUMS][FILTRATION__LANES]),
+                   (b, c, s, end, part), filtration__exchange_lanes(b, c, s, end, part))
+
+static inline double filtration__add_lanes(const double part[FILTRATION__LANES]) {
+    double sum = part[0];
+    for (int lane = 1; lane < FILTRATION__LANES; lane++) sum += part[lane];
+    return sum;
 }
 
 /* Fits density + slope . d to the density at a sphere's links, by least squares; the more of the surface is hidden, the more the slope is
@@ -3256,98 +3550,206 @@ static inline void filtration__fit_density(filtration__ball *b, const filtration
     b->density = s->density / s->weight - filtration__dot(b->slope, mean);
 }
 
-/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one; otherwise counts a film. */
-static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b,
-                                         filtration__surface *sum, int x, int y, int z, int j) {
-    const signed char *c = l->c[j];
-    int s[3] = {x, y, z}, p[3] = {x + c[0], y + c[1], z + c[2]}, mirrored;
-    double d[3], e[3], u[3], back;
-    const int inner = filtration__is_inner(l, p[0], p[1], p[2]);
-    for (int a = 0; a < 3; a++) d[a] = p[a] - b->centre[a];
-    if (!inner) {
-        if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
-        const int from_image = mirrored, there = filtration__inside(l, p, &mirrored);
-        if (there && mirrored) return;
-        if (!there || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
-            b->films += !from_image;
-            return;
-        }
-    }
-    const ptrdiff_t node = filtration__node(l, p[0], p[1], p[2]);
-    if (inner) {
-        if (l->owner[node - l->next_node[j]] != index) return;
-        if (l->owner[node] != FILTRATION__FLUID) {
-            b->films++;
-            return;
-        }
-    }
-    const double *r = l->real_c[j], cc = l->squared_c[j];
-    const double cd = -(d[0] * r[0]) - d[1] * r[1] - d[2] * r[2], dd = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    const double root = cd * cd - cc * (dd - b->radius * b->radius);
-    const double fraction = l->half_way ? 0.5 : (-cd - sqrt(root > 0.0 ? root : 0.0)) / cc;
-    const int i = filtration__opposite(j);
-    for (int a = 0; a < 3; a++) e[a] = d[a] - fraction * r[a];
-    filtration__surface_velocity(b, e, u);
-    const double cu = -(r[0] * u[0] + r[1] * u[1] + r[2] * u[2]);
-    double out;
-    if (inner) {
-        out = filtration__bounce_inner(l, filtration__inner_place(l, p[0], p[1], p[2]), node, i, fraction, cu, &back);
-    } else {
-        const filtration__cut k = {p[0], p[1], p[2], i, fraction};
-        out = filtration__bounce(l, &k, cu, &back);
-    }
-    filtration__exchange(l, sum, i, e, u, out, back);
+/* Applies the links of a batch, along j from sphere n. */
+static inline void filtration__bounce_ball(filtration__lattice *l, ptrdiff_t n, filtration__visit *v,
+                                           filtration__batch *s, int j) {
+    const filtration__ball *b = &l->balls[n];
+    const filtration__gaps *gaps = &l->gaps[n];
+    const double *c = l->real_c[j];
+    if (s->n == 0) return;
+    if (s == &v->inner) filtration__read_batch(l, s, &v->path);
+    const int end = filtration__pad_batch(s);
+    filtration__cut_batch(b, c, s, end, l->half_way);
+    filtration__bounce_batch(s, end);
+    filtration__write_batch(l, s);
+    filtration__exchange_batch(b, c, s, end, v->part);
+    const double low = s->d[2][0] - 1.0,
+                 high = s->d[2][s->n - 1] + 1.0; /* links come in the order of z, and are shorter than that */
+    for (int m = 0; m < gaps->count; m++)
+        if (filtration__may_reach(b, &gaps->near[m], low, high))
+            filtration__push_batch(s, end, gaps->near[m].normal, gaps->near[m].cap,
+                                   -filtration__dot(c, gaps->near[m].normal), v->push[m]);
+    v->links[j] += s->n;
+    s->n = 0;
 }
 
-/* What is done with a link of a sphere, from its node (x, y, z) along j. */
-typedef void (*filtration__link_fn)(filtration__lattice *l, int32_t index, filtration__ball *b,
-                                    filtration__surface *sum, int x, int y, int z, int j);
+/* Returns whether node s of the sphere has along j a fluid node p, which then lies in the box; otherwise counts a film. */
+static inline int filtration__meets_fluid(const filtration__lattice *l, int32_t index, filtration__ball *b, int s[3],
+                                          int p[3]) {
+    int mirrored;
+    if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return 0;
+    const int from_image = mirrored, there = filtration__inside(l, p, &mirrored);
+    if (there && mirrored) return 0;
+    if (there && l->owner[filtration__node(l, p[0], p[1], p[2])] == FILTRATION__FLUID) return 1;
+    b->films += !from_image;
+    return 0;
+}
 
-/* Visits all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
+/* A row of a sphere's nodes. */
+typedef struct filtration__run {
+    int first, end, y, z, at; /* at: place in the block */
+    double dy, dz;            /* from the centre */
+    ptrdiff_t place, node;    /* of x = 0 */
+} filtration__run;
+
+/* Gathers links from nodes first .. end of a row, fewer than FILTRATION__BATCH, whose neighbours have all neighbours in the box. Without
+   branches, because where links are follows no pattern. */
+FILTRATION__INLINE void filtration__gather_row(const filtration__lattice *l, int32_t index, filtration__ball *b,
+                                               filtration__visit *v, const filtration__run *r, int j, int first,
+                                               int end) {
+    filtration__batch *s = &v->inner;
+    const double *c = l->real_c[j], dx = c[0] - b->centre[0], dy = r->dy + c[1], dz = r->dz + c[2], w = l->w[j],
+                 whole = v->whole;
+    const ptrdiff_t next = v->path.node_behind, place = r->place + l->next_place[j];
+    const int32_t *owner = l->owner + r->node;
+    int k = s->n, films = 0;
+    const char *f = (const char *)l->f;
+    const ptrdiff_t size = l->single ? 4 : 8;
+    for (int x = first; x <= end; x++) {
+        const int own = owner[x] == index, fluid = owner[x + next] == FILTRATION__FLUID;
+        s->d[0][k] = x + dx, s->d[1][k] = dy, s->d[2][k] = dz, s->w[k] = w;
+        s->place[k] = place + x, s->free[k] = owner[x + 2 * next] == FILTRATION__FLUID ? whole : 0.0;
+        FILTRATION__PREFETCH(f + size * (place + x + v->path.out)),
+            FILTRATION__PREFETCH(f + size * (place + x + v->path.in));
+        FILTRATION__PREFETCH(f + size * (place + x + v->path.other)),
+            FILTRATION__PREFETCH(f + size * (place + x + v->path.behind));
+        k += own & fluid, films += own & !fluid;
+    }
+    s->n = k, b->films += films;
+}
+
+/* Gathers the links of nodes first .. end of a row along j; applies them where there is no more room. inner: the row of their neighbours
+   has all neighbours in the box, but for its ends. */
+FILTRATION__INLINE void filtration__gather_part(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                                filtration__visit *v, const filtration__run *r, int j, int inner,
+                                                int first, int end) {
+    const signed char *c = l->c[j];
+    if (inner && first + c[0] > 0 && end + c[0] < l->nx - 1) {
+        for (int x = first; x <= end; x += FILTRATION__BATCH) {
+            filtration__gather_row(l, index, b, v, r, j, x,
+                                   end - x < FILTRATION__BATCH ? end : x + FILTRATION__BATCH - 1);
+            if (v->inner.n >= FILTRATION__BATCH) filtration__bounce_ball(l, index, v, &v->inner, j);
+        }
+        return;
+    }
+    filtration__batch *s = &v->edge;
+    for (int x = first; x <= end; x++) {
+        int p[3] = {x + c[0], r->y + c[1], r->z + c[2]}, at[3] = {x, r->y, r->z};
+        const int k = s->n;
+        s->d[0][k] = p[0] - b->centre[0], s->d[1][k] = p[1] - b->centre[1], s->d[2][k] = p[2] - b->centre[2],
+        s->w[k] = l->w[j];
+        if (!filtration__meets_fluid(l, index, b, at, p)) continue;
+        filtration__gather_link(l, s, p, filtration__opposite(j));
+        if (s->n == FILTRATION__BATCH) filtration__bounce_ball(l, index, v, s, j);
+    }
+}
+
+/* What is done with the links of nodes first .. end of a row along j. */
+typedef void (*filtration__part_fn)(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__visit *v,
+                                    const filtration__run *r, int j, int inner, int first, int end);
+
+/* A block of rows of a sphere, along y and z, that are visited together; with the rows beside it. */
+enum { FILTRATION__ROWS = 32, FILTRATION__SIZE = FILTRATION__ROWS + 2 };
+typedef struct filtration__block {
+    int count, from[FILTRATION__SIZE * FILTRATION__SIZE],
+        to[FILTRATION__SIZE * FILTRATION__SIZE];     /* nodes inside the sphere */
+    char inner[FILTRATION__SIZE * FILTRATION__SIZE]; /* 1: all neighbours of the row lie in the box, but for its ends */
+    filtration__run run[FILTRATION__ROWS * FILTRATION__ROWS];
+} filtration__block;
+
+static inline void filtration__list_rows(const filtration__lattice *l, const filtration__ball *b, const int y[2],
+                                         const int z[2], filtration__block *rows) {
+    rows->count = 0;
+    for (int k = z[0] - 1; k <= z[1] + 1; k++)
+        for (int m = y[0] - 1; m <= y[1] + 1; m++) {
+            const int at = (k - z[0] + 1) * FILTRATION__SIZE + m - y[0] + 1;
+            filtration__chord(b, m, k, &rows->from[at], &rows->to[at]);
+            rows->inner[at] = m > 0 && k > 0 && m < l->ny - 1 && k < l->nz - 1;
+            if (m < y[0] || m > y[1] || k < z[0] || k > z[1] || rows->from[at] > rows->to[at]) continue;
+            const filtration__run r = {rows->from[at],
+                                       rows->to[at],
+                                       m,
+                                       k,
+                                       at,
+                                       m - b->centre[1],
+                                       k - b->centre[2],
+                                       filtration__inner_place(l, 0, m, k),
+                                       filtration__node(l, 0, m, k)};
+            rows->run[rows->count++] = r;
+        }
+}
+
+/* Visits the links of a block of rows, direction by direction: in every row those of nodes whose neighbour along j is outside. */
+FILTRATION__INLINE void filtration__block_links(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                                filtration__visit *v, const filtration__block *rows,
+                                                const filtration__part_fn part) {
+    for (int j = 1; j < l->q; j++) {
+        const int cx = l->c[j][0], next = l->c[j][2] * FILTRATION__SIZE + l->c[j][1];
+        if (v) v->path = filtration__paths_of(l, filtration__opposite(j));
+        for (int k = 0; k < rows->count; k++) {
+            const filtration__run *r = &rows->run[k];
+            const int at = r->at + next, inner = rows->inner[at], in = rows->from[at] - cx, out = rows->to[at] - cx;
+            if (in > out) {
+                part(l, index, b, v, r, j, inner, r->first, r->end);
+                continue;
+            }
+            if (r->first < in) part(l, index, b, v, r, j, inner, r->first, r->end < in ? r->end : in - 1);
+            if (r->end > out) part(l, index, b, v, r, j, inner, out + 1 > r->first ? out + 1 : r->first, r->end);
+        }
+        if (v) filtration__bounce_ball(l, index, v, &v->inner, j), filtration__bounce_ball(l, index, v, &v->edge, j);
+    }
+}
+
+/* Visits all links of a sphere. */
 FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b,
-                                               filtration__surface *sum, const filtration__link_fn link) {
+                                               filtration__visit *v, const filtration__part_fn part) {
+    filtration__block rows;
     int y0, y1, z0, z1;
     filtration__extent(b, 1, &y0, &y1);
     filtration__extent(b, 2, &z0, &z1);
-    for (int z = z0; z <= z1; z++)
-        for (int y = y0; y <= y1; y++) {
-            int first, end, from[3][3], to[3][3];
-            filtration__chord(b, y, z, &first, &end);
-            if (first > end) continue;
-            for (int dz = 0; dz < 3; dz++)
-                for (int dy = 0; dy < 3; dy++) {
-                    filtration__chord(b, y + dy - 1, z + dz - 1, &from[dz][dy], &to[dz][dy]);
-                    if (from[dz][dy] > to[dz][dy]) from[dz][dy] = to[dz][dy] = end + 4;
-                }
-            for (int j = 1; j < l->q; j++) {
-                const signed char *c = l->c[j];
-                int in = from[c[2] + 1][c[1] + 1] - c[0], out = to[c[2] + 1][c[1] + 1] - c[0];
-                for (int x = first; x <= end && x < in; x++) link(l, index, b, sum, x, y, z, j);
-                for (int x = out + 1 > first ? out + 1 : first; x <= end; x++) link(l, index, b, sum, x, y, z, j);
-            }
+    for (int z = z0; z <= z1; z += FILTRATION__ROWS)
+        for (int y = y0; y <= y1; y += FILTRATION__ROWS) {
+            const int ys[2] = {y, y1 < y + FILTRATION__ROWS ? y1 : y + FILTRATION__ROWS - 1},
+                      zs[2] = {z, z1 < z + FILTRATION__ROWS ? z1 : z + FILTRATION__ROWS - 1};
+            filtration__list_rows(l, b, ys, zs, &rows);
+            filtration__block_links(l, index, b, v, &rows, part);
         }
+}
+
+/* Applies all links of sphere n. */
+static inline void filtration__apply_ball(filtration__lattice *l, ptrdiff_t n) {
+    filtration__ball *b = &l->balls[n];
+    filtration__gaps *gaps = &l->gaps[n];
+    filtration__visit v;
+    filtration__surface sum;
+    double *sums = (double *)&sum;
+    memset(v.part, 0, sizeof v.part), memset(v.links, 0, sizeof v.links);
+    v.inner.n = v.edge.n = 0, v.whole = l->half_way ? 0.0 : 1.0;
+    filtration__find_near(l, n, gaps);
+    memset(v.push, 0, (size_t)gaps->count * sizeof v.push[0]);
+    b->films = b->hull[0] = b->hull[1] = b->hull[2] = 0;
+    filtration__ball_links(l, (int32_t)n, b, &v, filtration__gather_part);
+    for (int k = 0; k < FILTRATION__SUMS; k++) sums[k] = filtration__add_lanes(v.part[k]);
+    for (int m = 0; m < gaps->count; m++)
+        for (int k = 0; k < FILTRATION__PUSHES; k++) gaps->near[m].push[k] = filtration__add_lanes(v.push[m][k]);
+    filtration__fit_density(b, &sum);
+    for (int a = 0; a < 3; a++) {
+        b->force[0][a] = sum.force[a];
+        b->torque[0][a] = sum.torque[a] + 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
+        for (int j = 1; j < l->q; j++) b->hull[a] -= v.links[j] * l->c[j][a] * l->whole_weight[j];
+    }
+    b->steps++;
 }
 
 FILTRATION__STATIC void filtration__ball_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
-    filtration__surface sum;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
         filtration__ball *b = &l->balls[n];
+        l->gaps[n].count = 0;
         if (!(b->radius > 0.0)) continue;
         memcpy(b->force[1], b->force[0], sizeof b->force[0]);
         memcpy(b->torque[1], b->torque[0], sizeof b->torque[0]);
-        memset(b->force[0], 0, sizeof b->force[0]);
-        memset(b->torque[0], 0, sizeof b->torque[0]);
-        memset(&sum, 0, sizeof sum);
-        b->films = b->hull[0] = b->hull[1] = b->hull[2] = 0;
-        filtration__ball_links(l, (int32_t)n, b, &sum, filtration__ball_link);
-        filtration__fit_density(b, &sum);
-        for (int a = 0; a < 3; a++) {
-            b->force[0][a] = sum.force[a];
-            b->torque[0][a] = sum.torque[a] - 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
-            for (int i = 1; i < l->q; i++) b->hull[a] += sum.links[i] * l->c[i][a] * l->whole_weight[i];
-        }
-        b->steps++;
+        filtration__apply_ball(l, n);
     }
 }
 
@@ -3429,8 +3831,8 @@ static inline void filtration__fill_left(filtration__lattice *l, const filtratio
 
 /* Adds the pressure on a link between two solids, or through a face, from node (x, y, z) of the sphere along j. There the mean of the
    densities that the two spheres would have counts for both, so that the film pushes them apart with equal forces. */
-static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b,
-                                         filtration__surface *sum, int x, int y, int z, int j) {
+static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b, int x, int y,
+                                         int z, int j) {
     const int n[3] = {l->nx, l->ny, l->nz};
     int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
     double d[3];
@@ -3452,11 +3854,17 @@ static inline void filtration__film_link(filtration__lattice *l, int32_t index, 
             density = 0.5 * (density + filtration__density_at(other, away));
         }
     }
-    (void)sum;
     for (int a = 0; a < 3; a++) {
         b->force[0][a] -= 2.0 * l->w[j] * l->c[j][a] * density;
         b->hull[a] -= l->c[j][a] * l->whole_weight[j];
     }
+}
+
+FILTRATION__INLINE void filtration__film_part(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                              filtration__visit *none, const filtration__run *r, int j, int inner,
+                                              int first, int end) {
+    (void)none, (void)inner;
+    for (int x = first; x <= end; x++) filtration__film_link(l, index, b, x, r->y, r->z, j);
 }
 
 /* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a
@@ -3466,8 +3874,9 @@ FILTRATION__STATIC void filtration__film_task(void *context, int task) {
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
         filtration__ball *b = &l->balls[n];
         if (!(b->radius > 0.0)) continue;
-        if (b->films) filtration__ball_links(l, (int32_t)n, b, NULL, filtration__film_link);
+        if (b->films) filtration__ball_links(l, (int32_t)n, b, NULL, filtration__film_part);
         for (int a = 0; a < 3; a++) b->force[0][a] -= 2.0 / 72.0 * (double)b->hull[a] * b->density;
+        filtration__lubricate(l, n, (1.0 / l->rates.plus - 0.5) / 3.0);
     }
 }
 
@@ -3724,7 +4133,8 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
     l->refill = (int)d->refill;
     l->nx = d->nodes[0], l->ny = d->nodes[1], l->nz = d->nodes[2];
     for (int f = 0; f < 6; f++) l->face[f] = filtration__kind_of(d->face[f]);
-    l->periodic_x = filtration__repeats(l, 0);
+    for (int a = 0; a < 3; a++) l->repeats[a] = filtration__repeats(l, a);
+    l->periodic_x = l->repeats[0];
     l->ghost_y = !filtration__repeats(l, 1);
     l->ghost_z = !filtration__repeats(l, 2);
     filtration__list_entries(l);
@@ -3758,6 +4168,7 @@ FILTRATION_API void filtration_fluid_free(filtration_fluid *fluid) {
     if (l->slab_active) filtration__resize(m, l->slab_active, (size_t)l->nz, 0);
     if (l->links) filtration__resize(m, l->links, (size_t)l->link_count * sizeof *l->links, 0);
     if (l->balls) filtration__resize(m, l->balls, (size_t)l->ball_room * sizeof *l->balls, 0);
+    if (l->gaps) filtration__resize(m, l->gaps, (size_t)l->gap_room * sizeof *l->gaps, 0);
     filtration__resize(m, l, sizeof *l, 0);
     fluid->lattice = NULL;
 }
@@ -3834,6 +4245,13 @@ static inline filtration_status filtration__room_for_balls(filtration_fluid *flu
         if (!balls) return FILTRATION_NO_MEMORY;
         l->balls = balls;
         l->ball_room = room;
+    }
+    if (n > l->gap_room) {
+        filtration__gaps *gaps = (filtration__gaps *)filtration__resize(&fluid->def.memory, l->gaps, (size_t)l->gap_room * sizeof *gaps,
+                                                                        (size_t)l->ball_room * sizeof *gaps);
+        if (!gaps) return FILTRATION_NO_MEMORY;
+        l->gaps = gaps;
+        l->gap_room = l->ball_room;
     }
     for (; l->ball_count < n; l->ball_count++) memset(&l->balls[l->ball_count], 0, sizeof *l->balls);
     return FILTRATION_OK;
@@ -4931,7 +5349,7 @@ static inline double filtration__touch_normal(const filtration_motion_def *def, 
             -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
     }
     if (def->lubrication) {
-        const double least = def->least_gap * 2.0 * t->r1, cutoff = fluid->def.voxel * (2.0 / 3.0);
+        const double least = def->least_gap * 2.0 * t->r1, cutoff = fluid->def.voxel * FILTRATION__FILM;
         const double rate =
             filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, cutoff, least);
         film = rate * closing / (1.0 + rate * h / t->mass);
@@ -5095,7 +5513,7 @@ static inline int filtration__can_move(const filtration_motion_def *def, const f
                                        const filtration_spheres *s, ptrdiff_t n, double share) {
     const double r = s->radius[n], m = filtration__sphere_mass(def, r), light = 1.0 - fluid->def.density / def->density;
     const double film = filtration_lubrication_force(r, HUGE_VAL, 0.0, 1.0, fluid->def.viscosity,
-                                                     fluid->def.voxel * (2.0 / 3.0), def->least_gap * 2.0 * r);
+                                                     fluid->def.voxel * FILTRATION__FILM, def->least_gap * 2.0 * r);
     if (r == 0.0) return 1;
     if (!(r > 0.0 && m > 1e-100 && m < 1e100) || (def->lubrication && !filtration__is_finite(film * fluid->dt / m)))
         return 0;
@@ -5129,7 +5547,7 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
     for (ptrdiff_t n = 0; n < spheres->n; n++)
         if (!filtration__can_move(def, fluid, spheres, n, share)) return FILTRATION_BAD_ARGUMENT;
     double h = fluid->dt / def->sub_steps, damping = filtration__damping(def->restitution);
-    double reach = def->lubrication ? fluid->def.voxel * (2.0 / 3.0) : 0.0;
+    double reach = def->lubrication ? fluid->def.voxel * FILTRATION__FILM : 0.0;
     for (ptrdiff_t k = 0; contact && k < 3 * spheres->n; k++) contact[k] = 0.0;
     for (int sub = 0; sub < def->sub_steps; sub++) {
         for (ptrdiff_t n = 0; n < spheres->n; n++) {

@@ -540,8 +540,19 @@ static inline double granulation_saturation_kernel(const granulation_granule *i,
 static inline double granulation_class_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
 
 typedef enum granulation_scheme { GRANULATION_CELL_AVERAGE, GRANULATION_FIXED_PIVOT } granulation_scheme;
-/* Daughters: two halves (36), or two with the volume of one uniform on 0 .. u (b(v|u) = 2/u; one-component grids only). */
-typedef enum granulation_daughters { GRANULATION_HALVES, GRANULATION_UNIFORM } granulation_daughters;
+/* Daughters: two halves (36); two with the volume of one uniform on 0 .. u (b(v|u) = 2/u); those of a function of your own. The last two:
+   one-component grids only. */
+typedef enum granulation_daughters { GRANULATION_HALVES, GRANULATION_UNIFORM, GRANULATION_OWN } granulation_daughters;
+/* Returns the share of a mother's volume in daughters with less than z of hers, 0 <= z <= 1: it does not fall, and is 1 at z = 1.
+   mother: volume without air [m3]. A function that breaks this makes a run return KERNEL. */
+typedef double (*granulation_breakage)(double z, double mother, const void *user);
+/* Austin and Luckie (1972): phi r^gamma + (1 - phi) r^beta, r = z^(1/3) the ratio of the diameters. data: granulation_austin. Its moments
+   of order p exist for gamma, beta > 3 (1 - p): with less than 3 the number of fines has no bound but the first pivot. */
+typedef struct granulation_austin {
+    double phi;         /* share of the fines, 0 .. 1 */
+    double gamma, beta; /* exponents of fines and of large fragments, > 0 */
+} granulation_austin;
+static inline double granulation_austin_breakage(double z, double mother, const void *data);
 
 typedef struct granulation_balance_def {
     granulation_scheme scheme; /* default CELL_AVERAGE; breakage is fixed pivot in both */
@@ -551,6 +562,8 @@ typedef struct granulation_balance_def {
     double (*selection)(const granulation_granule *g, const void *user); /* rate of breakage [1/s]; NULL: none; default NULL */
     const void *selection_user;
     granulation_daughters daughters; /* default HALVES */
+    granulation_breakage breakage;   /* OWN: needed; default NULL. Evaluated with the kernel, 32 times between two pivots */
+    const void *breakage_user;       /* its data; not owned */
     double consolidation;            /* k_c [1/s], >= 0; 0 */
     double tolerance;                /* of a step, of the moments 0, 1, 2 of its error [-], > 0; 1e-6 */
     double longest_step;             /* [s], > 0; infinite */
@@ -581,8 +594,8 @@ typedef struct granulation_balance {
     /* below: private */
     int64_t pairs;
     int *target;
-    double *share, *kernel, *state, *work;
-    size_t bytes[8];
+    double *share, *kernel, *state, *work, *births;
+    size_t bytes[9];
 } granulation_balance;
 
 GRANULATION_API granulation_balance_def granulation_balance_default_def(void);
@@ -605,6 +618,8 @@ GRANULATION_API granulation_status granulation_balance_set(granulation_balance *
                                                            const granulation_balance_def *def); /* a change in mid-run; not the memory */
 /* Returns the mean granule of a cell; of an empty one its keys (and no liquid with one component). */
 static inline granulation_granule granulation_balance_cell(const granulation_balance *b, int cell);
+/* Returns the number of granules in a cell, in the unit in which they were added; NaN for one that is not there. */
+GRANULATION_API double granulation_balance_number(const granulation_balance *b, int cell);
 /* Returns the sum number key0^p key1^q, 0^0 = 1; p, q >= 0. With one component q must be 0. Else NaN. */
 GRANULATION_API double granulation_balance_moment(const granulation_balance *b, double p, double q);
 GRANULATION_API granulation_granule granulation_balance_totals(const granulation_balance *b);
@@ -1358,6 +1373,13 @@ static inline double granulation_saturation_kernel(const granulation_granule *i,
     if (!(granulation_saturation(i) >= critical && granulation_saturation(j) >= critical) || granulation__beyond(i, j, k->limit))
         return 0.0;
     return granulation__inner(i, j, k);
+}
+static inline double granulation_austin_breakage(double z, double mother, const void *data) {
+    const granulation_austin *a = (const granulation_austin *)data;
+    (void)mother;
+    if (!a || !(a->phi >= 0.0 && a->phi <= 1.0 && a->gamma > 0.0 && a->beta > 0.0)) return (double)NAN;
+    if (!(z > 0.0)) return z == 0.0 ? 0.0 : (double)NAN;
+    return a->phi * riddle_pow(z, a->gamma / 3.0) + (1.0 - a->phi) * riddle_pow(z, a->beta / 3.0);
 }
 static inline double granulation_class_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
     const granulation_kernel_data *k = (const granulation_kernel_data *)data;
@@ -2788,7 +2810,9 @@ GRANULATION_API granulation_status granulation_balance_check_def(const granulati
     if (!d) return GRANULATION_BAD_ARGUMENT;
     GRANULATION__NEED(d->cookie == GRANULATION__BALANCE_COOKIE, "cookie");
     GRANULATION__NEED(d->scheme == GRANULATION_CELL_AVERAGE || d->scheme == GRANULATION_FIXED_PIVOT, "scheme");
-    GRANULATION__NEED(d->daughters == GRANULATION_HALVES || d->daughters == GRANULATION_UNIFORM, "daughters");
+    GRANULATION__NEED(
+        d->daughters == GRANULATION_HALVES || d->daughters == GRANULATION_UNIFORM || d->daughters == GRANULATION_OWN, "daughters");
+    GRANULATION__NEED(d->daughters != GRANULATION_OWN || d->breakage, "breakage");
     GRANULATION__NEED(d->consolidation >= 0.0 && granulation__finite(d->consolidation), "consolidation");
     GRANULATION__NEED(d->tolerance > 0.0 && granulation__finite(d->tolerance), "tolerance");
     GRANULATION__NEED(d->longest_step > 0.0, "longest_step");
@@ -2889,8 +2913,8 @@ static inline void granulation__point(granulation_balance *b) {
 
 GRANULATION_API void granulation_balance_free(granulation_balance *b) {
     if (!b) return;
-    void *blocks[8] = {b->edge[0], b->pivot[0], b->edge[1], b->pivot[1], b->target, b->share, b->kernel, b->state};
-    for (int k = 0; k < 8; k++) granulation__memory(&b->def.memory, blocks[k], blocks[k] ? b->bytes[k] : 0, 0);
+    void *blocks[9] = {b->edge[0], b->pivot[0], b->edge[1], b->pivot[1], b->target, b->share, b->kernel, b->state, b->births};
+    for (int k = 0; k < 9; k++) granulation__memory(&b->def.memory, blocks[k], blocks[k] ? b->bytes[k] : 0, 0);
     memset(b, 0, sizeof *b);
 }
 
@@ -2902,7 +2926,7 @@ GRANULATION_API granulation_status granulation_balance_init(granulation_balance 
     granulation_status status = granulation_balance_check_def(def, NULL);
     if (status != GRANULATION_OK) return status;
     if (cells < 2 || !edges || l_cells < 0 || l_cells == 1 || (l_cells > 0) != (l_edges != NULL) || cells > 100000 || l_cells > 100000 ||
-        (int64_t)cells * (l_cells ? l_cells : 1) > 100000 || (l_cells && def->daughters == GRANULATION_UNIFORM))
+        (int64_t)cells * (l_cells ? l_cells : 1) > 100000 || (l_cells && def->daughters != GRANULATION_HALVES))
         return GRANULATION_BAD_ARGUMENT;
     const double *given_edges[2] = {edges, l_edges}, *given_pivots[2] = {pivots, l_pivots};
     int given[2] = {cells, l_cells};
@@ -2931,9 +2955,10 @@ GRANULATION_API granulation_status granulation_balance_init(granulation_balance 
     b->bytes[5] = def->kernel && fixed ? pairs * (size_t)b->components * sizeof(double) : 0;
     b->bytes[6] = def->kernel ? pairs * sizeof(double) : 0;
     b->bytes[7] = doubles * sizeof(double);
-    void *blocks[8];
+    b->bytes[8] = def->daughters == GRANULATION_OWN ? pairs * sizeof(double) : 0;
+    void *blocks[9];
     memset(blocks, 0, sizeof blocks);
-    for (int k = 0; k < 8; k++) {
+    for (int k = 0; k < 9; k++) {
         if (b->bytes[k]) blocks[k] = granulation__memory(&def->memory, NULL, 0, b->bytes[k]);
         if (blocks[k] || !b->bytes[k]) continue;
         while (k-- > 0) granulation__memory(&def->memory, blocks[k], blocks[k] ? b->bytes[k] : 0, 0);
@@ -2948,6 +2973,7 @@ GRANULATION_API granulation_status granulation_balance_init(granulation_balance 
     b->share = (double *)blocks[5];
     b->kernel = (double *)blocks[6];
     b->state = (double *)blocks[7];
+    b->births = (double *)blocks[8];
     b->work = b->state + length;
     for (int k = 0; k < b->components; k++)
         for (int i = 0; i <= given[k]; i++) {
@@ -2984,7 +3010,8 @@ GRANULATION_API granulation_status granulation_balance_set(granulation_balance *
     if (!b || !b->state) return GRANULATION_BAD_ARGUMENT;
     granulation_status status = granulation_balance_check_def(def, NULL);
     if (status != GRANULATION_OK) return status;
-    if (def->scheme != b->def.scheme || (def->kernel && !b->target) || (b->components == 2 && def->daughters == GRANULATION_UNIFORM))
+    if (def->scheme != b->def.scheme || (def->kernel && !b->target) || (b->components == 2 && def->daughters != GRANULATION_HALVES) ||
+        (def->daughters == GRANULATION_OWN && !b->births))
         return GRANULATION_BAD_ARGUMENT;
     granulation_memory memory = b->def.memory;
     b->def = *def;
@@ -3011,6 +3038,32 @@ static inline granulation__place_of granulation__halves(const granulation_balanc
     return granulation__share(b, 0.5 * b->pivot[0][i % b->size[0]], b->components == 1 ? 0.0 : 0.5 * b->pivot[1][i / b->size[0]]);
 }
 
+/* Finds how many granules are born in each cell where one of cell `mother` breaks by the given function: between two pivots the daughters'
+   number and volume are shared (Kumar and Ramkrishna 1996); below the first only their volume is kept. */
+static inline granulation_status granulation__find_daughters(granulation_balance *b, int mother) {
+    enum { PARTS = 32 };
+    const double *x = b->pivot[0], u = x[mother];
+    double *born = b->births + (size_t)mother * ((size_t)mother + 1) / 2;
+    double below = b->def.breakage(x[0] / u, u, b->def.breakage_user);
+    memset(born, 0, ((size_t)mother + 1) * sizeof(double));
+    if (!(below >= 0.0)) return GRANULATION_KERNEL;
+    born[0] = below * u / x[0];
+    for (int i = 0; i < mother; i++) {
+        double ratio = x[i + 1] / x[i], number = 0.0, volume = 0.0, from = x[i];
+        for (int halvings = 0; halvings < 5; halvings++) ratio = sqrt(ratio);
+        for (int part = 1; part <= PARTS; part++) {
+            const double to = part < PARTS ? from * ratio : x[i + 1];
+            const double finer = b->def.breakage(to < u ? to / u : 1.0, u, b->def.breakage_user), share = finer - below;
+            if (!(share >= -1e-12 && finer <= 1.0 + 1e-9)) return GRANULATION_KERNEL;
+            number += share * u / sqrt(from * to), volume += share * u;
+            from = to, below = finer;
+        }
+        double up = (volume - x[i] * number) / (x[i + 1] - x[i]);
+        born[i] += number - up, born[i + 1] += up;
+    }
+    return fabs(below - 1.0) <= 1e-9 ? GRANULATION_OK : GRANULATION_KERNEL;
+}
+
 static inline granulation_status granulation__evaluate_kernel(granulation_balance *b) {
     double *selection = b->work + 4 * granulation__length(b) + (size_t)b->n;
     size_t p = 0;
@@ -3023,6 +3076,10 @@ static inline granulation_status granulation__evaluate_kernel(granulation_balanc
             if (b->def.daughters == GRANULATION_HALVES && granulation__halves(b, i).cell < 0) rate = 0.0; /* they have no pivot */
         }
         selection[i] = rate;
+        if (rate > 0.0 && b->def.daughters == GRANULATION_OWN) {
+            granulation_status status = granulation__find_daughters(b, i);
+            if (status != GRANULATION_OK) return status;
+        }
         if (!b->def.kernel) continue;
         for (int j = i; j < b->n; j++, p++) {
             granulation_granule h = granulation_balance_cell(b, j);
@@ -3179,6 +3236,21 @@ static inline void granulation__break_into_halves(const granulation_balance *b, 
     }
 }
 
+/* Adds the daughters of breakage by a function of the caller's; liquid and air go with the volume. */
+static inline void granulation__break_as_given(const granulation_balance *b, const granulation__flow *f) {
+    const double *x = b->pivot[0];
+    size_t n = (size_t)b->n;
+    for (size_t mother = 0; mother < n; mother++) {
+        const double *born = b->births + mother * (mother + 1) / 2, rate = f->selection[mother], r = rate * f->y[mother];
+        if (!(r > 0.0)) continue;
+        for (size_t i = 0; i <= mother; i++) f->rate[i] += r * born[i];
+        for (size_t i = 0; i <= mother && f->carries; i++) {
+            const double share = rate * born[i] * x[i] / x[mother];
+            f->rate[n + i] += share * f->y_liquid[mother], f->rate[2 * n + i] += share * f->y_air[mother];
+        }
+    }
+}
+
 /* Takes what coalesces and breaks from its cells. Returns the largest share that any cell loses per second. */
 static inline double granulation__take_losses(const granulation_balance *b, const granulation__flow *f) {
     size_t n = (size_t)b->n;
@@ -3198,6 +3270,7 @@ static inline double granulation__rates(const granulation_balance *b, const doub
     if (b->def.kernel) granulation__coalesce_cells(b, &f);
     if (!f.fixed) granulation__give_births(b, &f);
     if (b->def.selection && b->def.daughters == GRANULATION_UNIFORM) granulation__break_uniformly(b, &f);
+    else if (b->def.selection && b->def.daughters == GRANULATION_OWN) granulation__break_as_given(b, &f);
     else if (b->def.selection) granulation__break_into_halves(b, &f);
     return granulation__take_losses(b, &f);
 }
@@ -3318,6 +3391,10 @@ GRANULATION_API granulation_status granulation_balance_run(granulation_balance *
 }
 
 /* ---- properties of the population ---- */
+
+GRANULATION_API double granulation_balance_number(const granulation_balance *b, int cell) {
+    return b && b->state && cell >= 0 && cell < b->n ? b->number[cell] : (double)NAN;
+}
 
 GRANULATION_API double granulation_balance_moment(const granulation_balance *b, double p, double q) {
     if (!b || !b->state || !(p >= 0.0 && q >= 0.0) || (b->components == 1 && q != 0.0)) return (double)NAN;

@@ -59,12 +59,11 @@ static double law_printed(const sample *s) { return bridge_printed_force(s->gap,
 typedef struct law {
     const char *name;
     double (*force)(const sample *);
-    double ns, worst, rms;
 } law;
 
-static law laws[] = {{"energy form", law_energy, 0, 0, 0},        {"Willett, simple", law_simple, 0, 0, 0},
-                     {"Willett, full", law_willett, 0, 0, 0},     {"eq 12, corrected", law_corrected, 0, 0, 0},
-                     {"eq 12, as printed", law_printed, 0, 0, 0}, {"table of the header (7 terms)", law_table, 0, 0, 0}};
+static const law laws[] = {{"energy form", law_energy},        {"Willett, simple", law_simple},
+                           {"Willett, full", law_willett},     {"eq 12, corrected", law_corrected},
+                           {"eq 12, as printed", law_printed}, {"table of the header (7 terms)", law_table}};
 enum { LAWS = sizeof laws / sizeof *laws };
 
 /* ns of one evaluation: the quickest of some passes. The call through a pointer costs every law the same. */
@@ -181,21 +180,17 @@ static void fill_samples(uint64_t seed) {
     TIME(series_ns[(n)-2], passes,                                                                                                         \
          series_force(coefficients[k & 63], (n), samples[k].b.rupture_gap, samples[k].b.width *samples[k].b.width, samples[k].gap))
 
-int main(int argc, char **argv) {
-    program self =
-        program_start("bench_liquid_bridge", "Capillary force: error against Young-Laplace versus time; cost of everything a bridge needs.",
-                      NULL, 0, argc, argv);
-    const int volumes = self.quick ? 6 : 24, passes = self.quick ? 20 : 200;
-    accuracy of_law[LAWS] = {{0.0, 0.0, 0}}, of_series[ORDERS] = {{0.0, 0.0, 0}};
-    progress bar;
-    progress_begin(&bar, "solving", (double)(KINDS * volumes));
-    measure_errors(volumes, of_law, of_series, &bar);
-    progress_end(&bar);
-    if (common_interrupted()) return common_exit_status();
-
-    fill_samples(self.seed);
-    double series_ns[ORDERS];
+static void tell_laws(const program *self, json *report, const accuracy *of_law, const accuracy *of_series,
+                      int passes) {
+    static const result_column columns[] = {{"law", "law", "%s"},
+                                            {"evaluation_ns|ns", "ns", "%.1f"},
+                                            {"rms_error", "rms error [%]", "%.3g", 100.0},
+                                            {"largest_error", "largest [%]", "%.3g", 100.0}};
     static double coefficients[64][ORDERS + 2];
+    double series_ns[ORDERS];
+    char name[60];
+    result_table *r = RESULTS(columns);
+    fill_samples(self->seed);
     for (int k = 0; k < 64; k++)
         for (int j = 0; j < ORDERS + 2; j++) coefficients[k][j] = 1.0 / (1.0 + k + j);
     TIME_SERIES(2);
@@ -207,78 +202,41 @@ int main(int argc, char **argv) {
     TIME_SERIES(8);
     TIME_SERIES(9);
     for (int l = 0; l < LAWS; l++) {
-        double (*force)(const sample *) = laws[l].force;
-        TIME(laws[l].ns, passes, force(&samples[k]));
-        laws[l].worst = of_law[l].worst;
-        laws[l].rms = sqrt(of_law[l].square / (double)of_law[l].n);
+        double (*force)(const sample *) = laws[l].force, ns;
+        TIME(ns, passes, force(&samples[k]));
+        results_row(r, TEXTS(laws[l].name), ns, sqrt(of_law[l].square / (double)of_law[l].n), of_law[l].worst);
     }
-
-    json *report = json_open(self.json);
-    riddle_io_table t = riddle_io_table_begin("law|ns|rms error [%]|largest [%]");
-    riddle_io_file *file = csv_open(self.out, "laws.csv", "law,ns,rms_error,largest_error");
-    json_array_begin(report, "laws");
-    for (int l = 0; l < LAWS + ORDERS; l++) {
-        char name[60];
-        double ns = l < LAWS ? laws[l].ns : series_ns[l - LAWS], worst = l < LAWS ? laws[l].worst : of_series[l - LAWS].worst;
-        double rms = l < LAWS ? laws[l].rms : sqrt(of_series[l - LAWS].square / (double)of_series[l - LAWS].n);
-        if (l < LAWS) snprintf(name, sizeof name, "%s", laws[l].name);
-        else snprintf(name, sizeof name, "series of %d terms", l - LAWS + 2);
-        riddle_io_table_cell(&t, "%s", name);
-        riddle_io_table_cell(&t, "%.1f", ns);
-        riddle_io_table_cell(&t, "%.3g", 100.0 * rms);
-        riddle_io_table_cell(&t, "%.3g", 100.0 * worst);
-        csv_line(file, "\"%s\",%.3f,%.5g,%.5g", name, ns, rms, worst);
-        json_object_begin(report, NULL);
-        json_string(report, "law", name);
-        json_number(report, "evaluation_ns", ns);
-        json_number(report, "rms_error", rms);
-        json_number(report, "largest_error", worst);
-        json_object_end(report);
+    for (int n = 0; n < ORDERS; n++) {
+        snprintf(name, sizeof name, "series of %d terms", n + 2);
+        results_row(r, TEXTS(name), series_ns[n], sqrt(of_series[n].square / (double)of_series[n].n),
+                    of_series[n].worst);
     }
-    json_array_end(report);
-    riddle_io_close(file);
-    table_end(&t);
+    results_write(r, report, "laws", self->out, "laws.csv");
 
+    const double *ns = results_column(r, "ns", 1.0), *percent = results_column(r, "largest_error", 100.0);
     riddle_plot *figure = riddle_plot_new("Capillary force, equations of Elskamp & Kruggel-Emden (2019): error against time", 1, 1);
     riddle_plot_panel(figure, 0, 0, "time of one evaluation [ns]", "largest error, gaps to 0.9 of rupture [%]");
     riddle_plot_log_x(figure);
     riddle_plot_log_y(figure);
-    double x[ORDERS], y[ORDERS];
-    for (int n = 0; n < ORDERS; n++) {
-        x[n] = series_ns[n];
-        y[n] = 100.0 * of_series[n].worst;
-    }
-    riddle_plot_line(figure, "series of 2 to 9 terms", x, y, ORDERS);
+    riddle_plot_line(figure, "series of 2 to 9 terms", ns + LAWS, percent + LAWS, ORDERS);
     riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
-    for (int l = LAWS - 1; l >= 0; l--) {
-        double ns = laws[l].ns, percent = 100.0 * laws[l].worst;
-        riddle_plot_points(figure, laws[l].name, &ns, &percent, 1);
-    }
+    for (int l = LAWS - 1; l >= 0; l--) riddle_plot_points(figure, laws[l].name, &ns[l], &percent[l], 1);
     riddle_plot_legend_outside(figure);
-    riddle_plot_write(figure, self.out, "laws.svg");
+    riddle_plot_write(figure, self->out, "laws.svg");
+    results_free(r);
+}
 
-    /* ---- 2: everything else ---- */
-    bridge_liquid liquid = bridge_pair_default_def().liquid;
-    double ns_all, ns_capillary, ns_rupture, ns_form, ns_printed, ns_allocate;
-    TIME(ns_capillary, passes, bridge_attraction(&samples[k].b, samples[k].gap));
-    TIME(ns_all, passes,
-         bridge_evaluate(&samples[k].b, &liquid, samples[k].gap, samples[k].velocity).normal +
-             bridge_evaluate(&samples[k].b, &liquid, samples[k].gap, samples[k].velocity).tangential);
-    TIME(ns_rupture, passes, bridge_is_ruptured(&samples[k].b, &liquid, samples[k].gap, samples[k].velocity));
-    bridge_pair_def def = kind_def(0);
+/* ---- 2: everything else ---- */
+
+static double prepare_s(int kind, int repeats) {
+    const bridge_pair_def def = kind_def(kind);
     bridge_pair pair;
-    bridge made;
-    double start = machine_processor_seconds();
-    const int repeats = self.quick ? 3 : 20;
+    const double start = machine_processor_seconds();
     for (int k = 0; k < repeats; k++) bridge_pair_prepare(&pair, &def);
-    double ms_prepare = 1e3 * (machine_processor_seconds() - start) / repeats;
-    def = kind_def(2);
-    start = machine_processor_seconds();
-    for (int k = 0; k < repeats; k++) bridge_pair_prepare(&pair, &def);
-    double ms_prepare_plate = 1e3 * (machine_processor_seconds() - start) / repeats;
-    TIME(ns_form, passes / 10,
-         (bridge_form(&pair, 2.5e-3, (double)INFINITY, samples[k].velocity * 1e-10 + 1e-10, 0.0, 0, &made), made.series[3]));
-    TIME(ns_printed, passes / 10, bridge_evaluate_printed(&pair, &samples[k].b, samples[k].gap, samples[k].velocity).normal);
+    return (machine_processor_seconds() - start) / repeats;
+}
+
+static double allocate_s(int passes) {
     static double film[2 * BRIDGES], scratch[2 * BRIDGES];
     static bridge_contact contacts[BRIDGES];
     for (int k = 0; k < BRIDGES; k++) {
@@ -287,48 +245,80 @@ int main(int argc, char **argv) {
     }
     bridge_films films = {film, 2 * BRIDGES, NULL, NULL, 0, scratch, bridge_quantum(1e-4), 0.0, 0.0};
     double least = HUGE_VAL;
-    for (int pass = 0; pass < passes / 10; pass++) {
+    for (int pass = 0; pass < passes; pass++) {
         for (int k = 0; k < 2 * BRIDGES; k++) film[k] = bridge_quantised(1e-9, films.quantum);
-        start = machine_seconds();
+        const double start = machine_seconds();
         bridge_allocate(&films, contacts, BRIDGES);
         least = fmin(least, machine_seconds() - start);
     }
-    ns_allocate = 1e9 * least / BRIDGES;
-    bridge_shape shape;
-    start = machine_processor_seconds();
-    for (int k = 0; k < 10 * repeats; k++) bridge_young_laplace(&def, 1e-10, 3e-5 * (k % 10), &shape);
-    double us_solve = 1e6 * (machine_processor_seconds() - start) / (10 * repeats);
-    const struct {
-        const char *what, *key;
-        double seconds;
-    } costs[] = {{"capillary force", "capillary_s", 1e-9 * ns_capillary},
-                 {"all forces (bridge_evaluate)", "evaluate_s", 1e-9 * ns_all},
-                 {"all forces as printed", "evaluate_printed_s", 1e-9 * ns_printed},
-                 {"rupture test", "rupture_test_s", 1e-9 * ns_rupture},
-                 {"form a bridge", "form_s", 1e-9 * ns_form},
-                 {"allocate liquid to a contact", "allocate_s", 1e-9 * ns_allocate},
-                 {"Young-Laplace, one bridge", "young_laplace_s", 1e-6 * us_solve},
-                 {"prepare a kind, equal spheres", "prepare_s", 1e-3 * ms_prepare},
-                 {"prepare a kind, plate", "prepare_plate_s", 1e-3 * ms_prepare_plate}};
-    t = riddle_io_table_begin("what|time");
-    for (size_t k = 0; k < sizeof costs / sizeof *costs; k++) {
-        double s = costs[k].seconds;
-        riddle_io_table_cell(&t, "%s", costs[k].what);
-        riddle_io_table_cell(&t, s < 1e-6 ? "%.1f ns" : (s < 1e-3 ? "%.1f us" : "%.2f ms"), s * (s < 1e-6 ? 1e9 : (s < 1e-3 ? 1e6 : 1e3)));
-        json_number(report, costs[k].key, s);
-    }
-    table_end(&t);
+    return least / BRIDGES;
+}
 
-    /* ---- 3: the pairs ---- */
-    t = riddle_io_table_begin("kind of pair|force off [%]|rupture gap off [%]");
+static void tell_costs(json *report, int passes, int repeats) {
+    const bridge_liquid liquid = bridge_pair_default_def().liquid;
+    const bridge_pair_def plate = kind_def(2);
+    bridge_pair pair;
+    bridge made;
+    bridge_shape shape;
+    double all, capillary, rupture, form, printed;
+    bridge_pair_prepare(&pair, &plate);
+    TIME(capillary, passes, bridge_attraction(&samples[k].b, samples[k].gap));
+    TIME(all, passes,
+         bridge_evaluate(&samples[k].b, &liquid, samples[k].gap, samples[k].velocity).normal +
+             bridge_evaluate(&samples[k].b, &liquid, samples[k].gap, samples[k].velocity).tangential);
+    TIME(rupture, passes, bridge_is_ruptured(&samples[k].b, &liquid, samples[k].gap, samples[k].velocity));
+    TIME(form, passes / 10,
+         (bridge_form(&pair, 2.5e-3, (double)INFINITY, samples[k].velocity * 1e-10 + 1e-10, 0.0, 0, &made),
+          made.series[3]));
+    TIME(printed, passes / 10,
+         bridge_evaluate_printed(&pair, &samples[k].b, samples[k].gap, samples[k].velocity).normal);
+    const double start = machine_processor_seconds();
+    for (int k = 0; k < 10 * repeats; k++) bridge_young_laplace(&plate, 1e-10, 3e-5 * (k % 10), &shape);
+    const double solve_s = (machine_processor_seconds() - start) / (10 * repeats);
+    results_values(report, {"capillary_s", 1e-9 * capillary, "capillary force", "%.1f ns", 1e9},
+                   {"evaluate_s", 1e-9 * all, "all forces (bridge_evaluate)", "%.1f ns", 1e9},
+                   {"evaluate_printed_s", 1e-9 * printed, "all forces as printed", "%.1f ns", 1e9},
+                   {"rupture_test_s", 1e-9 * rupture, "rupture test", "%.1f ns", 1e9},
+                   {"form_s", 1e-9 * form, "form a bridge", "%.1f ns", 1e9},
+                   {"allocate_s", allocate_s(passes / 10), "allocate liquid to a contact", "%.1f ns", 1e9},
+                   {"young_laplace_s", solve_s, "Young-Laplace, one bridge", "%.1f us", 1e6},
+                   {"prepare_s", prepare_s(0, repeats), "prepare a kind, equal spheres", "%.2f ms", 1e3},
+                   {"prepare_plate_s", prepare_s(2, repeats), "prepare a kind, plate", "%.2f ms", 1e3});
+}
+
+/* ---- 3: the pairs ---- */
+
+static void tell_pairs(void) {
+    static const result_column columns[] = {{NULL, "kind of pair", "%s"},
+                                            {NULL, "force off [%]", "%.3f", 100.0},
+                                            {NULL, "rupture gap off [%]", "%.4f", 100.0}};
+    result_table *r = RESULTS(columns);
     for (int kind = 0; kind < KINDS; kind++) {
-        def = kind_def(kind);
+        const bridge_pair_def def = kind_def(kind);
+        bridge_pair pair;
         bridge_pair_prepare(&pair, &def);
-        riddle_io_table_cell(&t, "%s", kind_names[kind]);
-        riddle_io_table_cell(&t, "%.3f", 100.0 * pair.deviation);
-        riddle_io_table_cell(&t, "%.4f", 100.0 * pair.rupture_deviation);
+        results_row(r, TEXTS(kind_names[kind]), pair.deviation, pair.rupture_deviation);
     }
-    table_end(&t);
+    results_print(r);
+    results_free(r);
+}
+
+int main(int argc, char **argv) {
+    program self =
+        program_start("bench_liquid_bridge",
+                      "Capillary force: error against Young-Laplace versus time; cost of everything a bridge needs.",
+                      NULL, 0, argc, argv);
+    const int volumes = self.quick ? 6 : 24, passes = self.quick ? 20 : 200;
+    accuracy of_law[LAWS] = {{0.0, 0.0, 0}}, of_series[ORDERS] = {{0.0, 0.0, 0}};
+    progress bar;
+    progress_begin(&bar, "solving", (double)(KINDS * volumes));
+    measure_errors(volumes, of_law, of_series, &bar);
+    progress_end(&bar);
+    if (common_interrupted()) return common_exit_status();
+    json *report = json_open(self.json);
+    tell_laws(&self, report, of_law, of_series, passes);
+    tell_costs(report, passes, self.quick ? 3 : 20);
+    tell_pairs();
     json_program(report, &self);
     json_close(report);
     return common_exit_status();

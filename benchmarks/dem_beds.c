@@ -130,97 +130,62 @@ static double spread_speed(const csv_data *data, const char *code, int size, int
     return n ? median(speeds, n) : (double)NAN;
 }
 
-static void compare(const program *self, const char *path, reference (*references)[SCENES]) {
-    static const char *const needed[] = {"code", "spheres", "scene", "friction", "steps", "cpu_s", "mean_height_m", "kinetic_energy_J"};
-    char message[1200];
+static const char *bed_kind(int scene) { return is_static(scene) ? "static" : "vibrated"; }
+
+/* The codes that a table names. */
+static int codes_of(const csv_data *data, const char **codes) {
+    int n = 0;
+    for (int row = 0; row < data->rows; row++) {
+        const char *code = data->cells[row * data->columns + csv_column(data, "code")];
+        int k = 0;
+        while (k < n && strcmp(codes[k], code) != 0) k++;
+        if (k == n && n < CODES) codes[n++] = code;
+    }
+    return n;
+}
+
+/* What was measured of one bed: by each code, and how many of Riddle's are other physics; groups: the beds so far. */
+typedef struct comparison {
     const char *codes[CODES];
     double speed[CODES][SIZES * SCENES];
-    int group_size[SIZES * SCENES], group_scene[SIZES * SCENES];
-    int n_codes = 0, n_groups = 0, wrong = 0;
-    csv_data data;
-    if (csv_read(path, &data, message, sizeof message) != 0) program_refuse(self, "compare", path, "a CSV of runs");
-    for (size_t k = 0; k < sizeof needed / sizeof *needed; k++) {
-        snprintf(message, sizeof message, "a CSV with a column %s", needed[k]);
-        if (csv_column(&data, needed[k]) < 0) program_refuse(self, "compare", path, message);
-    }
-    for (int row = 0; row < data.rows; row++) {
-        const char *code = data.cells[row * data.columns + csv_column(&data, "code")];
-        int k = 0;
-        while (k < n_codes && strcmp(codes[k], code) != 0) k++;
-        if (k == n_codes && n_codes < CODES) codes[n_codes++] = code;
-    }
-    int base = 0; /* ratios are to LAMMPS as it comes, else to the first code */
-    for (int k = 0; k < n_codes; k++)
-        if (strcmp(codes[k], "LAMMPS") == 0) base = k;
+    int size[SIZES * SCENES], scene[SIZES * SCENES];
+    int n_codes, groups, base, wrong; /* base: the code that ratios are to */
+} comparison;
 
-    json *report = json_open(self->json);
-    riddle_io_file *file = csv_open(self->out, "compare.csv", "code,spheres,scene,friction,particle_steps_per_cpu_s,ratio,same_physics");
-    char header[200];
-    snprintf(header, sizeof header,
-             "spheres|bed|code|particle-steps per CPU second|over %s|mean height [m]|kinetic energy [J]|same physics",
-             n_codes ? codes[base] : "");
-    riddle_io_table t = riddle_io_table_begin(header);
-    json_array_begin(report, "beds");
-    for (int size = 0; size < SIZES; size++) {
-        for (int scene = 0; scene < SCENES; scene++) {
-            double height = 0.0, energy = 0.0;
-            int steps = 0, any = 0;
-            for (int k = 0; k < n_codes; k++) {
-                speed[k][n_groups] = spread_speed(&data, codes[k], size, scene, &height, &energy, &steps);
-                any += speed[k][n_groups] > 0.0;
-            }
-            if (!any) continue;
-            for (int k = 0; k < n_codes; k++) {
-                const double own = spread_speed(&data, codes[k], size, scene, &height, &energy, &steps),
-                             ratio = own / speed[base][n_groups];
-                if (!(own > 0.0)) continue;
-                const reference *of = &references[size][scene];
-                const bool judged = of->known && steps == FULL_STEPS, same = judged && same_physics(of, scene, height, energy);
-                wrong += judged && !same && strncmp(codes[k], "Riddle", 6) == 0; /* another code's is told, but no failure of this one */
-                riddle_io_table_cell(&t, "%d", sizes[size]);
-                riddle_io_table_cell(&t, "%s", scene_names[scene]);
-                riddle_io_table_cell(&t, "%s", codes[k]);
-                riddle_io_table_cell(&t, "%.3g", own);
-                riddle_io_table_cell(&t, "%.2f", ratio);
-                riddle_io_table_cell(&t, "%.7f", height);
-                riddle_io_table_cell(&t, "%.5g", energy);
-                riddle_io_table_cell(&t, "%s", !judged ? "-" : same ? "yes" : "NO");
-                csv_line(file, "%s,%d,%s,%d,%.17g,%.17g,%s", codes[k], sizes[size], is_static(scene) ? "static" : "vibrated",
-                         has_friction(scene), own, ratio,
-                         !judged ? ""
-                         : same  ? "1"
-                                 : "0");
-                json_object_begin(report, NULL);
-                json_string(report, "code", codes[k]);
-                json_integer(report, "spheres", sizes[size]);
-                json_string(report, "scene", is_static(scene) ? "static" : "vibrated");
-                json_bool(report, "friction", has_friction(scene));
-                json_number(report, "particle_steps_per_cpu_s", own);
-                json_number(report, "ratio", ratio);
-                json_number(report, "mean_height_m", height);
-                json_number(report, "kinetic_energy_J", energy);
-                if (judged) json_bool(report, "same_physics", same);
-                json_object_end(report);
-            }
-            group_size[n_groups] = size, group_scene[n_groups] = scene;
-            n_groups++;
-        }
+static void add_bed(comparison *c, result_table *r, const csv_data *data, int size, int scene, const reference *of) {
+    double height[CODES] = {0.0}, energy[CODES] = {0.0}, own[CODES];
+    int steps[CODES] = {0}, any = 0;
+    for (int k = 0; k < c->n_codes; k++) {
+        own[k] = c->speed[k][c->groups] =
+            spread_speed(data, c->codes[k], size, scene, &height[k], &energy[k], &steps[k]);
+        any += own[k] > 0.0;
     }
-    json_array_end(report);
-    table_end(&t);
-    riddle_io_close(file);
+    if (!any) return;
+    for (int k = 0; k < c->n_codes; k++) {
+        if (!(own[k] > 0.0)) continue;
+        const bool judged = of->known && steps[k] == FULL_STEPS,
+                   same = judged && same_physics(of, scene, height[k], energy[k]);
+        c->wrong += judged && !same &&
+                    strncmp(c->codes[k], "Riddle", 6) == 0; /* another code's is told, but no failure of this one */
+        results_row(r, TEXTS(c->codes[k], bed_kind(scene), scene_names[scene]), sizes[size], has_friction(scene),
+                    own[k], own[k] / own[c->base], height[k], energy[k], judged ? same : (double)NAN);
+    }
+    c->size[c->groups] = size, c->scene[c->groups++] = scene;
+}
+
+static void draw_comparison(const program *self, const comparison *c) {
+    static const char *const size_marks[SIZES] = {"2k", "20k", "100k"};
     riddle_plot *figure = riddle_plot_new("Beds of spheres, one core", 2, 1);
     riddle_plot_panel_size(figure, 900.0, 260.0);
     for (int friction = 1; friction >= 0; friction--) {
-        static const char *const size_marks[SIZES] = {"2k", "20k", "100k"};
         double shown[CODES][SIZES * SCENES];
         const char *groups[SIZES * SCENES];
         char names[SIZES * SCENES][40];
         int n = 0;
-        for (int g = 0; g < n_groups; g++) {
-            if (has_friction(group_scene[g]) != friction) continue;
-            for (int k = 0; k < n_codes; k++) shown[k][n] = 1e-6 * speed[k][g];
-            snprintf(names[n], sizeof names[0], "%s %s", size_marks[group_size[g]], is_static(group_scene[g]) ? "static" : "vibrated");
+        for (int g = 0; g < c->groups; g++) {
+            if (has_friction(c->scene[g]) != friction) continue;
+            for (int k = 0; k < c->n_codes; k++) shown[k][n] = 1e-6 * c->speed[k][g];
+            snprintf(names[n], sizeof names[0], "%s %s", size_marks[c->size[g]], bed_kind(c->scene[g]));
             groups[n] = names[n];
             n++;
         }
@@ -228,161 +193,214 @@ static void compare(const program *self, const char *path, reference (*reference
         riddle_plot_panel(figure, friction ? 0 : 1, 0, "", "1e6 particle-steps per CPU s");
         riddle_plot_title(figure, friction ? "Friction 0.2 with history" : "Without friction");
         riddle_plot_legend_outside(figure);
-        for (int k = 0; k < n_codes; k++) riddle_plot_bars(figure, codes[k], groups, shown[k], n);
+        for (int k = 0; k < c->n_codes; k++) riddle_plot_bars(figure, c->codes[k], groups, shown[k], n);
     }
     riddle_plot_write(figure, self->out, "compare.svg");
+}
+
+static void compare(const program *self, const char *path, reference (*references)[SCENES]) {
+    static const char *const needed[] = {"code",  "spheres", "scene",         "friction",
+                                         "steps", "cpu_s",   "mean_height_m", "kinetic_energy_J"};
+    char message[1200], over[100];
+    comparison c = {{NULL}};
+    csv_data data;
+    if (csv_read(path, &data, message, sizeof message) != 0) program_refuse(self, "compare", path, "a CSV of runs");
+    for (size_t k = 0; k < sizeof needed / sizeof *needed; k++) {
+        snprintf(message, sizeof message, "a CSV with a column %s", needed[k]);
+        if (csv_column(&data, needed[k]) < 0) program_refuse(self, "compare", path, message);
+    }
+    c.n_codes = codes_of(&data, c.codes);
+    for (int k = 0; k < c.n_codes; k++)
+        if (strcmp(c.codes[k], "LAMMPS") == 0) c.base = k; /* as it comes, else the first code */
+    snprintf(over, sizeof over, "over %s", c.n_codes ? c.codes[c.base] : "");
+    const result_column columns[] = {{"code", "code", "%s"},
+                                     {"spheres", "spheres", "%.0f"},
+                                     {"scene", NULL, "%s"},
+                                     {NULL, "bed", "%s"},
+                                     {"friction", NULL, "yes|no"},
+                                     {"particle_steps_per_cpu_s", "particle-steps per CPU second", "%.3g"},
+                                     {"ratio", over, "%.2f"},
+                                     {"mean_height_m|", "mean height [m]", "%.7f"},
+                                     {"kinetic_energy_J|", "kinetic energy [J]", "%.5g"},
+                                     {"?same_physics", "same physics", "yes|NO"}};
+    json *report = json_open(self->json);
+    result_table *r = RESULTS(columns);
+    for (int size = 0; size < SIZES; size++)
+        for (int scene = 0; scene < SCENES; scene++) add_bed(&c, r, &data, size, scene, &references[size][scene]);
+    results_write(r, report, "beds", self->out, "compare.csv");
+    results_free(r);
+    draw_comparison(self, &c);
     json_program(report, self);
     json_close(report);
     csv_free(&data);
-    if (wrong) common_fail("%d beds are not the same physics as the references", wrong);
+    if (c.wrong) common_fail("%d beds are not the same physics as the references", c.wrong);
 }
 
-/* ---- main ---- */
+/* ---- runs ---- */
 
-int main(int argc, char **argv) {
-    int size_choice = 0, scene_choice = 0, friction_choice = 0, steps = FULL_STEPS, repeats = 1;
-    double skin = dem_default_def().skin;
-    char place[600];
-    const char *folder = output_find(place, sizeof place, "tests/reference/beds"), *comparison = NULL, *label = "Riddle";
-    option options[] = {
-        option_choice("spheres", &size_choice, "all|2000|20000|100000", "number of spheres"),
-        option_choice("scene", &scene_choice, "both|vibrated|static", "floor that vibrates or rests"),
-        option_choice("friction", &friction_choice, "both|on|off", "with friction, without"),
-        option_int("steps", "N", &steps, 1, 1000000, "time steps of 4e-6 s; the references belong to 5000"),
-        option_int("repeats", "N", &repeats, 1, REPEATS_MAX, "runs of each; medians are told"),
-        option_positive("skin", "X", &skin, 1.0, "margin of the neighbour list over the diameter [-]"),
-        option_string("beds", "DIR", &folder, "folder of the start files and references"),
-        option_string("label", "TEXT", &label, "name of this build in the CSV"),
-        option_string("compare", "FILE", &comparison, "run nothing, tell and draw the runs in this CSV"),
-    };
-    program self =
-        program_start("dem_beds", "dem.h: speed of vibrated and static beds of spheres, with the physics checked against LAMMPS.", options,
-                      sizeof options / sizeof *options, argc, argv);
-    if (strpbrk(label, ",\"\n")) program_refuse(&self, "label", label, "text without commas and quotes");
-    reference references[SIZES][SCENES];
-    if (references_read(references, folder) != 0) program_refuse(&self, "beds", folder, BED_FILES);
-    if (comparison) {
-        compare(&self, comparison, references);
-        return common_exit_status();
+typedef struct settings {
+    int size_choice, scene_choice, friction_choice, steps, repeats;
+    double skin;
+    const char *folder, *label;
+} settings;
+
+static bool is_wanted(const settings *s, int size, int scene) {
+    return (s->size_choice == 0 || s->size_choice == size + 1) &&
+           (s->scene_choice == 0 || s->scene_choice == 1 + is_static(scene)) &&
+           (s->friction_choice == 0 || s->friction_choice == 2 - has_friction(scene));
+}
+
+/* Every repeat of every bed, and medians with what they are judged by. */
+typedef struct measured {
+    result_table *runs, *beds;
+    double speeds[SIZES][SCENES]; /* on one thread [1e6 particle-steps per CPU second] */
+    int wrong, changed;
+} measured;
+
+/* The repeats of a bed on one thread, and from 20 000 spheres on on several; 0, or -1. */
+static int measure_bed(const program *self, const settings *s, const bed *b, int size, int scene, const reference *of,
+                       measured *m, progress *bar) {
+    const double all = (double)s->steps * b->n;
+    const int kinds = size && self->threads > 1 ? 2 : 1;
+    double cpu[2][REPEATS_MAX], wall[2][REPEATS_MAX], gain[REPEATS_MAX];
+    char label[200];
+    uint64_t hash = 0;
+    run r[2];
+    for (int k = 0; k < s->repeats * kinds; k++) { /* in turns: noise is the same for both */
+        const int variant = k % kinds, turn = k / kinds;
+        run *q = &r[variant];
+        memset(q, 0, sizeof *q);
+        q->spheres = sizes[size], q->scene = scene, q->threads = variant ? self->threads : 1, q->steps = s->steps;
+        if (bed_run(q, b, s->skin, bar) != 0 || common_interrupted()) return -1;
+        cpu[variant][turn] = q->cpu_s, wall[variant][turn] = q->wall_s, gain[turn] = wall[0][turn] / q->wall_s;
+        snprintf(label, sizeof label, "%s%s", s->label, variant ? " threads" : "");
+        results_row(m->runs, TEXTS(label, bed_kind(scene)), sizes[size], has_friction(scene), s->steps, q->cpu_s,
+                    q->wall_s, q->threads, q->height, q->energy, all / q->cpu_s);
+        m->changed += k && q->hash != hash;
+        hash = q->hash;
     }
-    if (self.quick && !is_given(&self, "spheres")) size_choice = 1;
-#ifndef _OPENMP
-    self.threads = 1;
-#endif
+    for (int variant = 0; variant < kinds; variant++) {
+        const run *q = &r[variant];
+        const double cpu_s = median(cpu[variant], s->repeats), wall_s = median(wall[variant], s->repeats),
+                     none = (double)NAN;
+        const bool judged = of->known && s->steps == FULL_STEPS,
+                   same = judged && same_physics(of, scene, q->height, q->energy);
+        if (!variant) m->speeds[size][scene] = 1e-6 * all / cpu_s;
+        m->wrong += judged && !same;
+        results_row(m->beds, TEXTS(bed_kind(scene), scene_names[scene]), b->n, has_friction(scene), q->threads,
+                    s->steps, cpu_s, wall_s, all / cpu_s, all / wall_s, variant ? median(gain, s->repeats) : 1.0,
+                    q->contacts, q->looks, (double)q->rebuilds, q->height, q->energy, judged ? of->height : none,
+                    judged ? of->energy : none, judged ? same : none);
+    }
+    return 0;
+}
 
-    int wanted[SIZES][SCENES], thread_counts[2] = {1, self.threads}, variants = self.threads > 1 ? 2 : 1;
+static void measure_all(const program *self, const settings *s, reference (*references)[SCENES], measured *m) {
     double work = 0.0;
-    for (int size = 0; size < SIZES; size++) {
-        for (int scene = 0; scene < SCENES; scene++) {
-            wanted[size][scene] = (size_choice == 0 || size_choice == size + 1) &&
-                                  (scene_choice == 0 || scene_choice == 1 + is_static(scene)) &&
-                                  (friction_choice == 0 || friction_choice == 2 - has_friction(scene));
-            if (wanted[size][scene]) work += (double)steps * sizes[size] * (size ? variants : 1) * repeats;
-        }
-    }
-    json *report = json_open(self.json);
-    riddle_io_file *file =
-        csv_open(self.out, "dem_beds.csv",
-                 "code,spheres,scene,friction,steps,cpu_s,wall_s,threads,mean_height_m,kinetic_energy_J,particle_steps_per_cpu_s");
-    riddle_io_table t = riddle_io_table_begin(
-        "spheres|bed|threads|particle-steps per CPU second|per second|over one thread|contacts a sphere|looks a step|mean height [m]|"
-        "kinetic energy [J]|same physics");
     progress bar;
+    for (int k = 0; k < SIZES * SCENES; k++) {
+        const int size = k / SCENES, variants = size && self->threads > 1 ? 2 : 1;
+        m->speeds[size][k % SCENES] = (double)NAN;
+        if (is_wanted(s, size, k % SCENES)) work += (double)s->steps * sizes[size] * variants * s->repeats;
+    }
     progress_begin(&bar, "beds", work);
-    json_array_begin(report, "beds");
-    double speeds[SIZES][SCENES];
-    int wrong = 0, changed = 0;
-    for (int size = 0; size < SIZES; size++) {
-        bed b;
-        int any = 0;
-        for (int scene = 0; scene < SCENES; scene++) {
-            any |= wanted[size][scene];
-            speeds[size][scene] = (double)NAN;
-        }
-        if (!any || common_interrupted()) continue;
+    for (int size = 0; size < SIZES && !common_interrupted(); size++) {
         char message[1200];
-        if (bed_read(&b, folder, sizes[size], message, sizeof message) != 0) program_refuse(&self, "beds", folder, BED_FILES);
-        for (int scene = 0; scene < SCENES; scene++) {
-            double cpu[2][REPEATS_MAX], wall[2][REPEATS_MAX], gain[REPEATS_MAX];
-            uint64_t hash = 0;
-            run r[2];
-            const int kinds = size ? variants : 1; /* one thread, and several */
-            int failed = !wanted[size][scene];
-            for (int k = 0; k < repeats * kinds && !failed && !common_interrupted(); k++) { /* in turns: noise is the same for both */
-                const int variant = k % kinds, turn = k / kinds;
-                run *q = &r[variant];
-                memset(q, 0, sizeof *q);
-                q->spheres = sizes[size], q->scene = scene, q->threads = thread_counts[variant], q->steps = steps;
-                failed = bed_run(q, &b, skin, &bar) != 0;
-                if (failed || common_interrupted()) continue;
-                cpu[variant][turn] = q->cpu_s, wall[variant][turn] = q->wall_s, gain[turn] = wall[0][turn] / q->wall_s;
-                csv_line(file, "%s%s,%d,%s,%d,%d,%.9g,%.9g,%d,%.17g,%.17g,%.9g", label, variant ? " threads" : "", sizes[size],
-                         is_static(scene) ? "static" : "vibrated", has_friction(scene), steps, q->cpu_s, q->wall_s, q->threads, q->height,
-                         q->energy, (double)steps * b.n / q->cpu_s);
-                changed += k && q->hash != hash;
-                hash = q->hash;
-            }
-            for (int variant = 0; variant < kinds && !failed && !common_interrupted(); variant++) {
-                const run *q = &r[variant];
-                const reference *of = &references[size][scene];
-                const double all = (double)steps * b.n, cpu_s = median(cpu[variant], repeats), wall_s = median(wall[variant], repeats),
-                             speed_up = variant ? median(gain, repeats) : 1.0;
-                const bool judged = of->known && steps == FULL_STEPS, same = judged && same_physics(of, scene, q->height, q->energy);
-                if (!variant) speeds[size][scene] = 1e-6 * all / cpu_s;
-                wrong += judged && !same;
-                riddle_io_table_cell(&t, "%d", b.n);
-                riddle_io_table_cell(&t, "%s", scene_names[scene]);
-                riddle_io_table_cell(&t, "%d", q->threads);
-                riddle_io_table_cell(&t, "%.3g", all / cpu_s);
-                riddle_io_table_cell(&t, "%.3g", all / wall_s);
-                riddle_io_table_cell(&t, "%.2f", speed_up);
-                riddle_io_table_cell(&t, "%.3f", q->contacts);
-                riddle_io_table_cell(&t, "%.3f", q->looks);
-                riddle_io_table_cell(&t, "%.7f", q->height);
-                riddle_io_table_cell(&t, "%.5g", q->energy);
-                riddle_io_table_cell(&t, "%s", !judged ? "-" : same ? "yes" : "NO");
-                json_object_begin(report, NULL);
-                json_integer(report, "spheres", b.n);
-                json_string(report, "scene", is_static(scene) ? "static" : "vibrated");
-                json_bool(report, "friction", has_friction(scene));
-                json_integer(report, "threads", q->threads);
-                json_integer(report, "steps", steps);
-                json_number(report, "cpu_s", cpu_s);
-                json_number(report, "run_wall_s", wall_s);
-                json_number(report, "particle_steps_per_cpu_s", all / cpu_s);
-                json_number(report, "speed_up", speed_up);
-                json_number(report, "coordination_number", q->contacts);
-                json_number(report, "looks_per_particle_step", q->looks);
-                json_integer(report, "list_rebuilds", q->rebuilds);
-                json_number(report, "mean_height_m", q->height);
-                json_number(report, "kinetic_energy_J", q->energy);
-                if (judged) {
-                    json_number(report, "mean_height_lammps_m", of->height);
-                    json_number(report, "kinetic_energy_lammps_J", of->energy);
-                    json_bool(report, "same_physics", same);
-                }
-                json_object_end(report);
-            }
-        }
+        bed b;
+        if (s->size_choice != 0 && s->size_choice != size + 1) continue;
+        if (bed_read(&b, s->folder, sizes[size], message, sizeof message) != 0)
+            program_refuse(self, "beds", s->folder, BED_FILES);
+        for (int scene = 0; scene < SCENES && !common_interrupted(); scene++)
+            if (is_wanted(s, size, scene)) measure_bed(self, s, &b, size, scene, &references[size][scene], m, &bar);
         bed_free(&b);
     }
     progress_end(&bar);
-    json_array_end(report);
-    json_bool(report, "same_physics", wrong == 0);
-    json_bool(report, "same_bits", changed == 0);
+}
+
+static void tell_beds(const program *self, const settings *s, reference (*references)[SCENES]) {
+    static const result_column columns[] = {{"scene", NULL, "%s"},
+                                            {NULL, "bed", "%s"},
+                                            {"spheres", "spheres", "%.0f"},
+                                            {"friction", NULL, "yes|no"},
+                                            {"threads", "threads", "%.0f"},
+                                            {"steps"},
+                                            {"cpu_s"},
+                                            {"run_wall_s"},
+                                            {"particle_steps_per_cpu_s", "particle-steps per CPU second", "%.3g"},
+                                            {NULL, "per second", "%.3g"},
+                                            {"speed_up", "over one thread", "%.2f"},
+                                            {"coordination_number", "contacts a sphere", "%.3f"},
+                                            {"looks_per_particle_step", "looks a step", "%.3f"},
+                                            {"list_rebuilds"},
+                                            {"mean_height_m", "mean height [m]", "%.7f"},
+                                            {"kinetic_energy_J", "kinetic energy [J]", "%.5g"},
+                                            {"?mean_height_lammps_m"},
+                                            {"?kinetic_energy_lammps_J"},
+                                            {"?same_physics", "same physics", "yes|NO"}};
+    static const result_column of_run[] = {{"code", NULL, "%s"},
+                                           {"spheres"},
+                                           {"scene", NULL, "%s"},
+                                           {"friction"},
+                                           {"steps"},
+                                           {"cpu_s"},
+                                           {"wall_s"},
+                                           {"threads"},
+                                           {"mean_height_m"},
+                                           {"kinetic_energy_J"},
+                                           {"particle_steps_per_cpu_s"}};
+    static const char *const groups[SCENES] = {"vibrated", "static", "vibrated, \xc2\xb5 = 0", "static, \xc2\xb5 = 0"};
+    json *report = json_open(self->json);
+    measured m = {RESULTS(of_run), RESULTS(columns), {{0.0}}, 0, 0};
+    measure_all(self, s, references, &m);
+    results_print(m.beds);
+    results_json(m.beds, report, "beds");
+    results_csv(m.runs, self->out, "dem_beds.csv");
+    results_free(m.beds);
+    results_free(m.runs);
+    json_bool(report, "same_physics", m.wrong == 0);
+    json_bool(report, "same_bits", m.changed == 0);
     json_bool(report, "deterministic_build", dem_build_is_deterministic() != 0);
-    table_end(&t);
-    riddle_io_close(file);
     riddle_plot *figure = riddle_plot_new("dem.h: beds of spheres, one thread", 1, 1);
     riddle_plot_panel(figure, 0, 0, "", "million particle-steps per CPU second");
-    const char *const groups[SCENES] = {"vibrated", "static", "vibrated, \xc2\xb5 = 0", "static, \xc2\xb5 = 0"};
     for (int size = 0; size < SIZES; size++) {
-        if (size_choice == 0 || size_choice == size + 1) riddle_plot_bars(figure, size_names[size], groups, speeds[size], SCENES);
+        if (s->size_choice == 0 || s->size_choice == size + 1)
+            riddle_plot_bars(figure, size_names[size], groups, m.speeds[size], SCENES);
     }
-    riddle_plot_write(figure, self.out, "dem_beds.svg");
-    json_program(report, &self);
+    riddle_plot_write(figure, self->out, "dem_beds.svg");
+    json_program(report, self);
     json_close(report);
-    if (wrong) common_fail("%d runs are not the same physics as the references", wrong);
-    if (changed) common_fail("%d runs gave other bits than the first", changed);
+    if (m.wrong) common_fail("%d runs are not the same physics as the references", m.wrong);
+    if (m.changed) common_fail("%d runs gave other bits than the first", m.changed);
+}
+
+int main(int argc, char **argv) {
+    char place[600];
+    const char *comparison_of = NULL;
+    settings s = {
+        0,       0, 0, FULL_STEPS, 1, dem_default_def().skin, output_find(place, sizeof place, "tests/reference/beds"),
+        "Riddle"};
+    option options[] = {
+        option_choice("spheres", &s.size_choice, "all|2000|20000|100000", "number of spheres"),
+        option_choice("scene", &s.scene_choice, "both|vibrated|static", "floor that vibrates or rests"),
+        option_choice("friction", &s.friction_choice, "both|on|off", "with friction, without"),
+        option_int("steps", "N", &s.steps, 1, 1000000, "time steps of 4e-6 s; the references belong to 5000"),
+        option_int("repeats", "N", &s.repeats, 1, REPEATS_MAX, "runs of each; medians are told"),
+        option_positive("skin", "X", &s.skin, 1.0, "margin of the neighbour list over the diameter [-]"),
+        option_string("beds", "DIR", &s.folder, "folder of the start files and references"),
+        option_string("label", "TEXT", &s.label, "name of this build in the CSV"),
+        option_string("compare", "FILE", &comparison_of, "run nothing, tell and draw the runs in this CSV"),
+    };
+    program self = program_start(
+        "dem_beds", "dem.h: speed of vibrated and static beds of spheres, with the physics checked against LAMMPS.",
+        options, sizeof options / sizeof *options, argc, argv);
+    if (strpbrk(s.label, ",\"\n")) program_refuse(&self, "label", s.label, "text without commas and quotes");
+    reference references[SIZES][SCENES];
+    if (references_read(references, s.folder) != 0) program_refuse(&self, "beds", s.folder, BED_FILES);
+    if (self.quick && !is_given(&self, "spheres")) s.size_choice = 1;
+#ifndef _OPENMP
+    self.threads = 1;
+#endif
+    if (comparison_of) compare(&self, comparison_of, references);
+    else tell_beds(&self, &s, references);
     return common_exit_status();
 }

@@ -93,27 +93,20 @@ int main(int argc, char **argv) {
     if (status != DEM_OK) common_fail("%s", dem_status_text(status));
     if (common_exit_status() == 0) {
         json *report = json_open(self.json);
-        riddle_io_file *file = csv_open(self.out, "dem_container.csv", "container,contact_step_s,over_planes,contacts");
-        riddle_io_table t = riddle_io_table_begin("container|contacts|ns a contact and step|over planes");
-        json_array_begin(report, "containers");
-        for (int k = 0; k < KINDS; k++) {
-            const double over = best[k] / best[0];
-            csv_line(file, "%s,%.9g,%.9g,%ld", name[k], best[k], over, (long)dem_contact_count(&world[k]));
-            riddle_io_table_cell(&t, "%s", name[k]), riddle_io_table_cell(&t, "%ld", (long)dem_contact_count(&world[k]));
-            riddle_io_table_cell(&t, "%.1f", 1e9 * best[k]), riddle_io_table_cell(&t, "%.2f", over);
-            json_object_begin(report, NULL);
-            json_string(report, "container", name[k]);
-            json_number(report, "contact_step_s", best[k]);
-            json_number(report, "over_planes", over);
-            json_object_end(report);
-        }
-        json_array_end(report);
-        table_end(&t), riddle_io_close(file);
-        const double number[KINDS] = {1, 2, 3}, times[KINDS] = {1.0, best[1] / best[0], best[2] / best[0]};
+        static const result_column columns[] = {{"container", "container", "%s"},
+                                                {"contact_step_s", "ns a contact and step", "%.1f", 1e9},
+                                                {"over_planes", "over planes", "%.2f"},
+                                                {"|contacts", "contacts", "%.0f"}};
+        result_table *t = RESULTS(columns);
+        for (int k = 0; k < KINDS; k++)
+            results_row(t, TEXTS(name[k]), best[k], best[k] / best[0], (double)dem_contact_count(&world[k]));
+        results_write(t, report, "containers", self.out, "dem_container.csv");
+        const double number[KINDS] = {1, 2, 3};
         riddle_plot *figure = riddle_plot_new("A bed at rest, one core", 1, 1);
         riddle_plot_panel(figure, 0, 0, "1 five planes, 2 dem_add_box, 3 triangles", "time of a contact and step over planes [-]");
-        riddle_plot_points(figure, NULL, number, times, KINDS);
+        riddle_plot_points(figure, NULL, number, results_column(t, "over_planes", 1.0), KINDS);
         riddle_plot_write(figure, self.out, "dem_container.svg");
+        results_free(t);
         json_program(report, &self);
         json_close(report);
     }

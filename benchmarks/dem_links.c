@@ -113,13 +113,16 @@ int main(int argc, char **argv) {
     outcome *exact = calloc((size_t)(ANGLES * phases), sizeof *exact), *out = calloc((size_t)(ANGLES * phases), sizeof *out);
     if (!exact || !out) common_fail("out of memory");
     json *report = json_open(self.json);
-    riddle_io_file *file = csv_open(self.out, "dem_links.csv", "speed_m_s,interval_s,error_rms,energy_error,other_fate");
+    static const result_column columns[] = {{"speed_m_s", "v [m/s]", "%g"},
+                                            {"interval_s", "interval [s], none: no bridges", "%g"},
+                                            {"error_rms", "rms error", "%.2e"},
+                                            {"energy_error", "energy left, mean error", "%+.1e"},
+                                            {"other_fate", "another fate", "%.4f"}};
+    result_table *t = RESULTS(columns);
     riddle_plot *figure = riddle_plot_new("How seldom may liquid bridges be evaluated?", 1, 1);
     riddle_plot_panel(figure, 0, 0, "interval [s]", "rms error of velocity and spin, over v [-]");
     riddle_plot_log_x(figure);
     riddle_plot_log_y(figure);
-    riddle_io_table t = riddle_io_table_begin("v [m/s]|interval [s]|rms error|energy left, mean error|another fate");
-    json_array_begin(report, "runs");
     const int runs = self.quick ? 1 : SPEEDS;
     for (int s = 0; s < runs && exact && out && !common_interrupted(); s++) {
         double y[LEVELS];
@@ -129,29 +132,16 @@ int main(int argc, char **argv) {
             const int dry = level == LEVELS;
             failed = impacts(speeds[s], dry ? 0.0 : intervals[level], steps_per_contact, dry ? 0.0 : moisture, phases, out);
             const pooled r = pool(out, exact, speeds[s], phases);
-            riddle_io_table_cell(&t, "%g", speeds[s]);
-            if (dry) riddle_io_table_cell(&t, "no bridges");
-            else riddle_io_table_cell(&t, "%g", intervals[level]), y[level] = r.rms;
-            riddle_io_table_cell(&t, "%.2e", r.rms);
-            riddle_io_table_cell(&t, "%+.1e", r.bias);
-            riddle_io_table_cell(&t, "%.4f", r.strayed);
-            csv_line(file, "%g,%g,%.9g,%.9g,%.9g", speeds[s], dry ? (double)NAN : intervals[level], r.rms, r.bias, r.strayed);
-            json_object_begin(report, NULL);
-            json_number(report, "speed_m_s", speeds[s]);
-            json_number(report, "interval_s", dry ? (double)NAN : intervals[level]);
-            json_number(report, "error_rms", r.rms);
-            json_number(report, "energy_error", r.bias);
-            json_number(report, "other_fate", r.strayed);
-            json_object_end(report);
+            if (!dry) y[level] = r.rms;
+            results_row(t, NULL, speeds[s], dry ? (double)NAN : intervals[level], r.rms, r.bias, r.strayed);
         }
         snprintf(label, sizeof label, "%g m/s", speeds[s]);
         riddle_plot_line(figure, label, intervals, y, failed ? 0 : LEVELS);
         riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     }
-    json_array_end(report);
-    table_end(&t);
+    results_write(t, report, "runs", self.out, "dem_links.csv");
+    results_free(t);
     riddle_plot_write(figure, self.out, "dem_links.svg");
-    riddle_io_close(file);
     json_program(report, &self);
     json_close(report);
     free(exact);

@@ -121,35 +121,22 @@ int main(int argc, char **argv) {
     if (common_interrupted()) return common_exit_status();
 
     json *report = json_open(self.json);
-    riddle_io_file *file = csv_open(self.out, "dem_mesh.csv", "triangles,spheres,step_s,over_plane,build_s,bytes_a_triangle");
-    riddle_io_table t = riddle_io_table_begin("floor|triangles|spheres|ns a step of a sphere|over the plane|build [ms]|bytes a triangle");
-    double count[POINTS_MAX], over[POINTS_MAX], build[POINTS_MAX];
-    json_array_begin(report, "points");
+    static const result_column columns[] = {{NULL, "floor", "%s"},
+                                            {"triangles", "triangles", "%.0f"},
+                                            {"spheres", "spheres", "%.0f"},
+                                            {"step_s", "ns a step of a sphere", "%.0f", 1e9},
+                                            {"over_plane", "over the plane", "%.2f"},
+                                            {"build_s", "build [ms]", "%.3g", 1e3},
+                                            {"bytes_per_triangle|bytes_a_triangle", "bytes a triangle", "%.0f"},
+                                            {"mean_height_m|"}};
+    result_table *t = RESULTS(columns);
     for (int k = 0; k < n; k++) {
         const point *p = &points[k];
-        const int spheres = rows[p->few] * rows[p->few];
-        count[k] = p->triangles, over[k] = p->step_s / points[p->few ? many : 0].step_s, build[k] = p->build_s;
-        csv_line(file, "%d,%d,%.9g,%.9g,%.9g,%.9g", p->triangles, spheres, p->step_s, over[k], p->build_s, p->bytes);
-        riddle_io_table_cell(&t, "%s", p->across == 0 ? "plane" : "triangles");
-        riddle_io_table_cell(&t, "%d", p->triangles);
-        riddle_io_table_cell(&t, "%d", spheres);
-        riddle_io_table_cell(&t, "%.0f", 1e9 * p->step_s);
-        riddle_io_table_cell(&t, "%.2f", over[k]);
-        riddle_io_table_cell(&t, "%.3g", 1e3 * p->build_s);
-        riddle_io_table_cell(&t, "%.0f", p->bytes);
-        json_object_begin(report, NULL);
-        json_integer(report, "spheres", spheres);
-        json_integer(report, "triangles", p->triangles);
-        json_number(report, "step_s", p->step_s);
-        json_number(report, "over_plane", over[k]);
-        json_number(report, "build_s", p->build_s);
-        json_number(report, "bytes_per_triangle", p->bytes);
-        json_number(report, "mean_height_m", p->height);
-        json_object_end(report);
+        results_row(t, TEXTS(p->across == 0 ? "plane" : "triangles"), p->triangles, rows[p->few] * rows[p->few],
+                    p->step_s, p->step_s / points[p->few ? many : 0].step_s, p->build_s, p->bytes, p->height);
     }
-    json_array_end(report);
-    table_end(&t);
-    riddle_io_close(file);
+    results_write(t, report, "points", self.out, "dem_mesh.csv");
+    const double *count = results_column(t, "triangles", 1.0), *over = results_column(t, "over_plane", 1.0);
     riddle_plot *figure = riddle_plot_new("A wall of triangles, one core; 112 bytes each: the last tree, 110 MB, exceeds the cache", 1, 2);
     riddle_plot_panel(figure, 0, 0, "triangles [-]", "step over that on a plane [-]");
     riddle_plot_log_x(figure), riddle_plot_log_y(figure);
@@ -159,8 +146,9 @@ int main(int argc, char **argv) {
     riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     riddle_plot_panel(figure, 0, 1, "triangles [-]", "dem_add_mesh: time [s]");
     riddle_plot_log_x(figure), riddle_plot_log_y(figure);
-    riddle_plot_points(figure, NULL, count + 1, build + 1, many - 1);
+    riddle_plot_points(figure, NULL, count + 1, results_column(t, "build_s", 1.0) + 1, many - 1);
     riddle_plot_write(figure, self.out, "dem_mesh.svg");
+    results_free(t);
     json_program(report, &self);
     json_close(report);
     return common_exit_status();

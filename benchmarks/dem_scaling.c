@@ -204,42 +204,31 @@ int main(int argc, char **argv) {
     progress_end(&bar);
 
     json *report = json_open(self.json);
-    riddle_io_file *file =
-        csv_open(self.out, "dem_scaling.csv",
-                 "bed,spheres,size_ratio,by_mass,steps,step_s,over_base,fill_s,contacts,looks,steps_a_list,bytes_a_sphere");
-    riddle_io_table t = riddle_io_table_begin(
-        "state|spheres|sizes|ns a particle-step|over 20 000 equal|contacts a sphere|looks a step|steps a list|bytes a sphere|fill [s]");
-    double count[POINTS_MAX], sizes[POINTS_MAX], over[POINTS_MAX];
-    json_array_begin(report, "points");
+    static const result_column columns[] = {{"state|", "state", "%s"},
+                                            {"|bed"},
+                                            {"spheres", "spheres", "%.0f"},
+                                            {NULL, "sizes", "%s"},
+                                            {"size_ratio"},
+                                            {"by_mass", NULL, "yes|no"},
+                                            {"|steps"},
+                                            {"particle_step_s|step_s", "ns a particle-step", "%.0f", 1e9},
+                                            {"over_base", "over 20 000 equal", "%.2f"},
+                                            {"fill_s", "fill [s]", "%.2f"},
+                                            {"|contacts", "contacts a sphere", "%.2f"},
+                                            {"|looks", "looks a step", "%.2f"},
+                                            {"|steps_a_list", "steps a list", "%.0f"},
+                                            {"bytes_per_sphere|bytes_a_sphere", "bytes a sphere", "%.0f"}};
+    result_table *t = RESULTS(columns);
     for (int k = 0; k < n; k++) {
         const point *p = &points[k];
-        count[k] = p->spheres, sizes[k] = p->ratio, over[k] = p->over_base;
-        csv_line(file, "%d,%d,%.17g,%d,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", p->bed > 0, p->spheres, p->ratio, p->by_mass, p->steps,
-                 p->step_s, over[k], p->fill_s, p->contacts, p->looks, p->steps_a_list, p->bytes);
-        riddle_io_table_cell(&t, "%s", p->bed ? "bed" : "gas");
-        riddle_io_table_cell(&t, "%d", p->spheres);
-        riddle_io_table_cell(&t, p->ratio == 1.0 ? "equal" : "1 : %g, by %s", p->ratio, p->by_mass ? "mass" : "number");
-        riddle_io_table_cell(&t, "%.0f", 1e9 * p->step_s);
-        riddle_io_table_cell(&t, "%.2f", over[k]);
-        riddle_io_table_cell(&t, "%.2f", p->contacts);
-        riddle_io_table_cell(&t, "%.2f", p->looks);
-        riddle_io_table_cell(&t, "%.0f", p->steps_a_list);
-        riddle_io_table_cell(&t, "%.0f", p->bytes);
-        riddle_io_table_cell(&t, "%.2f", p->fill_s);
-        json_object_begin(report, NULL);
-        json_string(report, "state", p->bed ? "bed" : "gas");
-        json_integer(report, "spheres", p->spheres);
-        json_number(report, "size_ratio", p->ratio);
-        json_bool(report, "by_mass", p->by_mass);
-        json_number(report, "particle_step_s", p->step_s);
-        json_number(report, "over_base", over[k]);
-        json_number(report, "bytes_per_sphere", p->bytes);
-        json_number(report, "fill_s", p->fill_s);
-        json_object_end(report);
+        char text[60] = "equal";
+        if (p->ratio != 1.0) snprintf(text, sizeof text, "1 : %g, by %s", p->ratio, p->by_mass ? "mass" : "number");
+        results_row(t, TEXTS(p->bed ? "bed" : "gas", text), p->bed > 0, p->spheres, p->ratio, p->by_mass, p->steps,
+                    p->step_s, p->over_base, p->fill_s, p->contacts, p->looks, p->steps_a_list, p->bytes);
     }
-    json_array_end(report);
-    table_end(&t);
-    riddle_io_close(file);
+    results_write(t, report, "points", self.out, "dem_scaling.csv");
+    const double *count = results_column(t, "spheres", 1.0), *sizes = results_column(t, "size_ratio", 1.0),
+                 *over = results_column(t, "over_base", 1.0);
     riddle_plot *figure = riddle_plot_new("Cost of a particle-step, one core", 1, 2);
     riddle_plot_panel(figure, 0, 0, "number of equal spheres [-]", "over that of 20 000 equal spheres [-]");
     riddle_plot_log_x(figure);
@@ -258,6 +247,7 @@ int main(int argc, char **argv) {
     riddle_plot_line(figure, "diameters even by mass", sizes + by_mass, over + by_mass, n - by_mass);
     riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     riddle_plot_write(figure, self.out, "dem_scaling.svg");
+    results_free(t);
     json_program(report, &self);
     json_close(report);
     return common_exit_status();

@@ -107,13 +107,17 @@ static void compare(const program *self, const char *path) {
         if (csv_column(&data, needed[k]) < 0) program_refuse(self, "compare", path, message);
     }
     json *report = json_open(self->json);
-    riddle_io_file *file = csv_open(self->out, "compare.csv",
-                                    "code,spheres,scene,state,particle_steps_per_cpu_s,cost_over_dry,mean_height_m,kinetic_energy_J");
-    riddle_io_table t =
-        riddle_io_table_begin("scene|code|bed|particle-steps per CPU second|cost over dry|mean height [m]|kinetic energy [J]");
+    static const result_column columns[] = {{"code", "code", "%s"},
+                                            {"|spheres"},
+                                            {"scene", "scene", "%s"},
+                                            {"state", "bed", "%s"},
+                                            {"particle_steps_per_cpu_s", "particle-steps per CPU second", "%.3g"},
+                                            {"cost_over_dry", "cost over dry", "%.2f"},
+                                            {"mean_height_m", "mean height [m]", "%.7f"},
+                                            {"kinetic_energy_J", "kinetic energy [J]", "%.5g"}};
+    result_table *t = RESULTS(columns);
     for (int k = 0; k < CODES; k++)
         for (int g = 0; g < SCENES * STATES; g++) speed[k][g] = (double)NAN;
-    json_array_begin(report, "beds");
     for (int g = 0; g < SCENES * STATES; g++) {
         for (int row = 0; row < data.rows; row++) {
             const int scene = named(&data, row, "scene", scene_names, SCENES), state = named(&data, row, "state", state_names, STATES);
@@ -123,37 +127,38 @@ static void compare(const program *self, const char *path) {
             while (k < n && strcmp(codes[k], code) != 0) k++;
             if (k == CODES) continue;
             if (k == n) codes[n++] = code;
-            const double spheres = csv_value(&data, row, "spheres"), height = csv_value(&data, row, "mean_height_m");
-            const double energy = csv_value(&data, row, "kinetic_energy_J");
+            const double spheres = csv_value(&data, row, "spheres");
             speed[k][g] = 1e-6 * spheres * csv_value(&data, row, "steps") / csv_value(&data, row, "cpu_s");
-            const double cost = speed[k][scene * STATES] / speed[k][g];
-            riddle_io_table_cell(&t, "%s", scene_names[scene]);
-            riddle_io_table_cell(&t, "%s", code);
-            riddle_io_table_cell(&t, "%s", state_names[state]);
-            riddle_io_table_cell(&t, "%.3g", 1e6 * speed[k][g]);
-            riddle_io_table_cell(&t, "%.2f", cost);
-            riddle_io_table_cell(&t, "%.7f", height);
-            riddle_io_table_cell(&t, "%.5g", energy);
-            csv_line(file, "%s,%.0f,%s,%s,%.9g,%.6g,%.17g,%.17g", code, spheres, scene_names[scene], state_names[state], 1e6 * speed[k][g],
-                     cost, height, energy);
-            json_object_begin(report, NULL);
-            json_string(report, "code", code);
-            json_string(report, "scene", scene_names[scene]);
-            json_string(report, "state", state_names[state]);
-            json_number(report, "particle_steps_per_cpu_s", 1e6 * speed[k][g]);
-            json_number(report, "cost_over_dry", cost);
-            json_number(report, "mean_height_m", height);
-            json_number(report, "kinetic_energy_J", energy);
-            json_object_end(report);
+            results_row(t, TEXTS(code, scene_names[scene], state_names[state]), spheres, 1e6 * speed[k][g],
+                        speed[k][scene * STATES] / speed[k][g], csv_value(&data, row, "mean_height_m"),
+                        csv_value(&data, row, "kinetic_energy_J"));
         }
     }
-    json_array_end(report);
-    table_end(&t);
-    riddle_io_close(file);
+    results_write(t, report, "beds", self->out, "compare.csv");
+    results_free(t);
     draw(self, codes, speed, n);
     json_program(report, self);
     json_close(report);
     csv_free(&data);
+}
+
+/* ---- own runs ---- */
+
+/* The repeats of a bed: its last run and the median of the times [s]; 0, or -1. */
+static int repeat_bed(run *r, double *cpu_s, const bed *b, int g, double moisture, int steps, int repeats,
+                      progress *bar) {
+    const char *scene = scene_names[g / STATES], *state = state_names[g % STATES];
+    double cpu[REPEATS_MAX];
+    uint64_t hash = 0;
+    for (int k = 0; k < repeats; k++) {
+        if (bed_run(r, b, g / STATES, g % STATES, moisture, steps, 1, bar) != 0 || common_interrupted()) return -1;
+        cpu[k] = r->cpu_s;
+        if (k > 0 && r->hash != hash) common_fail("%s, %s: another hash in run %d", scene, state, k + 1);
+        hash = r->hash;
+    }
+    if (r->liquid_error != 0.0) common_fail("%s, %s: liquid is lost: %g of it", scene, state, r->liquid_error);
+    *cpu_s = median(cpu, repeats);
+    return 0;
 }
 
 int main(int argc, char **argv) {
@@ -184,65 +189,38 @@ int main(int argc, char **argv) {
     bed b;
     if (bed_read(&b, folder, sizes[size_choice], message, sizeof message) != 0) program_refuse(&self, "beds", folder, BED_FILES);
     json *report = json_open(self.json);
-    riddle_io_file *file = csv_open(
-        self.out, "dem_wet.csv", "code,spheres,scene,state,steps,cpu_s,mean_height_m,kinetic_energy_J,bridges_per_sphere,bridge_volume_m3");
-    riddle_io_table t = riddle_io_table_begin(
-        "bed|state|particle-steps per CPU second|cost over dry|bridges a sphere|mean volume [m3]|liquid error|mean height [m]|"
-        "kinetic energy [J]");
+    static const result_column columns[] = {{"|code", NULL, "%s"},
+                                            {"spheres"},
+                                            {"scene", "bed", "%s"},
+                                            {"state", "state", "%s"},
+                                            {"steps"},
+                                            {"cpu_s"},
+                                            {"mean_height_m", "mean height [m]", "%.7f"},
+                                            {"kinetic_energy_J", "kinetic energy [J]", "%.5g"},
+                                            {"bridges_per_sphere", "bridges a sphere", "%.3f"},
+                                            {"bridge_volume_m3", "mean volume [m3]", "%.3g"},
+                                            {"particle_steps_per_cpu_s|", "particle-steps per CPU second", "%.3g"},
+                                            {"cost_over_dry|", "cost over dry", "%.2f"},
+                                            {"liquid_error_rel|", "liquid error", "%.1g"}};
+    result_table *t = RESULTS(columns);
     double speed[1][SCENES * STATES];
     progress bar;
     progress_begin(&bar, "wet beds", (double)(scene_choice ? 1 : SCENES) * STATES * repeats * steps * b.n);
-    json_array_begin(report, "beds");
-    for (int g = 0; g < SCENES * STATES; g++) {
-        const int scene = g / STATES, state = g % STATES;
-        double cpu[REPEATS_MAX];
+    for (int g = 0; g < SCENES * STATES; g++) speed[0][g] = (double)NAN;
+    for (int g = 0; g < SCENES * STATES && !common_interrupted(); g++) {
+        const int scene = g / STATES;
+        double cpu_s;
         run r = {0};
-        speed[0][g] = (double)NAN;
-        if ((scene_choice != 0 && scene_choice != scene + 1) || common_interrupted()) continue;
-        uint64_t hash = 0;
-        int failed = 0;
-        for (int k = 0; k < repeats && !failed && !common_interrupted(); k++) {
-            failed = bed_run(&r, &b, scene, state, moisture, steps, 1, &bar) != 0;
-            cpu[k] = r.cpu_s;
-            if (k > 0 && r.hash != hash) common_fail("%s, %s: another hash in run %d", scene_names[scene], state_names[state], k + 1);
-            hash = r.hash;
-        }
-        if (failed || common_interrupted()) break;
-        if (r.liquid_error != 0.0) common_fail("%s, %s: liquid is lost: %g of it", scene_names[scene], state_names[state], r.liquid_error);
-        const double cpu_s = median(cpu, repeats);
+        if (scene_choice != 0 && scene_choice != scene + 1) continue;
+        if (repeat_bed(&r, &cpu_s, &b, g, moisture, steps, repeats, &bar) != 0) break;
         speed[0][g] = 1e-6 * (double)steps * b.n / cpu_s;
-        const double cost = speed[0][scene * STATES] / speed[0][g];
-        riddle_io_table_cell(&t, "%s", scene_names[scene]);
-        riddle_io_table_cell(&t, "%s", state_names[state]);
-        riddle_io_table_cell(&t, "%.3g", 1e6 * speed[0][g]);
-        riddle_io_table_cell(&t, "%.2f", cost);
-        riddle_io_table_cell(&t, "%.3f", r.bridges);
-        riddle_io_table_cell(&t, "%.3g", r.volume);
-        riddle_io_table_cell(&t, "%.1g", r.liquid_error);
-        riddle_io_table_cell(&t, "%.7f", r.height);
-        riddle_io_table_cell(&t, "%.5g", r.energy);
-        csv_line(file, "%s,%d,%s,%s,%d,%.9g,%.17g,%.17g,%.9g,%.9g", label, b.n, scene_names[scene], state_names[state], steps, cpu_s,
-                 r.height, r.energy, r.bridges, r.volume);
-        json_object_begin(report, NULL);
-        json_integer(report, "spheres", b.n);
-        json_string(report, "scene", scene_names[scene]);
-        json_string(report, "state", state_names[state]);
-        json_integer(report, "steps", steps);
-        json_number(report, "cpu_s", cpu_s);
-        json_number(report, "particle_steps_per_cpu_s", 1e6 * speed[0][g]);
-        json_number(report, "cost_over_dry", cost);
-        json_number(report, "bridges_per_sphere", r.bridges);
-        json_number(report, "bridge_volume_m3", r.volume);
-        json_number(report, "liquid_error_rel", r.liquid_error);
-        json_number(report, "mean_height_m", r.height);
-        json_number(report, "kinetic_energy_J", r.energy);
-        json_object_end(report);
+        results_row(t, TEXTS(label, scene_names[scene], state_names[g % STATES]), b.n, steps, cpu_s, r.height, r.energy,
+                    r.bridges, r.volume, 1e6 * speed[0][g], speed[0][scene * STATES] / speed[0][g], r.liquid_error);
     }
     progress_end(&bar);
     bed_free(&b);
-    json_array_end(report);
-    table_end(&t);
-    riddle_io_close(file);
+    results_write(t, report, "beds", self.out, "dem_wet.csv");
+    results_free(t);
     draw(&self, &label, speed, 1);
     json_program(report, &self);
     json_close(report);

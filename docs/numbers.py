@@ -135,6 +135,35 @@ def filter_curve(r, csv, json):
     }
 
 
+def filter_ranges(r, csv, json):
+    rows = csv("filter_ranges.csv")
+    families = [("of t / V, of time, of volume, in proportion to t; independent", ("equal t/V", "time", "volume", "proportional")),
+                ("of time, t / V, volume; correlation 0.6 from reading to reading", ("time, AR 0.6", "t/V, AR 0.6", "volume, AR 0.6")),
+                ("a balance that wanders: errors add up to 0.8 %", ("balance walks",)),
+                ("a balance that drifts in proportion to time, 1.2 %", ("balance drifts",))]
+
+    def held(known, scatters, low, high):
+        chosen = [row[key] for row in rows for key in ("slope", "intercept", "half", "whole", "twice")
+                  if row["known"] == known and row["scatter"] in scatters and low <= row["readings"] <= high]
+        return f"{min(chosen):.0f} to {max(chosen):.0f} %" if chosen else ""
+
+    def wider(readings):
+        of = {known: next(row["half_width"] for row in rows
+                          if row["known"] == known and row["scatter"] == "time" and row["readings"] == readings)
+              for known in ("nothing", "independent")}
+        return of["nothing"] / of["independent"]
+
+    kinds = [{"name": name, "nothing": [held("nothing", scatters, low, high) for low, high in ((3, 13), (30, 30), (200, 200))],
+              "independent": held("independent", scatters, 3, 200), "drift": held("drift", scatters, 3, 200)} for name, scatters in families]
+    return {
+        "rows": table(kinds, [("scatter", "name", ""), ("nothing given, 3 to 13 readings", lambda x: x["nothing"][0], ""),
+                ("30", lambda x: x["nothing"][1], ""), ("200", lambda x: x["nothing"][2], ""),
+                ("`independent`, 3 to 200", "independent", ""), ("`drift_error`, 3 to 200", "drift", "")]),
+        "wider_8": f"{wider(8):.1f}",
+        "wider_200": f"{wider(200):.1f}",
+    }
+
+
 def screen_deck(r, csv, json):
     return {
         "runs": table(r["runs"], [("feed [t/h]", "feed_t_h", ".0f"), ("steady from [s]", "measured_from_s", ".2f"),

@@ -14,11 +14,11 @@
 
 #include "common.h"
 #include "dem.h"
+#include "heap_slope.h"
 #include "world_picture.h"
 
 enum {
-    RINGS = 6,
-    SECTORS = 12,
+    RINGS = HEAP_RINGS,
     CASES = 5,
     HEAPS_MAX = 50,
     AROUND = 48,
@@ -119,34 +119,13 @@ static double take_stock(heap *h, const dem_world *w, dem_vec centre, double pla
     return top;
 }
 
-/* Highest centres by ring and sector, and the line through the rings' means between a fifth of the radius and the rim. Returns how many
-   rings the line has. */
+/* The slope of what lies below the outlet. Returns how many rings the line has. */
 static int measure(heap *h, const dem_world *w, dem_vec centre, double plate) {
-    double top[RINGS][SECTORS], n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
-    h->angle = (double)NAN;
-    for (int k = 0; k < RINGS * SECTORS; k++) top[k / SECTORS][k % SECTORS] = (double)NAN;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem_vec p = dem_position(w, i);
-        const double out = hypot(p.x - centre.x, p.y - centre.y), up = p.z - centre.z;
-        if (!w->alive[i] || !(out < plate && up >= 0.0 && up < h->outlet)) continue;
-        const int ring = (int)(RINGS * out / plate),
-                  sector = (int)((0.5 + 0.5 * atan2(p.y - centre.y, p.x - centre.x) / RIDDLE_PI) * SECTORS) % SECTORS;
-        if (!(up <= top[ring][sector])) top[ring][sector] = up;
-    }
-    for (int k = 0; k < RINGS; k++) {
-        int filled = 0;
-        double sum = 0.0;
-        for (int s = 0; s < SECTORS; s++) {
-            if (top[k][s] == top[k][s]) sum += top[k][s], filled++;
-        }
-        h->radius[k] = (k + 0.5) * plate / RINGS;
-        h->height[k] = 2 * filled >= (k == 0 ? 2 : SECTORS) ? sum / filled : (double)NAN;
-        if (k == 0 || !(h->height[k] == h->height[k])) continue; /* the tip is round */
-        const double r = h->radius[k], z = h->height[k];
-        n += 1.0, x += r, y += z, xx += r * r, xy += r * z;
-    }
-    if (n >= 3.0) h->angle = -atan((xy - x * y / n) / (xx - x * x / n));
-    return (int)n;
+    const heap_slope found = heap_slope_of(w, centre, dem_vec3(0, 0, 1), plate, h->outlet);
+    memcpy(h->radius, found.radius, sizeof h->radius);
+    memcpy(h->height, found.height, sizeof h->height);
+    h->angle = found.angle;
+    return found.rings;
 }
 
 /* Is the largest speed on the plate below that of a fall through a thousandth of a diameter? */

@@ -164,21 +164,24 @@ static classifier_status fit_measured(measured *m, classifier_fit_result *fit) {
 
 /* Prints and writes what the balance makes of three size distributions: T of each class with its standard deviation, adjusted shares. */
 static void write_balance(const program *self, const measured *m) {
-    riddle_io_file *file = csv_open(self->out, "balance.csv",
-                                    "# share of a class that goes to the coarse product, its standard deviation; adjusted shares\n"
-                                    "low_m,high_m,t,t_sd,feed,coarse,fine");
-    riddle_io_table out = riddle_io_table_begin("class [um]|T [-]|sd [-]|feed [-]|coarse [-]|fine [-]");
+    static const result_column columns[] = {{NULL, "class [um]", "%s"},
+                                            {"low_m"},
+                                            {"high_m"},
+                                            {"t", "T [-]", "%.4f"},
+                                            {"t_sd", "sd [-]", "%.4f"},
+                                            {"feed", "feed [-]", "%.4f"},
+                                            {"coarse", "coarse [-]", "%.4f"},
+                                            {"fine", "fine [-]", "%.4f"}};
+    result_table *t = RESULTS(columns);
     for (int i = 0; i < m->classes; i++) {
-        const double row[7] = {m->low[i],      m->high[i],     m->tromp[i],    m->tromp_sd[i],
-                               m->share[0][i], m->share[1][i], m->share[2][i]};
         char text[60];
-        riddle_io_row(file, row, 7);
         snprintf(text, sizeof text, "%.4g .. %.4g", 1e6 * m->low[i], 1e6 * m->high[i]);
-        riddle_io_table_cell(&out, "%s", text);
-        for (int k = 2; k < 7; k++) riddle_io_table_cell(&out, "%.4f", row[k]);
+        results_row(t, TEXTS(text), m->low[i], m->high[i], m->tromp[i], m->tromp_sd[i], m->share[0][i], m->share[1][i],
+                    m->share[2][i]);
     }
-    riddle_io_close(file);
-    table_end(&out);
+    results_print(t);
+    results_csv(t, self->out, "balance.csv");
+    results_free(t);
     common_print("Coarse product %.4f of the feed; balance: chi squared %.3g with %d degrees of freedom.\n", m->coarse_share, m->chi_squared,
                  m->freedom);
     if (m->from_curve)
@@ -351,9 +354,8 @@ static void draw_approach(const program *self, const classifier_def defs[3], jso
         riddle_plot_style(angle, k == 1 ? RIDDLE_PLOT_DASHED : k == 2 ? RIDDLE_PLOT_DOTTED : 0, k);
     }
     sample_approach(def, n, &a);
-    json_number(report, "impact_radius_mean_m", a.mean_radius);
-    json_number(report, "impact_angle_mean_rad", a.mean_angle);
-    json_number(report, "impact_speed_mean_m_per_s", a.mean_speed);
+    results_values(report, {"impact_radius_mean_m", a.mean_radius}, {"impact_angle_mean_rad", a.mean_angle},
+                   {"impact_speed_mean_m_per_s", a.mean_speed});
     riddle_plot_text_share(radius, 0.03, 0.45, "the last bin also holds hits on the paddle's edge");
     riddle_plot_write(radius, self->out, "fig10_impact_radius.svg");
     riddle_plot_write(angle, self->out, "fig08_rebound_on_wheel.svg");
@@ -663,24 +665,29 @@ static void write_curve(const program *self, const classifier_model *model, cons
     riddle_io_close(file);
 }
 
-static void print_outcome(const outcome *o, const char *material) {
+/* Of the material by its name, and by its key in the report. */
+static void tell_outcome(json *report, const outcome *o, const char *material, const char *key) {
     const classifier_def *def = &o->def;
     const classifier_result *r = &o->r;
+    const double weights[3] = {r->weights.clean, r->weights.thrown, r->weights.again};
     const double undisturbed = classifier_radial_velocity(&def->wheel, def->air_flow, def->wheel.outer_radius);
     common_print("%s, %.0f 1/min, %g m3/h, rim %.2f m/s, gas %.2f m/s (undisturbed %.2f)\n\n", material, def->rpm, 3600.0 * def->air_flow,
                  def->rpm * RIDDLE_PI / 30.0 * def->wheel.outer_radius, def->radial_factor * undisturbed, undisturbed);
-    riddle_io_table out =
-        riddle_io_table_begin("x25 [um]|x50 [um]|x75 [um]|sharpness [-]|error of T [-]|Re at x50|eq 3 [um]|eq 6 [um]|eq 6, projected [um]");
-    riddle_io_table_cell(&out, "%.2f", 1e6 * r->x25);
-    riddle_io_table_cell(&out, "%.2f", 1e6 * r->x50);
-    riddle_io_table_cell(&out, "%.2f", 1e6 * r->x75);
-    riddle_io_table_cell(&out, "%.3f", r->sharpness);
-    riddle_io_table_cell(&out, "%.1e", r->t_error);
-    riddle_io_table_cell(&out, "%.0f", r->re50);
-    riddle_io_table_cell(&out, "%.2f", 1e6 * o->eq3);
-    riddle_io_table_cell(&out, "%.2f", 1e6 * o->eq6);
-    riddle_io_table_cell(&out, "%.2f", 1e6 * o->eq6_projected);
-    table_end(&out);
+    json_string(report, "material", key);
+    json_string(report, "basis", def->basis == CLASSIFIER_PROJECTED ? "projected" : "equivalent");
+    results_values(report, {"rpm", def->rpm}, {"air_m3_per_s", def->air_flow}, {"radial_factor", def->radial_factor},
+                   {"x25_m", r->x25, "x25 [um]", "%.2f", 1e6}, {"x50_m", r->x50, "x50 [um]", "%.2f", 1e6},
+                   {"x75_m", r->x75, "x75 [um]", "%.2f", 1e6}, {"x50_error_m", r->x50_error},
+                   {"sharpness", r->sharpness, "sharpness [-]", "%.3f"}, {"ecart_probable_m", r->ecart_probable},
+                   {"t_error", r->t_error, "error of T [-]", "%.1e"}, {"re50", r->re50, "Re at x50", "%.0f"},
+                   {"eq3_m", o->eq3, "eq 3 [um]", "%.2f", 1e6}, {"eq6_m", o->eq6, "eq 6 [um]", "%.2f", 1e6},
+                   {"eq6_projected_m", o->eq6_projected, "eq 6, projected [um]", "%.2f", 1e6}, {"missed", r->missed},
+                   {"clamped", r->clamped}, {"model_s", o->seconds});
+    json_array(report, "case_weights", weights, 3);
+    json_array(report, "x_m", o->x, SIZES);
+    json_array(report, "tromp", o->t, SIZES);
+    json_bool(report, "cut_outside", (r->flags & CLASSIFIER_CUT_OUTSIDE) != 0);
+    json_bool(report, "extrapolated", (o->flags & CLASSIFIER_EXTRAPOLATED) != 0);
     common_print("\nCases: clean %.3f, thrown by a particle %.3f, hit again %.3f. Model and curve: %.1f ms.\n", r->weights.clean,
                  r->weights.thrown, r->weights.again, 1e3 * o->seconds);
     if (o->flags & CLASSIFIER_EXTRAPOLATED)
@@ -701,53 +708,17 @@ static void print_fit(const classifier_fit_result *fit) {
                  range_of(range[2], sizeof *range, fit->bypass_low, fit->bypass_high, 3), fit->rms, fit->dof);
 }
 
-static void report_outcome(json *report, const outcome *o, const char *material) {
-    const classifier_result *r = &o->r;
-    const double weights[3] = {r->weights.clean, r->weights.thrown, r->weights.again};
-    json_string(report, "material", material);
-    json_number(report, "rpm", o->def.rpm);
-    json_number(report, "air_m3_per_s", o->def.air_flow);
-    json_string(report, "basis", o->def.basis == CLASSIFIER_PROJECTED ? "projected" : "equivalent");
-    json_number(report, "radial_factor", o->def.radial_factor);
-    json_number(report, "x25_m", r->x25);
-    json_number(report, "x50_m", r->x50);
-    json_number(report, "x75_m", r->x75);
-    json_number(report, "x50_error_m", r->x50_error);
-    json_number(report, "sharpness", r->sharpness);
-    json_number(report, "ecart_probable_m", r->ecart_probable);
-    json_number(report, "t_error", r->t_error);
-    json_number(report, "eq3_m", o->eq3);
-    json_number(report, "eq6_m", o->eq6);
-    json_number(report, "eq6_projected_m", o->eq6_projected);
-    json_number(report, "re50", r->re50);
-    json_array(report, "case_weights", weights, 3);
-    json_array(report, "x_m", o->x, SIZES);
-    json_array(report, "tromp", o->t, SIZES);
-    json_bool(report, "cut_outside", (r->flags & CLASSIFIER_CUT_OUTSIDE) != 0);
-    json_bool(report, "extrapolated", (o->flags & CLASSIFIER_EXTRAPOLATED) != 0);
-    json_number(report, "missed", r->missed);
-    json_number(report, "clamped", r->clamped);
-    json_number(report, "model_s", o->seconds);
-}
-
 static void report_fit(json *report, const classifier_fit_result *fit) {
     json_object_begin(report, "fit");
-    json_number(report, "x50_m", fit->curve.size);
-    json_number(report, "x50_sd_m", fit->size_sd);
-    json_number(report, "x50_low_m", fit->size_low);
-    json_number(report, "x50_high_m", fit->size_high);
-    json_number(report, "degrees_of_freedom", fit->dof);
-    json_number(report, "slope", fit->curve.slope);
-    json_number(report, "bypass", fit->curve.bypass);
-    json_number(report, "slope_low", fit->slope_low);
-    json_number(report, "slope_high", fit->slope_high);
-    json_number(report, "bypass_low", fit->bypass_low);
-    json_number(report, "bypass_high", fit->bypass_high);
-    json_number(report, "rms", fit->rms);
+    results_values(report, {"x50_m", fit->curve.size}, {"x50_sd_m", fit->size_sd}, {"x50_low_m", fit->size_low},
+                   {"x50_high_m", fit->size_high}, {"degrees_of_freedom", fit->dof}, {"slope", fit->curve.slope},
+                   {"bypass", fit->curve.bypass}, {"slope_low", fit->slope_low}, {"slope_high", fit->slope_high},
+                   {"bypass_low", fit->bypass_low}, {"bypass_high", fit->bypass_high}, {"rms", fit->rms});
     json_object_end(report);
 }
 
 int main(int argc, char **argv) {
+    static const char *const keys[3] = {"limestone", "ground-glass", "beads"};
     int material = 0, basis = 0, law = 0;
     double rpm = 3000.0, air = 75.0, contacts = 1.0, x50 = 0.0, factor = 2.7;
     bool calibrate = false;
@@ -825,18 +796,13 @@ int main(int argc, char **argv) {
     o.seconds = machine_seconds() - began;
     if (status != CLASSIFIER_OK) return common_fail("%s", classifier_status_text(status)), common_exit_status();
     write_curve(&self, &model, o.x);
-    print_outcome(&o, material_names[material]);
-    if (m.classes) write_balance(&self, &m);
-    if (fitted) print_fit(&fit);
-
-    const char *const keys[3] = {"limestone", "ground-glass", "beads"};
     json *report = json_open(self.json);
-    report_outcome(report, &o, keys[material]);
-    if (fitted) report_fit(report, &fit);
+    tell_outcome(report, &o, material_names[material], keys[material]);
+    if (m.classes) write_balance(&self, &m);
+    if (fitted) print_fit(&fit), report_fit(report, &fit);
     if (sizes) {
-        json_number(report, "coarse_share", m.coarse_share);
-        json_number(report, "chi_squared", m.chi_squared);
-        json_integer(report, "freedom", m.freedom);
+        results_values(report, {"coarse_share", m.coarse_share}, {"chi_squared", m.chi_squared},
+                       {"freedom", m.freedom});
     }
     char name[100];
     snprintf(name, sizeof name, "%s at %g m³/h", material_names[material], air);

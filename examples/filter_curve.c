@@ -154,14 +154,15 @@ static runs draw_readings(const settings *s, uint64_t seed) {
 
 static void report_estimate(json *report, const char *key, const filtration_estimate *e) {
     json_object_begin(report, key);
-    json_number(report, "value", e->value);
-    json_number(report, "standard_error", e->error);
-    json_number(report, "low", e->low);
-    json_number(report, "high", e->high);
+    results_values(report, {"value", e->value}, {"standard_error", e->error}, {"low", e->low}, {"high", e->high});
     json_object_end(report);
 }
 
-static void row(riddle_io_table *t, const char *name, const char *unit, const filtration_estimate *e) {
+/* On the screen, where it has a number, and in the report. */
+static void tell_estimate(json *report, riddle_io_table *t, const char *key, const char *name, const char *unit,
+                          const filtration_estimate *e) {
+    report_estimate(report, key, e);
+    if (isnan(e->value)) return;
     riddle_io_table_cell(t, "%s", name);
     riddle_io_table_cell(t, "%.4g", e->value);
     riddle_io_table_cell(t, isfinite(e->error) ? "%.2g" : "none", e->error);
@@ -169,63 +170,42 @@ static void row(riddle_io_table *t, const char *name, const char *unit, const fi
     riddle_io_table_cell(t, "%s", unit);
 }
 
-static void print_curve(const settings *s, const readings *r, const filtration_curve *c,
-                        const filtration_estimate *clean) {
+static void tell_curve(json *report, const settings *s, const readings *r, const filtration_curve *c,
+                       const filtration_estimate *clean) {
     common_print("Straight stretch: readings %zu to %zu, %.3g to %.3g mL; %zu readings, scatter %.2g %%, R2 %.5f\n",
                  c->first + 1, c->last + 1, 1e6 * r->volume[c->first], 1e6 * r->volume[c->last], c->used,
                  100.0 * c->scatter, c->r2);
     common_print("Intervals of %.3g %%: Student's t %.3f with %.3g degrees of freedom\n\n", 100.0 * c->confidence,
                  c->student, c->freedom);
+    json_string(report, "source", s->data ? s->data : "drawn from the paper's numbers");
+    results_values(report, {"readings", (double)r->n}, {"pressure_pa", s->def.pressure},
+                   {"viscosity_pa_s", s->def.viscosity}, {"area_m2", s->def.area}, {"cake_ratio", s->def.cake_ratio});
+    json_object_begin(report, "stretch");
+    results_values(report, {"first", (double)c->first}, {"last", (double)c->last}, {"used", (double)c->used},
+                   {"from_m3", r->volume[c->first]}, {"to_m3", r->volume[c->last]}, {"scatter", c->scatter},
+                   {"bend", c->bend}, {"correlation", c->correlation}, {"r2", c->r2},
+                   {"degrees_of_freedom", c->freedom}, {"student_t", c->student}, {"confidence", c->confidence});
+    json_object_end(report);
     riddle_io_table t = riddle_io_table_begin("|value|standard error|interval|unit");
-    row(&t, "slope", "s/m6", &c->slope);
-    row(&t, "intercept", "s/m3", &c->intercept);
-    row(&t, "r_K K_S", "1/m2", &c->product);
-    if (c->cake.value == c->cake.value) row(&t, "specific cake resistance r_K", "1/m2", &c->cake);
-    if (c->by_mass.value == c->by_mass.value) row(&t, "alpha", "m/kg", &c->by_mass);
-    row(&t, "medium R_M", "1/m", &c->medium);
-    if (s->clean_volume > 0.0) row(&t, "clean medium R_M0", "1/m", clean);
+    tell_estimate(report, &t, "slope_s_per_m6", "slope", "s/m6", &c->slope);
+    tell_estimate(report, &t, "intercept_s_per_m3", "intercept", "s/m3", &c->intercept);
+    tell_estimate(report, &t, "r_k_k_s_per_m2", "r_K K_S", "1/m2", &c->product);
+    tell_estimate(report, &t, "r_k_per_m2", "specific cake resistance r_K", "1/m2", &c->cake);
+    tell_estimate(report, &t, "alpha_m_per_kg", "alpha", "m/kg", &c->by_mass);
+    tell_estimate(report, &t, "r_m_per_m", "medium R_M", "1/m", &c->medium);
+    if (s->clean_volume > 0.0) tell_estimate(report, &t, "r_m0_per_m", "clean medium R_M0", "1/m", clean);
     table_end(&t);
     if (s->clean_volume > 0.0)
         common_print("\nInterference of the first layer R_MI = R_M - R_M0: %.3g 1/m\n", c->medium.value - clean->value);
     if (s->sauter > 0.0 && c->cake.value > 0.0)
         common_print("Porosity that Kozeny and Carman would give r_K at %.3g um: %.3f\n", 1e6 * s->sauter,
                      filtration_kozeny_porosity(c->cake.value, s->sauter, FILTRATION_KOZENY_CARMAN));
-    for (unsigned bit = 1; bit <= FILTRATION_REMARK_DRIFT; bit *= 2)
-        if (c->remarks & bit) common_print("Remark: %s\n", filtration_remark_text(bit));
-}
-
-static void report_curve(json *report, const settings *s, const readings *r, const filtration_curve *c,
-                         const filtration_estimate *clean) {
-    json_string(report, "source", s->data ? s->data : "drawn from the paper's numbers");
-    json_integer(report, "readings", (long long)r->n);
-    json_number(report, "pressure_pa", s->def.pressure);
-    json_number(report, "viscosity_pa_s", s->def.viscosity);
-    json_number(report, "area_m2", s->def.area);
-    json_number(report, "cake_ratio", s->def.cake_ratio);
-    json_object_begin(report, "stretch");
-    json_integer(report, "first", (long long)c->first);
-    json_integer(report, "last", (long long)c->last);
-    json_integer(report, "used", (long long)c->used);
-    json_number(report, "from_m3", r->volume[c->first]);
-    json_number(report, "to_m3", r->volume[c->last]);
-    json_number(report, "scatter", c->scatter);
-    json_number(report, "bend", c->bend);
-    json_number(report, "correlation", c->correlation);
-    json_number(report, "r2", c->r2);
-    json_number(report, "degrees_of_freedom", c->freedom);
-    json_number(report, "student_t", c->student);
-    json_number(report, "confidence", c->confidence);
-    json_object_end(report);
-    report_estimate(report, "slope_s_per_m6", &c->slope);
-    report_estimate(report, "intercept_s_per_m3", &c->intercept);
-    report_estimate(report, "r_k_k_s_per_m2", &c->product);
-    report_estimate(report, "r_k_per_m2", &c->cake);
-    report_estimate(report, "alpha_m_per_kg", &c->by_mass);
-    report_estimate(report, "r_m_per_m", &c->medium);
-    if (s->clean_volume > 0.0) report_estimate(report, "r_m0_per_m", clean);
     json_array_begin(report, "remarks");
     for (unsigned bit = 1; bit <= FILTRATION_REMARK_DRIFT; bit *= 2)
-        if (c->remarks & bit) json_string(report, NULL, filtration_remark_text(bit));
+        if (c->remarks & bit) {
+            common_print("Remark: %s\n", filtration_remark_text(bit));
+            json_string(report, NULL, filtration_remark_text(bit));
+        }
     json_array_end(report);
 }
 
@@ -237,21 +217,20 @@ static void draw_curve(const program *self, const settings *s, const readings *r
     double *rest = used_y + r->n + 1;
     if (!x) exit((common_fail("out of memory"), common_exit_status()));
     int n = 0, used = 0;
-    riddle_io_file *file =
-        csv_open(self->out, "filter_curve.csv", "time_s,volume_m3,time_over_volume_s_per_m3,line_s_per_m3,used");
+    result_table *t = results_of("time_s,volume_m3,time_over_volume_s_per_m3,line_s_per_m3,used");
     for (size_t i = 0; i < r->n; i++) {
         const double ordinate = (r->time[i] - t1) / (r->volume[i] - V1),
                      line = c->intercept.value + c->slope.value * (r->volume[i] + V1);
         const int counts = i >= c->first && i <= c->last && r->volume[i] > V1 && r->time[i] > t1;
         if (!(r->volume[i] > V1 && r->time[i] > t1)) continue;
-        const double cells[5] = {r->time[i], r->volume[i], ordinate, line, counts};
-        riddle_io_row(file, cells, 5);
+        results_row(t, NULL, r->time[i], r->volume[i], ordinate, line, counts);
         if (counts)
             used_x[used] = 1e6 * r->volume[i], used_y[used] = 1e-6 * ordinate,
             rest[used++] = 100.0 * (ordinate / line - 1.0);
         else x[n] = 1e6 * r->volume[i], y[n++] = 1e-6 * ordinate;
     }
-    riddle_io_close(file);
+    results_csv(t, self->out, "filter_curve.csv");
+    results_free(t);
     double V[CURVE], line[CURVE], low[CURVE], high[CURVE];
     for (int i = 0; i < CURVE; i++) {
         const double at = largest * i / (CURVE - 1) + V1, from = c->slope.error * at, of = c->intercept.error;
@@ -310,31 +289,24 @@ static void predict(const program *self, json *report, const settings *s, const 
     for (unsigned flag = 1; flag <= FILTRATION_OUTSIDE_PRESSURE; flag *= 2)
         if (outside & flag) common_print("An extrapolation: %s.\n", filtration_outside_text(flag));
     json_object_begin(report, "prediction");
-    json_number(report, "area_m2", o.area);
-    json_number(report, "pressure_pa", o.pressure);
-    json_number(report, "rate_m3_per_s", o.rate);
-    json_number(report, "compressibility", o.compressibility);
-    json_number(report, "volume_m3", s->new_volume);
-    json_number(report, "time_s", end.time);
+    results_values(report, {"area_m2", o.area}, {"pressure_pa", o.pressure}, {"rate_m3_per_s", o.rate},
+                   {"compressibility", o.compressibility}, {"volume_m3", s->new_volume}, {"time_s", end.time});
     if (at_pressure) report_estimate(report, "time_by_fit_s", &time);
-    json_number(report, "flow_m3_per_s", end.flow);
-    json_number(report, "pressure_end_pa", end.pressure);
-    json_number(report, "pressure_in_cake_pa", end.cake);
-    json_integer(report, "outside_flags", outside);
+    results_values(report, {"flow_m3_per_s", end.flow}, {"pressure_end_pa", end.pressure},
+                   {"pressure_in_cake_pa", end.cake}, {"outside_flags", outside});
     json_object_end(report);
 
-    double t[CURVE], V[CURVE], low[CURVE], high[CURVE], flow[CURVE], pressure[CURVE];
-    riddle_io_file *file = csv_open(self->out, "prediction.csv", "time_s,volume_m3,flow_m3_per_s,pressure_pa,cake_pa");
+    double low[CURVE], high[CURVE];
+    result_table *course = results_of("time_s,volume_m3,flow_m3_per_s,pressure_pa,cake_pa");
     for (int i = 0; i < CURVE; i++) {
         filtration_point p;
         if (filtration_at_volume(&o, s->new_volume * (i + 1) / CURVE, &p) != FILTRATION_OK) p = end;
         filtration_predict(c, o.pressure, o.area, o.compressibility, p.volume, &time);
-        V[i] = 1e6 * p.volume, t[i] = p.time, low[i] = time.low, high[i] = time.high, flow[i] = 1e6 * p.flow,
-        pressure[i] = p.pressure;
-        const double cells[5] = {p.time, p.volume, p.flow, p.pressure, p.cake};
-        riddle_io_row(file, cells, 5);
+        low[i] = time.low, high[i] = time.high;
+        results_row(course, NULL, p.time, p.volume, p.flow, p.pressure, p.cake);
     }
-    riddle_io_close(file);
+    results_csv(course, self->out, "prediction.csv");
+    const double *V = results_column(course, "volume_m3", 1e6), *t = results_column(course, "time_s", 1.0);
     riddle_plot *figure = riddle_plot_new(outside ? "Prediction, outside the readings" : "Prediction", 1, 3);
     riddle_plot_panel(figure, 0, 0, "filtrate V [mL]", "time [s]");
     if (at_pressure && isfinite(time.low)) riddle_plot_band(figure, "interval of the fit", V, low, high, CURVE);
@@ -342,10 +314,11 @@ static void predict(const program *self, json *report, const settings *s, const 
     if (outside & FILTRATION_OUTSIDE_MORE)
         riddle_plot_vertical(figure, "as thick a cake as measured", 1e6 * c->largest * o.area / c->area);
     riddle_plot_panel(figure, 0, 1, "time [s]", "filtrate flow [mL/s]");
-    riddle_plot_line(figure, "", t, flow, CURVE);
+    riddle_plot_line(figure, "", t, results_column(course, "flow_m3_per_s", 1e6), CURVE);
     riddle_plot_panel(figure, 0, 2, "time [s]", "pressure difference [Pa]");
-    riddle_plot_line(figure, "", t, pressure, CURVE);
+    riddle_plot_line(figure, "", t, results_column(course, "pressure_pa", 1.0), CURVE);
     riddle_plot_write(figure, self->out, "prediction.svg");
+    results_free(course);
 }
 
 /* ---- the command line ---- */
@@ -601,8 +574,7 @@ int main(int argc, char **argv) {
     common_print("Filter curve: %s, %zu readings; %.4g Pa, %.4g cm2, %.4g Pa s\n",
                  data ? data : "drawn from the paper's numbers", r->n, s.def.pressure, 1e4 * s.def.area,
                  s.def.viscosity);
-    print_curve(&s, r, &c[shown], &clean);
-    report_curve(report, &s, r, &c[shown], &clean);
+    tell_curve(report, &s, r, &c[shown], &clean);
     draw_curve(&self, &s, r, &c[shown]);
     if (c[shown].slope.value > 0.0 || c[shown].intercept.value > 0.0) predict(&self, report, &s, &c[shown]);
     for (size_t i = 0; i < all.n; i++) free(all.run[i].time);

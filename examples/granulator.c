@@ -289,10 +289,8 @@ static void write_row(json *report, const char *study, const ensemble *e) {
     char key[40], words[500];
     json_object_begin(report, NULL);
     json_string(report, "study", study);
-    json_number(report, "rpm", e->c->rpm);
-    json_number(report, "binder", e->c->liquid);
-    json_integer(report, "replicates", e->replicates);
-    json_integer(report, "outside_flags", outside_in_most(e));
+    results_values(report, {"rpm", e->c->rpm}, {"binder", e->c->liquid}, {"replicates", e->replicates},
+                   {"outside_flags", outside_in_most(e)});
     json_string(report, "outside", outside_text(words, sizeof words, outside_in_most(e)));
     for (int k = 0; k < GRANULATION_REPLICATE_FIELDS; k++) {
         granulation_estimate x = result_of(e, k);
@@ -305,51 +303,35 @@ static void write_row(json *report, const char *study, const ensemble *e) {
     json_object_end(report);
 }
 
-static riddle_io_table begin_rows(void) {
-    return riddle_io_table_begin("rpm|binder [%]|Type I [%], +- 95 %|paper|Type II [%], +- 95 %|paper|rebound [%]|paper|d43 [um], +- 95 "
-                                 "%|paper|interactions|breakages");
-}
+static const result_column row_columns[] = {{"rpm", "rpm", "%g"},
+                                            {"binder", "binder [%]", "%g", 100.0},
+                                            {"type1_pct", "Type I [%]", "%.1f"},
+                                            {"type1_ci95", "+- 95 %", "%.1f"},
+                                            {"type2_pct", "Type II [%]", "%.1f"},
+                                            {"type2_ci95", "+- 95 %", "%.1f"},
+                                            {"rebound_pct", "rebound [%]", "%.1f"},
+                                            {"rebound_ci95"},
+                                            {"both_pct"},
+                                            {"both_ci95"},
+                                            {"d43_m", "d43 [um]", "%.1f", 1e6},
+                                            {"d43_ci95", "+- 95 %", "%.1f", 1e6},
+                                            {"interactions", "interactions", "%.0f"},
+                                            {"interactions_ci95"},
+                                            {NULL, "breakages", "%.2f"},
+                                            {"paper_type1_pct", "paper: I", "%.1f"},
+                                            {"paper_type2_pct", "II", "%.1f"},
+                                            {"paper_rebound_pct", "rebound", "%.1f"},
+                                            {"paper_d43_m", "d43 [um]", "%.1f", 1e6}};
 
-static void table_number(riddle_io_table *t, const char *format, double value) {
-    if (value == value) riddle_io_table_cell(t, format, value);
-    else riddle_io_table_cell(t, "-");
+static void add_row(result_table *t, const ensemble *e) {
+    static const paper_row nothing = {NAN, NAN, NAN, NAN, NAN, NAN};
+    const paper_row *p = paper_for(e->c->rpm, e->c->liquid) ? paper_for(e->c->rpm, e->c->liquid) : &nothing;
+    granulation_estimate x[7];
+    for (int k = 0; k < 7; k++) x[k] = result_of(e, k);
+    results_row(t, NULL, e->c->rpm, e->c->liquid, x[0].mean, x[0].confidence, x[1].mean, x[1].confidence, x[2].mean,
+                x[2].confidence, x[3].mean, x[3].confidence, x[4].mean, x[4].confidence, x[5].mean, x[5].confidence,
+                x[6].mean, p->type1, p->type2, p->rebound, 1e-6 * p->size_um);
 }
-
-static void table_row(riddle_io_table *t, const ensemble *e) {
-    const paper_row *p = paper_for(e->c->rpm, e->c->liquid);
-    granulation_estimate one = result_of(e, 0), two = result_of(e, 1), out = result_of(e, 2), size = result_of(e, 4), met = result_of(e, 5),
-                         broke = result_of(e, 6);
-    riddle_io_table_cell(t, "%g", e->c->rpm);
-    riddle_io_table_cell(t, "%g", 100.0 * e->c->liquid);
-    riddle_io_table_cell(t, "%.1f +- %.1f", one.mean, one.confidence);
-    table_number(t, "%.1f", p ? p->type1 : (double)NAN);
-    riddle_io_table_cell(t, "%.1f +- %.1f", two.mean, two.confidence);
-    table_number(t, "%.1f", p ? p->type2 : (double)NAN);
-    riddle_io_table_cell(t, "%.1f", out.mean);
-    table_number(t, "%.1f", p ? p->rebound : (double)NAN);
-    riddle_io_table_cell(t, "%.1f +- %.1f", size.mean * 1e6, size.confidence * 1e6);
-    table_number(t, "%.1f", p ? p->size_um : (double)NAN);
-    riddle_io_table_cell(t, "%.0f", met.mean);
-    riddle_io_table_cell(t, "%.2f", broke.mean);
-}
-
-static void csv_line_of(riddle_io_file *file, const ensemble *e) {
-    const paper_row *p = paper_for(e->c->rpm, e->c->liquid);
-    granulation_estimate x[6] = {result_of(e, 0), result_of(e, 1), result_of(e, 2), result_of(e, 3), result_of(e, 4), result_of(e, 5)};
-    double line[18] = {e->c->rpm, e->c->liquid};
-    for (int k = 0; k < 6; k++) {
-        line[2 + 2 * k] = x[k].mean;
-        line[3 + 2 * k] = x[k].confidence;
-    }
-    line[14] = p ? p->type1 : (double)NAN;
-    line[15] = p ? p->type2 : (double)NAN;
-    line[16] = p ? p->rebound : (double)NAN;
-    line[17] = p ? p->size_um * 1e-6 : (double)NAN;
-    riddle_io_row(file, line, 18);
-}
-static const char row_header[] =
-    "rpm,binder,type1_pct,type1_ci95,type2_pct,type2_ci95,rebound_pct,rebound_ci95,both_pct,both_ci95,d43_m,d43_ci95,"
-    "interactions,interactions_ci95,paper_type1_pct,paper_type2_pct,paper_rebound_pct,paper_d43_m";
 
 /* volumes of 1e-12 m3 a class, the last one open */
 static void ten_classes(double edges[CLASSES + 1]) {
@@ -367,14 +349,11 @@ static void table1_classes(double edges[CLASSES + 1]) {
 
 static int study_rows(const program *self, json *report, const char *name, const condition *conditions, int n, int replicates, int steps) {
     bool impeller = !strcmp(name, "impeller");
-    char file_name[60];
-    double edges[CLASSES + 1], at[4], mean[3][4], bar_of[3][4], paper[3][4]; /* Type I, Type II [%], d43 [um] */
+    double edges[CLASSES + 1];
     unsigned outside[4] = {0};
     char titles[4][60];
     table1_classes(edges);
-    riddle_io_table t = begin_rows();
-    snprintf(file_name, sizeof file_name, impeller ? "table2.csv" : "table3.csv");
-    riddle_io_file *file = csv_open(self->out, file_name, row_header);
+    result_table *t = RESULTS(row_columns);
     riddle_plot *figure = riddle_plot_new(impeller ? "Gantt & Gatzke, Fig 8: size distribution at four impeller speeds"
                                                    : "Gantt & Gatzke, Fig 9: size distribution at four binder contents",
                                           2, 2);
@@ -385,18 +364,8 @@ static int study_rows(const program *self, json *report, const char *name, const
         ensemble e = {.c = conditions + i, .edges = edges, .steps = steps, .replicates = replicates, .seed = self->seed, .bar = &bar};
         bad = ensemble_run(&e, self);
         if (!bad) {
-            const paper_row *p = paper_for(e.c->rpm, e.c->liquid);
-            table_row(&t, &e);
-            csv_line_of(file, &e);
+            add_row(t, &e);
             write_row(report, name, &e);
-            at[i] = impeller ? e.c->rpm : 100.0 * e.c->liquid;
-            for (int q = 0; q < 3; q++) {
-                const granulation_estimate x = result_of(&e, q < 2 ? q : 4);
-                mean[q][i] = (q < 2 ? 1.0 : 1e6) * x.mean, bar_of[q][i] = (q < 2 ? 1.0 : 1e6) * x.confidence;
-            }
-            paper[0][i] = p ? p->type1 : (double)NAN;
-            paper[1][i] = p ? p->type2 : (double)NAN;
-            paper[2][i] = p ? p->size_um : (double)NAN;
             outside[i] = outside_in_most(&e);
             snprintf(titles[i], sizeof titles[i], impeller ? "%g rpm%s" : "%g %% binder%s", impeller ? e.c->rpm : 100.0 * e.c->liquid,
                      outside[i] ? " (outside the fit)" : "");
@@ -420,30 +389,35 @@ static int study_rows(const program *self, json *report, const char *name, const
         ensemble_free(&e);
     }
     progress_end(&bar);
+    results_print(t);
     if (bad) {
         riddle_plot_free(figure);
-        table_end(&t);
-        riddle_io_close(file);
+        results_free(t);
         return bad;
     }
-    table_end(&t);
-    riddle_io_close(file);
+    results_csv(t, self->out, impeller ? "table2.csv" : "table3.csv");
     for (int i = 0; i < n; i++) say_outside(titles[i], outside[i]);
     riddle_plot_write(figure, self->out, impeller ? "figure8.svg" : "figure9.svg");
     figure = riddle_plot_new(
         impeller ? "Gantt & Gatzke, Table 2: what becomes of collisions" : "Gantt & Gatzke, Table 3: what becomes of collisions", 1, 3);
     static const char *const y_labels[3] = {"Type I coalescence [% of collisions]", "Type II coalescence [% of collisions]",
                                             "mean size d43 [µm]"};
+    static const char *const keys[3][3] = {{"type1_pct", "type1_ci95", "paper_type1_pct"},
+                                           {"type2_pct", "type2_ci95", "paper_type2_pct"},
+                                           {"d43_m", "d43_ci95", "paper_d43_m"}};
+    const double *at = results_column(t, impeller ? "rpm" : "binder", impeller ? 1.0 : 100.0);
     for (int q = 0; q < 3; q++) {
         riddle_plot_panel(figure, 0, q, impeller ? "impeller speed [1/min]" : "binder [%]", y_labels[q]);
+        const double unit = q < 2 ? 1.0 : 1e6, *mean = results_column(t, keys[q][0], unit);
         double beyond_at[4], beyond[4];
         int beyonds = 0;
         for (int i = 0; i < n; i++)
-            if (outside[i]) beyond_at[beyonds] = at[i], beyond[beyonds++] = mean[q][i];
-        riddle_plot_error_bars(figure, "granulation.h, 95 %", at, mean[q], bar_of[q], n);
-        riddle_plot_points(figure, "paper", at, paper[q], n);
+            if (outside[i]) beyond_at[beyonds] = at[i], beyond[beyonds++] = mean[i];
+        riddle_plot_error_bars(figure, "granulation.h, 95 %", at, mean, results_column(t, keys[q][1], unit), n);
+        riddle_plot_points(figure, "paper", at, results_column(t, keys[q][2], unit), n);
         if (beyonds > 0) riddle_plot_points(figure, "outside the fit", beyond_at, beyond, beyonds);
     }
+    results_free(t);
     return (int)riddle_plot_write(figure, self->out, impeller ? "table2.svg" : "table3.svg");
 }
 
@@ -659,24 +633,22 @@ static int study_pouw(const program *self, json *report, granulation_def def, in
         riddle_plot_style(figure, RIDDLE_PLOT_DOTTED, RIDDLE_PLOT_NEXT);
     }
     riddle_plot_write(figure, self->out, "balance.svg");
-    riddle_io_table t = riddle_io_table_begin("after the last step|granules|d43 [um]");
-    riddle_io_table_cell(&t, "discrete, %d replicates", replicates);
-    riddle_io_table_cell(&t, "%.1f", left);
-    riddle_io_table_cell(&t, "%.1f", 1e6 * over(&e, e.records[0].size + steps).mean);
-    riddle_io_table_cell(&t, "population balance, the same laws");
-    riddle_io_table_cell(&t, "%.1f", laws.number[steps]);
-    riddle_io_table_cell(&t, "%.1f", 1e6 * laws.size[steps]);
-    riddle_io_table_cell(&t, "Pouw's kernel, rate %.2e a step", rate);
-    riddle_io_table_cell(&t, "%.1f", pouw.number[steps]);
-    riddle_io_table_cell(&t, "%.1f", 1e6 * pouw.size[steps]);
-    table_end(&t);
+    static const result_column columns[] = {
+        {NULL, "after the last step", "%s"}, {NULL, "granules", "%.1f"}, {NULL, "d43 [um]", "%.1f", 1e6}};
+    result_table *t = RESULTS(columns);
+    char text[60];
+    snprintf(text, sizeof text, "discrete, %d replicates", replicates);
+    results_row(t, TEXTS(text), left, over(&e, e.records[0].size + steps).mean);
+    results_row(t, TEXTS("population balance, the same laws"), laws.number[steps], laws.size[steps]);
+    snprintf(text, sizeof text, "Pouw's kernel, rate %.2e a step", rate);
+    results_row(t, TEXTS(text), pouw.number[steps], pouw.size[steps]);
+    results_print(t);
+    results_free(t);
     write_row(report, "pouw", &e);
     end_rows_with_classes(report, &e, 5);
     json_object_begin(report, "balance");
-    json_number(report, "granules", laws.number[steps]);
-    json_number(report, "mean_size_m", laws.size[steps]);
-    json_number(report, "pouw_rate_per_s", rate);
-    json_number(report, "pouw_mean_size_m", pouw.size[steps]);
+    results_values(report, {"granules", laws.number[steps]}, {"mean_size_m", laws.size[steps]},
+                   {"pouw_rate_per_s", rate}, {"pouw_mean_size_m", pouw.size[steps]});
     json_object_end(report);
     ensemble_free(&e);
     return 0;
@@ -813,34 +785,26 @@ static int study_map(const program *self, json *report, granulation_def def, int
     riddle_plot_legend_outside(figure);
     riddle_plot_write(figure, self->out, "figure10.svg");
     int type1 = n[2] >= n[3] ? 2 : 3;
-    riddle_io_table t = riddle_io_table_begin(
-        "figure 10|rebound [%]|Type II [%]|Type I only [%]|Type I, eq 21 met, too [%]|events a run|St_v II / I|St_def II / I");
-    riddle_io_table_cell(&t, "%d runs", runs);
-    for (int k = 0; k < 4; k++) riddle_io_table_cell(&t, "%.1f", share[k]);
-    riddle_io_table_cell(&t, "%.0f", (double)all.n / runs);
-    riddle_io_table_cell(&t, "%.1f", median[1][1] / median[type1][1]);
-    riddle_io_table_cell(&t, "%.0f", median[1][0] / median[type1][0]);
-    riddle_io_table_cell(&t, "paper, one run");
-    riddle_io_table_cell(&t, "82");
-    riddle_io_table_cell(&t, "12");
-    riddle_io_table_cell(&t, "2");
-    riddle_io_table_cell(&t, "4");
-    riddle_io_table_cell(&t, "320");
-    riddle_io_table_cell(&t, "about 10");
-    riddle_io_table_cell(&t, "almost 100");
-    table_end(&t);
+    static const result_column columns[] = {{NULL, "figure 10", "%s"},
+                                            {NULL, "rebound [%]", "%.1f"},
+                                            {NULL, "Type II [%]", "%.1f"},
+                                            {NULL, "Type I only [%]", "%.1f"},
+                                            {NULL, "Type I, eq 21 met, too [%]", "%.1f"},
+                                            {NULL, "events a run", "%.0f"},
+                                            {NULL, "St_v II / I", "%.1f"},
+                                            {NULL, "St_def II / I", "%.0f"}};
+    result_table *t = RESULTS(columns);
+    const double events = (double)all.n / runs, st_v = median[1][1] / median[type1][1],
+                 st_def = median[1][0] / median[type1][0];
+    results_row(t, TEXTS("here, a mean run"), share[0], share[1], share[2], share[3], events, st_v, st_def);
+    results_row(t, TEXTS("paper, one run, its ratios about"), 82, 12, 2, 4, 320, 10, 100);
+    results_print(t);
+    results_free(t);
     json_object_begin(report, NULL);
     json_string(report, "study", "map");
-    json_number(report, "rpm", 360);
-    json_number(report, "binder", 0.33);
-    json_integer(report, "replicates", runs);
-    json_number(report, "rebound_pct", share[0]);
-    json_number(report, "type2_pct", share[1]);
-    json_number(report, "type1_pct", share[2] + share[3]);
-    json_number(report, "both_pct", share[3]);
-    json_number(report, "interactions", (double)all.n / runs);
-    json_number(report, "st_v_type2_over_type1", median[1][1] / median[type1][1]);
-    json_number(report, "st_def_type2_over_type1", median[1][0] / median[type1][0]);
+    results_values(report, {"rpm", 360}, {"binder", 0.33}, {"replicates", runs}, {"rebound_pct", share[0]},
+                   {"type2_pct", share[1]}, {"type1_pct", share[2] + share[3]}, {"both_pct", share[3]},
+                   {"interactions", events}, {"st_v_type2_over_type1", st_v}, {"st_def_type2_over_type1", st_def});
     json_object_end(report);
     free(all.list);
     free(xy);
@@ -864,7 +828,10 @@ static int study_midbatch(const program *self, json *report, granulation_def def
     double edges[CLASSES + 1];
     condition c = condition_of(def, 360, 0.33);
     ten_classes(edges);
-    riddle_io_table t = riddle_io_table_begin("mid-batch|Type I [%]|Type II [%]|d43 [um]|granules");
+    static const result_column columns[] = {{NULL, "mid-batch", "%s"},      {NULL, "Type I [%]", "%.1f"},
+                                            {NULL, "Type II [%]", "%.1f"},  {NULL, "d43 [um]", "%.1f", 1e6},
+                                            {NULL, "+- 95 %", "%.1f", 1e6}, {NULL, "granules", "%.1f"}};
+    result_table *t = RESULTS(columns);
     progress bar;
     progress_begin(&bar, "changes in mid-batch", 4.0 * replicates);
     int bad = 0;
@@ -875,11 +842,9 @@ static int study_midbatch(const program *self, json *report, granulation_def def
         if (!bad) {
             outside[k] = outside_in_most(&e);
             write_row(report, names[k], &e);
-            riddle_io_table_cell(&t, "%s", names[k]);
-            riddle_io_table_cell(&t, "%.1f", result_of(&e, 0).mean);
-            riddle_io_table_cell(&t, "%.1f", result_of(&e, 1).mean);
-            riddle_io_table_cell(&t, "%.1f +- %.1f", 1e6 * result_of(&e, 4).mean, 1e6 * result_of(&e, 4).confidence);
-            riddle_io_table_cell(&t, "%.1f", result_of(&e, 7).mean);
+            const granulation_estimate size = result_of(&e, 4);
+            results_row(t, TEXTS(names[k]), result_of(&e, 0).mean, result_of(&e, 1).mean, size.mean, size.confidence,
+                        result_of(&e, 7).mean);
             for (int step = 0; step <= steps; step++) {
                 const record *r = e.records;
                 time[step] = step;
@@ -895,7 +860,8 @@ static int study_midbatch(const program *self, json *report, granulation_def def
         ensemble_free(&e);
     }
     progress_end(&bar);
-    table_end(&t);
+    results_print(t);
+    results_free(t);
     if (bad) return bad;
     for (int k = 0; k < 4; k++) {
         say_outside(texts[k], outside[k]);
@@ -911,12 +877,11 @@ static int study_midbatch(const program *self, json *report, granulation_def def
         }
         if (p == 1) riddle_plot_legend_outside(figure);
     }
-    riddle_io_file *file = csv_open(self->out, "midbatch.csv", "step,d43_unchanged_um,d43_spray_um,d43_slow_um,d43_all_um");
-    for (int step = 0; step <= steps; step++) {
-        double line[5] = {step, y[0][0][step], y[0][1][step], y[0][2][step], y[0][3][step]};
-        riddle_io_row(file, line, 5);
-    }
-    riddle_io_close(file);
+    result_table *courses = results_of("step,d43_unchanged_um,d43_spray_um,d43_slow_um,d43_all_um");
+    for (int step = 0; step <= steps; step++)
+        results_row(courses, NULL, step, y[0][0][step], y[0][1][step], y[0][2][step], y[0][3][step]);
+    results_csv(courses, self->out, "midbatch.csv");
+    results_free(courses);
     return (int)riddle_plot_write(figure, self->out, "midbatch.svg");
 }
 
@@ -1055,12 +1020,13 @@ static int study_custom(const program *self, json *report, granulation_def def, 
     progress_end(&bar);
     if (frames) write_granules(self, &c, steps);
     write_row(report, "custom", &e);
-    riddle_io_table t = begin_rows();
-    table_row(&t, &e);
-    table_end(&t);
+    result_table *t = RESULTS(row_columns),
+                 *course = results_of("step,d43_m,d43_ci95,granules,granules_ci95,film_m,coalescing_share");
+    add_row(t, &e);
+    results_print(t);
+    results_free(t);
     const unsigned outside = outside_in_most(&e);
     say_outside("This case", outside);
-    riddle_io_file *file = csv_open(self->out, "custom.csv", "step,d43_m,d43_ci95,granules,granules_ci95,film_m,coalescing_share");
     riddle_plot *figure =
         riddle_plot_new(outside ? "Mean over the replicates with its 95 % interval: an extrapolation, outside the data of the fit"
                                 : "Mean over the replicates with its 95 % interval",
@@ -1083,16 +1049,11 @@ static int study_custom(const program *self, json *report, granulation_def def, 
     }
     for (int step = 0; step <= steps; step++) {
         granulation_estimate size = over(&e, e.records[0].size + step), number = over(&e, e.records[0].number + step);
-        double line[7] = {step,
-                          size.mean,
-                          size.confidence,
-                          number.mean,
-                          number.confidence,
-                          over(&e, e.records[0].film + step).mean,
-                          over(&e, e.records[0].success + step).mean};
-        riddle_io_row(file, line, 7);
+        results_row(course, NULL, step, size.mean, size.confidence, number.mean, number.confidence,
+                    over(&e, e.records[0].film + step).mean, over(&e, e.records[0].success + step).mean);
     }
-    riddle_io_close(file);
+    results_csv(course, self->out, "custom.csv");
+    results_free(course);
     end_rows_with_classes(report, &e, CLASSES);
     ensemble_free(&e);
     return (int)riddle_plot_write(figure, self->out, "custom.svg");

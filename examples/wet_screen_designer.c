@@ -165,20 +165,11 @@ static const char *seconds(char *text, double t, double limit) {
 
 static void report_answer(json *report, const char *key, const answer *a) {
     json_object_begin(report, key);
-    json_number(report, "time_s", a->time);
-    json_number(report, "low_s", a->low);
-    json_number(report, "high_s", a->high);
+    results_values(report, {"time_s", a->time}, {"low_s", a->low}, {"high_s", a->high});
     json_object_end(report);
 }
 
 /* ---- figures ---- */
-
-/* A cell of a CSV file: empty for what is not reached. */
-static const char *cell(char *text, double x) {
-    text[0] = '\0';
-    if (x < HUGE_VAL) snprintf(text, 32, "%.17g", x);
-    return text;
-}
 
 static void draw_retained(const program *self, const plan *p, const holes *h, bool extrapolated) {
     static double curve[2][MOST_STEPS * (1 + CLASSES)], x[MOST_STEPS], y[2][MOST_STEPS], low[MOST_STEPS], high[MOST_STEPS];
@@ -262,7 +253,9 @@ static void draw_map(const program *self, const plan *p, int model, const holes 
 static void draw_area(const program *self, const plan *p, const holes *h) {
     double area[AREAS], time[2][AREAS];
     plan q = *p;
-    riddle_io_file *file = csv_open(self->out, "area.csv", "model,deck_area_m2,load_kg_m2,time_clean_s,time_blocking_s");
+    static const result_column columns[] = {
+        {"model", NULL, "%s"}, {"deck_area_m2"}, {"load_kg_m2"}, {"time_clean_s"}, {"time_blocking_s"}};
+    result_table *t = RESULTS(columns);
     riddle_plot *figure = riddle_plot_new("Deck area for the same feed", 1, 1);
     riddle_plot_panel_size(figure, 560, 360);
     riddle_plot_panel(figure, 0, 0, "deck area [m²]", "time to the wanted recovery [s]");
@@ -273,9 +266,8 @@ static void draw_area(const program *self, const plan *p, const holes *h) {
         for (int i = 0; i < AREAS; i++) {
             area[i] = q.def.deck_area = p->def.deck_area * pow(4.0, 2.0 * i / (AREAS - 1) - 1.0);
             for (int b = 0; b < 2; b++) time[b][i] = run(&q, m, b ? h : &clean, p->recovery, NULL, NULL);
-            char a[32], b[32];
-            csv_line(file, "%s,%.17g,%.17g,%s,%s", model_names[m], area[i], (p->def.undersize_mass + p->def.oversize_mass) / area[i],
-                     cell(a, time[0][i]), cell(b, time[1][i]));
+            results_row(t, TEXTS(model_names[m]), area[i], (p->def.undersize_mass + p->def.oversize_mass) / area[i],
+                        time[0][i], time[1][i]);
         }
         char label[60];
         snprintf(label, sizeof label, "%s, blocking", model_names[m]);
@@ -285,7 +277,8 @@ static void draw_area(const program *self, const plan *p, const holes *h) {
         riddle_plot_line(figure, label, area, time[0], AREAS);
         riddle_plot_style(figure, RIDDLE_PLOT_DASHED, m);
     }
-    riddle_io_close(file);
+    results_csv(t, self->out, "area.csv");
+    results_free(t);
     riddle_plot_vertical(figure, "chosen", p->def.deck_area);
     riddle_plot_legend_outside(figure);
     riddle_plot_write(figure, self->out, "area.svg");
@@ -436,9 +429,18 @@ static own_answer own_time(const own *o, const screen_fit_result *fit, const scr
 static void report_steady(json *report, const own *o, const screen_fit_result *fits) {
     enum { PLACES = 20 };
     static double retained[OWN_CLASSES * PLACES];
-    riddle_io_table t = riddle_io_table_begin(
-        "model|efficiency|through [kg/s]|over the end [kg/s]|undersize in over|bed [mm], first and last|largest feed [kg/s]");
-    json_array_begin(report, "deck");
+    static const result_column columns[] = {{"model", NULL, "%s"},
+                                            {NULL, "model", "%s"},
+                                            {"efficiency", "efficiency", "%.3f"},
+                                            {"passed_kg_per_s", "through [kg/s]", "%.3g"},
+                                            {"stays_kg_per_s", "over the end [kg/s]", "%.3g"},
+                                            {"undersize_in_overflow", "undersize in over", "%.3f"},
+                                            {"bed_depth_m", "bed at first [mm]", "%.1f", 1e3},
+                                            {"bed_depth_end_m", "last", "%.1f", 1e3},
+                                            {"capacity_kg_per_s"},
+                                            {NULL, "largest feed [kg/s]", "%s"},
+                                            {"capacity", NULL, "%s"}};
+    result_table *t = RESULTS(columns);
     for (int m = 0; m < LAB_MODELS; m++) {
         const screen_def def = own_deck(o, &fits[m]);
         screen_flow flow;
@@ -446,32 +448,20 @@ static void report_steady(json *report, const own *o, const screen_fit_result *f
         const screen_status status = screen_steady(&def, fits[m].model, fits[m].parameter, &o->operation, &o->duty, PLACES, retained, NULL,
                                                    NULL, &flow),
                             limit = screen_capacity(&def, fits[m].model, fits[m].parameter, &o->operation, &o->duty, o->recovery, &most);
-        riddle_io_table_cell(&t, "%s", lab_names[m]);
+        char text[100];
         if (status && status != SCREEN_OUTSIDE) flow.efficiency = (double)NAN;
-        riddle_io_table_cell(&t, "%.3f", flow.efficiency);
-        riddle_io_table_cell(&t, "%.3g", flow.passed);
-        riddle_io_table_cell(&t, "%.3g", flow.stays);
-        riddle_io_table_cell(&t, "%.3f", flow.undersize_in_overflow);
-        riddle_io_table_cell(&t, "%.1f, %.1f", 1e3 * flow.depth, 1e3 * flow.depth_end);
         if (limit && limit != SCREEN_OUTSIDE)
-            riddle_io_table_cell(&t, "%s", limit == SCREEN_LOAD_UNKNOWN ? "the model does not know the load" : screen_status_text(limit));
-        else riddle_io_table_cell(&t, "%.3g%s", most, limit == SCREEN_OUTSIDE ? ", outside the fit" : "");
-        json_object_begin(report, NULL);
-        json_string(report, "model", lab_keys[m]);
-        json_number(report, "efficiency", flow.efficiency);
-        json_number(report, "passed_kg_per_s", flow.passed);
-        json_number(report, "stays_kg_per_s", flow.stays);
-        json_number(report, "undersize_in_overflow", flow.undersize_in_overflow);
-        json_number(report, "bed_depth_m", flow.depth);
-        json_number(report, "bed_depth_end_m", flow.depth_end);
-        json_number(report, "capacity_kg_per_s", most);
-        json_string(report, "capacity", screen_status_text(limit));
-        json_object_end(report);
+            snprintf(text, sizeof text, "%s",
+                     limit == SCREEN_LOAD_UNKNOWN ? "the model does not know the load" : screen_status_text(limit));
+        else snprintf(text, sizeof text, "%.3g%s", most, limit == SCREEN_OUTSIDE ? ", outside the fit" : "");
+        results_row(t, TEXTS(lab_keys[m], lab_names[m], text, screen_status_text(limit)), flow.efficiency, flow.passed,
+                    flow.stays, flow.undersize_in_overflow, flow.depth, flow.depth_end, most);
     }
-    json_array_end(report);
+    results_json(t, report, "deck");
     common_print("Fed with %.3g kg/s, %.3g m x %.3g m, the bed travels with %.3g m/s; largest feed for a recovery of %.4g %%:\n",
                  o->duty.feed, o->duty.width, o->duty.length, o->duty.velocity, 100.0 * o->recovery);
-    table_end(&t);
+    results_print(t);
+    results_free(t);
 }
 
 static int plan_own(const program *self, const char *path, own *o) {
@@ -507,10 +497,8 @@ static int plan_own(const program *self, const char *path, own *o) {
         riddle_io_table_cell(&t, "%s", flags ? lab_outside(words, sizeof words, flags) : "nothing");
         json_object_begin(report, lab_keys[m]);
         report_answer(report, "answer", &got);
-        json_number(report, "d50_m", d50.time);
-        json_number(report, "d50_low_m", d50.low);
-        json_number(report, "d50_high_m", d50.high);
-        json_integer(report, "outside_flags", flags);
+        results_values(report, {"d50_m", d50.time}, {"d50_low_m", d50.low}, {"d50_high_m", d50.high},
+                       {"outside_flags", flags});
         json_string(report, "outside", lab_outside(words, sizeof words, flags));
         json_object_end(report);
         screen_status status = screen_fit_band(&def, &fits[m], NULL, &o->operation, OWN_TIMES, time, 0.95, self->seed, mean, low, high);
@@ -695,13 +683,8 @@ static void report_setting(json *report, const asked *a, const holes *h, const r
                            const blocking_average *average) {
     const bool offered = !(average->flags & BLOCKING_FLAG_BOX);
     char words[300];
-    json_number(report, "recovery", a->recovery);
-    json_number(report, "toss_indicator", r->K);
-    json_number(report, "load_kg_per_m2", a->feed / a->area);
-    json_number(report, "f0", h->f0);
-    json_number(report, "f_inf", h->f_inf);
-    json_number(report, "k1_per_s", r->k1);
-    json_number(report, "k2_per_s", r->k2);
+    results_values(report, {"recovery", a->recovery}, {"toss_indicator", r->K}, {"load_kg_per_m2", a->feed / a->area},
+                   {"f0", h->f0}, {"f_inf", h->f_inf}, {"k1_per_s", r->k1}, {"k2_per_s", r->k2});
     json_bool(report, "rates_are_yours", a->own_rates);
     json_string(report, "extrapolated", lab_outside(words, sizeof words, outside));
     json_bool(report, "table3_offered", offered);

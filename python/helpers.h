@@ -25,7 +25,8 @@ RIDDLE_EXPORT void riddle_records(const dem_world *world, int what, int64_t *out
 RIDDLE_EXPORT int riddle_is_present(const dem_world *world, ptrdiff_t i);
 /* Sets the definition's function stop, or takes it out with NULL. Returns 0 where the definition came with one, which stays. */
 RIDDLE_EXPORT int riddle_set_stop(dem_world *world, int (*stop)(void *user));
-/* kind, material, enabled, spin, coordinate, rate; position, velocity, normal, force, torque, impulse. Returns 1 where there is no such wall. */
+/* kind, material, enabled, spin, coordinate, rate, work; position, velocity, normal, force, torque, impulse, angular impulse. Returns 1 where
+   there is no such wall. */
 RIDDLE_EXPORT int riddle_wall(const dem_world *world, int index, double *out);
 
 /* What riddle_io.h told of the last file that could not be written; empty where it told nothing. Asking forgets it at the next file. */
@@ -79,11 +80,11 @@ void riddle_records(const dem_world *world, int what, int64_t *out) {
 int riddle_wall(const dem_world *world, int index, double *out) {
     if (index < 0 || index >= world->walls) return 1;
     const dem_wall *w = &world->wall[index];
-    const double numbers[6] = {w->kind, w->material, w->enabled, w->spin, w->coordinate, w->rate};
-    const dem_vec vectors[6] = {w->position, w->velocity, w->axis[2], w->force, w->torque, w->impulse};
-    for (int k = 0; k < 6; k++) {
+    const double numbers[7] = {w->kind, w->material, w->enabled, w->spin, w->coordinate, w->rate, w->work};
+    const dem_vec vectors[7] = {w->position, w->velocity, w->axis[2], w->force, w->torque, w->impulse, w->angular_impulse};
+    for (int k = 0; k < 7; k++) {
         out[k] = numbers[k];
-        out[6 + 3 * k] = vectors[k].x, out[7 + 3 * k] = vectors[k].y, out[8 + 3 * k] = vectors[k].z;
+        out[7 + 3 * k] = vectors[k].x, out[8 + 3 * k] = vectors[k].y, out[9 + 3 * k] = vectors[k].z;
     }
     return 0;
 }

@@ -115,9 +115,12 @@ class Wall:
     force: NDArray[np.float64]
     torque: NDArray[np.float64]
     impulse: NDArray[np.float64]
+    angular_impulse: NDArray[np.float64]
     spin: float
     coordinate: float
     rate: float
+    work: float
+    def angular_impulse_about(self, point: Sequence[float]) -> NDArray[np.float64]: ...
 
 class Picture:
     pixels: NDArray[np.uint8]

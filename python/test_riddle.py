@@ -32,7 +32,7 @@ sys.path.insert(0, here)
 import numpy as np
 
 import riddle
-from riddle import _core, blocking, bridge, classifier, dem, filtration, granulation, screen
+from riddle import _core, blocking, bridge, calibrate, classifier, dem, filtration, granulation, screen
 
 SECONDS = float(sys.argv[sys.argv.index("--seconds") + 1]) if "--seconds" in sys.argv else 5.0
 LAW = dem.LINEAR | dem.FRICTION
@@ -881,6 +881,17 @@ class Functions(unittest.TestCase):
         with self.assertRaises(TypeError):
             filtration.Fluid(definition)
 
+    def test_own_breakage(self):
+        """Two uniform daughters by a function in Python are those that are built in."""
+        edges, moments = np.geomspace(1e-3, 50.0, 41), []
+        for words in ({"daughters": granulation.UNIFORM}, {"daughters": granulation.OWN, "breakage": lambda z, mother, user: z * z}):
+            balance = granulation.Balance(granulation.balance_def(kernel=None, selection=lambda g, user: g.s, **words), edges, None)
+            balance.add(granulation.granule(s=20.0), 1.0)
+            balance.run(0.3)
+            moments.append([balance.moment(p, 0.0) for p in (0.0, 1.0, 2.0)])
+        np.testing.assert_allclose(moments[1], moments[0], rtol=1e-3)
+        self.assertGreater(moments[0][0], 3.0)
+
     def test_two_threads(self):
         """Each call raises what its own function raised."""
         def use(number, raised):
@@ -1001,6 +1012,21 @@ class Shown(unittest.TestCase):
             world.wall(1)
         with self.assertRaises(AttributeError):
             wall.fource
+
+    def test_a_wall_tells_its_work(self):
+        """A belt gives what lies on it the momentum force x time at its own speed; torque about any point from two integrals."""
+        world = bed(40)
+        world.run(0.5, LAW)
+        world.set_belt(0, (0.2, 0.0, 0.0))
+        wall = world.wall(0)
+        before, done = wall.impulse, wall.work
+        world.run(0.2, LAW)
+        self.assertAlmostEqual((wall.work - done) / (-0.2 * (wall.impulse - before)[0]), 1.0, 6)
+        point = (0.3, -0.2, 0.1)
+        np.testing.assert_allclose(wall.angular_impulse_about(point), wall.angular_impulse - np.cross(point, wall.impulse))
+        np.testing.assert_array_equal(wall.angular_impulse_about((0, 0, 0)), wall.angular_impulse)
+        with self.assertRaises((TypeError, ValueError)):
+            wall.angular_impulse_about((0, 0))
 
     def test_a_driven_wall_tells_torque_and_coordinate(self):
         definition = dem.def_(dt=1e-5)
@@ -1197,6 +1223,98 @@ class Programs(unittest.TestCase):
             done = run(limit=small_files)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (1, 1), done.stderr)
             self.assertEqual(os.listdir(folder), ["mine.py"])
+
+
+class Calibrating(unittest.TestCase):
+    ANGLE = calibrate.Target("angle", 28.0, 0.5)
+
+    @staticmethod
+    def heap(values, seed):
+        noise = np.random.default_rng(seed).normal()
+        return {"angle": 12.0 + 22.0 * values["mu"] / (values["mu"] + 0.25) + 0.3 * noise}
+
+    def test_finds_what_was_put_in(self):
+        found = calibrate.calibrate(self.heap, [("mu", 0.1, 0.9)], [self.ANGLE], runs=14)
+        self.assertLess(found.low["mu"], 2.0 / 3.0)  # where the angle is 28
+        self.assertGreater(found.high["mu"], 2.0 / 3.0)
+        self.assertLess(found.high["mu"] - found.low["mu"], 0.4)
+        self.assertFalse(found.remarks)
+        self.assertIn("mu", str(found))
+
+    def test_units_and_order_do_not_matter(self):
+        one, two = calibrate.Parameter("mu", 0.1, 0.9), calibrate.Parameter("idle", 1.0, 100.0, True)
+        found = calibrate.calibrate(self.heap, [one, two], [self.ANGLE], runs=20)
+        other = calibrate.calibrate(lambda v, seed: {"angle": 1024.0 * self.heap(v, seed)["angle"]}, [one, two],
+                                    [calibrate.Target("angle", 1024.0 * 28.0, 512.0)], runs=20)
+        np.testing.assert_allclose(list(other.low.values()), list(found.low.values()), rtol=1e-9)
+        self.assertIn("idle: the targets leave it open", found.remarks)
+        turned = calibrate.calibrate(self.heap, [two, one], [self.ANGLE], runs=20)
+        self.assertLess(abs(turned.values["mu"] - found.values["mu"]), 0.3 * (found.high["mu"] - found.low["mu"]))
+
+    def test_what_cannot_be_told(self):
+        both = [("mu", 0.1, 0.9), ("roll", 0.1, 0.9)]
+        found = calibrate.calibrate(lambda v, seed: {"angle": 10.0 + 20.0 * (v["mu"] + v["roll"])}, both, [calibrate.Target("angle", 30.0, 0.2)], runs=20)
+        self.assertTrue(any("only together; one rises where the other falls" in text for text in found.remarks), found.remarks)
+        found = calibrate.calibrate(self.heap, [("mu", 0.1, 0.9)], [calibrate.Target("angle", 60.0, 0.5)], runs=14)
+        self.assertIn("angle: no parameters within the bounds give the measured value", found.remarks)
+
+    def test_stops_and_goes_on(self):
+        with tempfile.TemporaryDirectory() as folder:
+            store, calls = os.path.join(folder, "runs"), []
+
+            def run(values, seed):
+                calls.append(seed)
+                if len(calls) == 6:
+                    raise KeyboardInterrupt
+                return self.heap(values, seed)
+
+            with self.assertRaises(KeyboardInterrupt):
+                calibrate.calibrate(run, [("mu", 0.1, 0.9)], [self.ANGLE], runs=14, store=store)
+            with open(store, "a", encoding="utf-8") as file:
+                file.write('{"at": [0.')  # cut off
+            found = calibrate.calibrate(run, [("mu", 0.1, 0.9)], [self.ANGLE], runs=14, store=store)
+            self.assertEqual((len(calls), found.runs), (15, 14))
+            with self.assertRaisesRegex(ValueError, "other parameters"):
+                calibrate.calibrate(run, [("mu", 0.1, 0.8)], [self.ANGLE], runs=14, store=store)
+
+    def test_bad_arguments(self):
+        nan, mu = float("nan"), ("mu", 0.1, 0.9)
+        for parameters, targets, runs in (([("mu", 0.9, 0.1)], [self.ANGLE], 14), ([("mu", 0.0, 1.0, True)], [self.ANGLE], 14), ([mu], [("angle", nan, 1.0)], 14),
+                                          ([mu], [("angle", 1.0, 0.0)], 14), ([mu, mu], [self.ANGLE], 14), ([], [self.ANGLE], 14), ([mu], [], 14), ([mu], [self.ANGLE], 5)):
+            with self.assertRaises(ValueError):
+                calibrate.calibrate(self.heap, parameters, targets, runs=runs)
+        with self.assertRaisesRegex(ValueError, "0 of 8 runs gave a number"):
+            calibrate.calibrate(lambda v, seed: None, [mu], [self.ANGLE], runs=14)
+        with self.assertRaisesRegex(ValueError, "0 of 8 runs gave a number"):
+            calibrate.calibrate(lambda v, seed: {"angle": nan}, [mu], [self.ANGLE], runs=14)
+
+    def test_command(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "powder.yaml")
+            write = "import json, sys; json.dump({'heap': {'angle_deg': [10 + 30 * float(sys.argv[1])]}}, open(sys.argv[2], 'w'))"
+            pathlib.Path(os.path.join(folder, "heap.py")).write_text(write, encoding="utf-8")
+            scene = f"""runs: 14
+parallel: 2
+parameters:
+  mu: {{key: contacts.friction, low: 0.1, high: 0.9}}
+targets:
+  - {{command: "{sys.executable} {folder}/heap.py {{mu}} {{json}}", result: heap.angle_deg.0, value: 25, error: 0.3}}
+"""
+
+            def run(text):
+                pathlib.Path(path).write_text(text, encoding="utf-8")
+                return subprocess.run([sys.executable, "-m", "riddle.calibrate", path, "--out", folder], capture_output=True, text=True, check=False, cwd=here)
+
+            done = run(scene)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("with: --set contacts.friction=0.5", done.stdout)
+            with open(os.path.join(folder, "result.json"), encoding="utf-8") as file:
+                self.assertLess(abs(json.load(file)["parameters"]["mu"]["value"] - 0.5), 0.02)
+            for text, said in ((scene.replace("low: 0.1, ", ""), "low is missing"), (scene.replace("error: 0.3", "error: -1"), "error above 0"),
+                               (scene.replace("runs: 14", "run: 14"), "run: not known"), ("- 1\n", ""), (": :", "")):
+                done = run(text)
+                self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (1, "", 1), done.stderr)
+                self.assertIn(said, done.stderr)
 
 
 class Made(unittest.TestCase):

@@ -25,7 +25,8 @@ static void near(double a, double b, double tolerance) {
 }
 
 /* A world of one material, 1000 kg/m3. */
-static void make(dem_world *w, double dt, double k, double e, double friction, double tangential_ratio, dem_vec gravity, int threads) {
+static void make(dem_world *w, double dt, double k, double e, double friction, double tangential_ratio, dem_vec gravity,
+                 int threads) {
     dem_def def = dem_default_def();
     const int m = dem_add_material(&def, 1000.0, 1e7, 0.3);
     dem_pair_def *pair = dem_pair(&def, m, m);
@@ -91,7 +92,8 @@ static void test_contacts_read(void **state) {
     double worst = 0.0, rubs = 0.0;
     int seen = 0, pairs = 0;
     for (int k = 0; k < 600; k++) {
-        dem_vec force, torque, impulse, on_body = {0, 0, 0}, twist = {0, 0, 0}, on_wall = {0, 0, 0}, wall_twist = {0, 0, 0};
+        dem_vec force, torque, impulse, on_body = {0, 0, 0}, twist = {0, 0, 0}, on_wall = {0, 0, 0},
+                                        wall_twist = {0, 0, 0};
         RUN(&w, 1e-4);
         assert_int_equal(dem_get_fixed_force(&w, 0, &force, &torque, &impulse), DEM_OK);
         for (ptrdiff_t q = 0; q < dem_contact_count(&w); q++) {
@@ -105,7 +107,8 @@ static void test_contacts_read(void **state) {
             dem_vec *sum = c.j < 0 ? &on_wall : &on_body, *turn = c.j < 0 ? &wall_twist : &twist;
             const double sign = c.j < 0 ? -1.0 : c.i == 0 ? 1.0 : -1.0;
             if (c.j > 0 && c.i != 0) continue; /* the slab's alone */
-            sum->x += sign * f.x, sum->y += sign * f.y, sum->z += sign * f.z, turn->x += sign * t.x, turn->y += sign * t.y, turn->z += sign * t.z;
+            sum->x += sign * f.x, sum->y += sign * f.y, sum->z += sign * f.z, turn->x += sign * t.x,
+                turn->y += sign * t.y, turn->z += sign * t.z;
             near(c.normal.x * c.normal.x + c.normal.y * c.normal.y + c.normal.z * c.normal.z, 1.0, 1e-12);
             assert_true(aside <= 0.5 * fabs(along) * (1 + 1e-9) + 1e-12);
             rubs = fmax(rubs, aside / (fabs(along) + 1e-12)), seen++, pairs += c.j >= 0;
@@ -113,7 +116,8 @@ static void test_contacts_read(void **state) {
         worst = fmax(worst, fabs(force.x - on_body.x) + fabs(force.y - on_body.y) + fabs(force.z - on_body.z));
         worst = fmax(worst, 100.0 * (fabs(torque.x - twist.x) + fabs(torque.y - twist.y) + fabs(torque.z - twist.z)));
         worst = fmax(worst, fabs(w.wall[plane].force.x - on_wall.x) + fabs(w.wall[plane].force.z - on_wall.z));
-        worst = fmax(worst, 100.0 * (fabs(w.wall[plane].torque.x - wall_twist.x) + fabs(w.wall[plane].torque.z - wall_twist.z)));
+        worst = fmax(
+            worst, 100.0 * (fabs(w.wall[plane].torque.x - wall_twist.x) + fabs(w.wall[plane].torque.z - wall_twist.z)));
     }
     assert_true(pairs > 50 && seen - pairs > 20 && rubs > 0.4);
     near(worst, 0.0, 1e-13);
@@ -168,7 +172,8 @@ static void test_tip(void **state) {
 static void test_rock(void **state) {
     (void)state;
     dem_world w;
-    const double alpha = atan(1.0 / 2.08), theta = 0.5 * alpha, r = 0.5 * sqrt(1.0 + 2.08 * 2.08), p = sqrt(0.75 * 9.81 / r);
+    const double alpha = atan(1.0 / 2.08), theta = 0.5 * alpha, r = 0.5 * sqrt(1.0 + 2.08 * 2.08),
+                 p = sqrt(0.75 * 9.81 / r);
     make(&w, 5e-5, 1e9, 0.02, 5.0, 0.8, dem_vec3(0, 0, -9.81), 1);
     dem_pair_def stuck = *dem_pair(&w.def, 0, 0);
     stuck.tangential_damping = 1.0; /* the edge that is hit does not spring sideways */
@@ -193,8 +198,8 @@ static void test_rock(void **state) {
         if (upright == 0.0) before = rate;
         after = rate;
     }
-    print_message("rocking: upright after %.4f s (%.4f, linearised %.4f), rate times %.4f (%.4f)\n", upright, exact, acosh(2.0) / p,
-                  after / before, 1.0 - 1.5 * sin(alpha) * sin(alpha));
+    print_message("rocking: upright after %.4f s (%.4f, linearised %.4f), rate times %.4f (%.4f)\n", upright, exact,
+                  acosh(2.0) / p, after / before, 1.0 - 1.5 * sin(alpha) * sin(alpha));
     near(upright, exact, 0.005);
     near(exact, acosh(2.0) / p, 0.01);
     near(after / before, 0.71838389906879, 0.02);
@@ -225,7 +230,8 @@ static double hit_error(int hits, double steps, double friction) {
         const double m = 2080.0, k = 0.5 * m / (0.025 * 0.025);
         make(&w, pi * sqrt(0.5 * m / k) / steps, k, 1.0, friction, 0.8, dem_vec3(0, 0, 0), 1);
         const int shape = brick(&w, 1.0, 1.0, 2.08, 0.05);
-        for (int i = 0; i < 2; i++) put(&w, shape, 2.6 * i, 0.5 * i * bell(), 0.5 * i * bell(), bell(), bell(), bell(), bell());
+        for (int i = 0; i < 2; i++)
+            put(&w, shape, 2.6 * i, 0.5 * i * bell(), 0.5 * i * bell(), bell(), bell(), bell(), bell());
         dem_set_motion(&w, 0, dem_vec3(0.5, 0, 0), dem_vec3(0.3 * bell(), 0.3 * bell(), 0.3 * bell()));
         dem_set_motion(&w, 1, dem_vec3(-0.5, 0, 0), dem_vec3(0.3 * bell(), 0.3 * bell(), 0.3 * bell()));
         const double before = energy(&w);
@@ -234,7 +240,8 @@ static double hit_error(int hits, double steps, double friction) {
         assert_true(dem__length(dem_momentum(&w)) < 1e-13 * m);
         assert_true(dem__length(dem__sub(angular(&w), turning)) < 1e-13 * m);
         assert_int_equal(dem_core_overlaps(&w), 0);
-        if (fabs(dem_velocity(&w, 0).x - 0.5) > 1e-12) sum += (energy(&w) / before - 1.0) * (energy(&w) / before - 1.0), n++;
+        if (fabs(dem_velocity(&w, 0).x - 0.5) > 1e-12)
+            sum += (energy(&w) / before - 1.0) * (energy(&w) / before - 1.0), n++;
         dem_free(&w);
     }
     return sqrt(sum / n);
@@ -250,7 +257,8 @@ static void test_hits(void **state) {
 /* A brick that falls on a plane, turned at random: restitution of its centre and scatter of its rebound, against the spec's own program. */
 static void test_rebound(void **state) {
     (void)state;
-    const double table[5][4] = {{.29, .18, .14, 54}, {.50, .28, .17, 45}, {.65, .34, .19, 41}, {.75, .38, .20, 41}, {.90, .47, .21, 37}};
+    const double table[5][4] = {
+        {.29, .18, .14, 54}, {.50, .28, .17, 45}, {.65, .34, .19, 41}, {.75, .38, .20, 41}, {.90, .47, .21, 37}};
     for (int row = 0; row < 5; row++) {
         double sum = 0, squares = 0, angles = 0;
         const int n = 400;
@@ -271,8 +279,8 @@ static void test_rebound(void **state) {
             dem_free(&w);
         }
         const double scatter = sqrt(squares - sum * sum);
-        print_message("brick on plane, e %.2f: %.3f +- %.3f (%.2f, %.2f), %.1f degrees (%.0f)\n", table[row][0], sum, scatter,
-                      table[row][1], table[row][2], sqrt(angles), table[row][3]);
+        print_message("brick on plane, e %.2f: %.3f +- %.3f (%.2f, %.2f), %.1f degrees (%.0f)\n", table[row][0], sum,
+                      scatter, table[row][1], table[row][2], sqrt(angles), table[row][3]);
         near(sum, table[row][1], 0.03);
         near(scatter, table[row][2], 0.03);
         near(sqrt(angles), table[row][3], 3.0);
@@ -289,7 +297,8 @@ static void fill_box(dem_world *w, int threads, int n) {
     const int shapes[2] = {brick(w, 1e-3, 1e-3, 2e-3, 0.05), dem_add_shape(w, &s)};
     seed = 11;
     for (int k = 0; k < n; k++) {
-        const double x = (k % 5 - 2) * 3e-3, y = (k / 5 % 5 - 2) * 3e-3, z = 2e-3 + k / 25 * 2.4e-3, d = 1.5e-3, at[3] = {x, y, z};
+        const double x = (k % 5 - 2) * 3e-3, y = (k / 5 % 5 - 2) * 3e-3, z = 2e-3 + k / 25 * 2.4e-3, d = 1.5e-3,
+                     at[3] = {x, y, z};
         if (k % 7 == 3) assert_int_equal(dem_add_spheres(w, 1, at, &d, 0, 0), DEM_OK);
         else put(w, shapes[k % 2], x, y, z, bell(), bell(), bell(), bell());
         dem_set_motion(w, k, dem_vec3(0, 0, -1), dem_vec3(0, 0, 0));
@@ -518,7 +527,8 @@ static void lies_by(const dem_world *w, const dem_convex *s, dem_quaternion q) {
     for (int k = 0; k < s->corners; k++) {
         const double *c = s->corner[k];
         const dem_vec given = dem__plus(dem__plus(dem__scale(c[0], s->axis[0]), c[1], s->axis[1]), c[2], s->axis[2]);
-        assert_true(dem__length(dem__sub(dem__to_lab(own, dem__point(c)), dem__to_lab(q, given))) < 1e-14 * (1.0 + s->reach / 1e-3));
+        assert_true(dem__length(dem__sub(dem__to_lab(own, dem__point(c)), dem__to_lab(q, given))) <
+                    1e-14 * (1.0 + s->reach / 1e-3));
     }
     assert_true(fabs(fabs(told.w * q.w + told.x * q.x + told.y * q.y + told.z * q.z) - 1.0) < 1e-14);
     assert_true(of.w == told.w && of.x == told.x && of.y == told.y && of.z == told.z);
@@ -530,7 +540,8 @@ static void test_as_given(void **state) {
     uint64_t random = 7;
     int cases = 0, largest[4] = {0, 0, 0, 0};
     for (int k = 0; k < 300; k++) {
-        double corner[6][3] = {{0, 0, 0}, {3e-3, 0, 0}, {0, 1e-3, 0}, {3e-3, 1e-3, 0}, {0, 0, 2e-3}, {0, 1e-3, 2e-3}}, v[8];
+        double corner[6][3] = {{0, 0, 0}, {3e-3, 0, 0}, {0, 1e-3, 0}, {3e-3, 1e-3, 0}, {0, 0, 2e-3}, {0, 1e-3, 2e-3}},
+               v[8];
         for (int n = 0; n < 12 && k > 0; n++) {
             random = random * 6364136223846793005u + 1442695040888963407u;
             corner[n / 3][n % 3] = 4e-3 * (double)(random >> 11) / 9007199254740992.0;
@@ -550,7 +561,8 @@ static void test_as_given(void **state) {
         const double at[3] = {0, 0, s.centroid.z - 1e-9};
         const dem_quaternion one = {1, 0, 0, 0}, any = {v[4], v[5], v[6], v[7]};
         dem_quaternion q, other;
-        assert_true(dem__unit_turn(dem__quaternion(v[0], dem_vec3(v[1], v[2], v[3])), &q) && dem__unit_turn(any, &other));
+        assert_true(dem__unit_turn(dem__quaternion(v[0], dem_vec3(v[1], v[2], v[3])), &q) &&
+                    dem__unit_turn(any, &other));
         if (k == 0) {
             assert_true(dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) >= 0);
             assert_int_equal(dem_add_convex(&w, shape, 1, at, NULL, 0, 0), DEM_OK);
@@ -568,7 +580,8 @@ static void test_as_given(void **state) {
             const dem_quaternion now = dem_orientation(&w, 0);
             assert_true(fabs(now.w * other.w + now.x * other.x + now.y * other.y + now.z * other.z) < 1.0 - 1e-3);
         }
-        s.axis[0] = dem__first_axis(q), s.axis[1] = dem__second_axis(q), s.axis[2] = dem__third_axis(q); /* any axes, as a host may set */
+        s.axis[0] = dem__first_axis(q), s.axis[1] = dem__second_axis(q),
+        s.axis[2] = dem__third_axis(q); /* any axes, as a host may set */
         const dem_quaternion turned = dem__turn_of_shape(&s);
         assert_true(fabs(fabs(turned.w * q.w + turned.x * q.x + turned.y * q.y + turned.z * q.z) - 1.0) < 1e-14);
         const double four[4] = {fabs(turned.w), fabs(turned.x), fabs(turned.y), fabs(turned.z)};
@@ -577,27 +590,20 @@ static void test_as_given(void **state) {
         largest[most]++, cases++;
         dem_free(&w);
     }
-    print_message("%d shapes; largest of the numbers of their rotations: w %d, x %d, y %d, z %d\n", cases, largest[0], largest[1],
-                  largest[2], largest[3]);
+    print_message("%d shapes; largest of the numbers of their rotations: w %d, x %d, y %d, z %d\n", cases, largest[0],
+                  largest[1], largest[2], largest[3]);
     assert_true(cases > 200 && largest[0] > 20 && largest[1] > 20 && largest[2] > 20 && largest[3] > 20);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rest),
-        cmocka_unit_test(test_contacts_read),
-        cmocka_unit_test(test_slide),
-        cmocka_unit_test(test_tip),
-        cmocka_unit_test(test_rock),
-        cmocka_unit_test(test_hits),
-        cmocka_unit_test(test_rebound),
-        cmocka_unit_test(test_pile),
-        cmocka_unit_test(test_spheres),
-        cmocka_unit_test(test_feed),
-        cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_groups),
-        cmocka_unit_test(test_saved_in_a_funnel),
+        cmocka_unit_test(test_rest),     cmocka_unit_test(test_contacts_read),
+        cmocka_unit_test(test_slide),    cmocka_unit_test(test_tip),
+        cmocka_unit_test(test_rock),     cmocka_unit_test(test_hits),
+        cmocka_unit_test(test_rebound),  cmocka_unit_test(test_pile),
+        cmocka_unit_test(test_spheres),  cmocka_unit_test(test_feed),
+        cmocka_unit_test(test_refused),  cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_groups),   cmocka_unit_test(test_saved_in_a_funnel),
         cmocka_unit_test(test_as_given),
     };
     if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));

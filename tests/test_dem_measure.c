@@ -289,6 +289,28 @@ static void test_kinetic(void **state) {
 
 /* ---- contacts ---- */
 
+/* A sphere that slides has the tangential force that Coulomb's law gives. */
+static void test_histogram_of_tangential_forces(void **state) {
+    (void)state;
+    dem_world w;
+    dem_def def = soft_def();
+    double count[2];
+    def.gravity = v3(0, 0, 0);
+    start(&w, &def);
+    dem_add_plane(&w, 0, v3(0, 0, -0.0024), v3(0, 0, 1));
+    add(&w, v3(0, 0, 0), 5e-3, 0);
+    assert_int_equal(dem_set_motion(&w, 0, v3(0.6, 0.8, 0.0), v3(0, 0, 0)), DEM_OK);
+    dem_run(&w, 0.0, DEM_LINEAR | DEM_FRICTION);
+    dem_run(&w, 5.0 * def.dt, DEM_LINEAR | DEM_FRICTION);
+    const dem_contact_info c = dem_get_contact(&w, 0);
+    const double limit = 0.5 * c.force.z;
+    assert_true(limit > 0.0);
+    assert_int_equal(dem_histogram(&w, DEM_CONTACT_TANGENTIAL_FORCE, 0.99 * limit, 1.01 * limit, 2, count), 0);
+    assert_true(count[0] + count[1] == 1.0);
+    assert_int_equal(dem_histogram(&w, DEM_CONTACT_TANGENTIAL_FORCE, 1.1 * limit, 2.0 * limit, 2, count), 1);
+    dem_free(&w);
+}
+
 static void test_histogram_and_unlike_contacts(void **state) {
     (void)state;
     dem_world w;
@@ -452,7 +474,8 @@ static void test_bad_input(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_ball_in_box), cmocka_unit_test(test_solid_fraction), cmocka_unit_test(test_column),
-        cmocka_unit_test(test_bed),         cmocka_unit_test(test_kinetic),        cmocka_unit_test(test_histogram_and_unlike_contacts),
+        cmocka_unit_test(test_bed),         cmocka_unit_test(test_kinetic),        cmocka_unit_test(test_histogram_of_tangential_forces),
+        cmocka_unit_test(test_histogram_and_unlike_contacts),
         cmocka_unit_test(test_residence),   cmocka_unit_test(test_mixing),         cmocka_unit_test(test_bad_input),
     };
     return cmocka_run_group_tests_name("dem_measure", tests, NULL, NULL);

@@ -760,6 +760,7 @@ static void test_rotor(void **state) {
     const double j = v0 / (1.0 / m + radius * radius / i + drum * drum / inertia);
     near_relative(w.wall[k].rate, j * drum / inertia, 2e-3, "rate of the drum"); /* the overlap is 1e-4 of the radius */
     near_relative(w.wall[k].spin, w.wall[k].rate, 0.0, "spin");
+    near_relative(dem_wall_angular_impulse(&w, k, v3(0, 3, 0)).y, inertia * w.wall[k].rate, 1e-5, "angular impulse");
     dem_free(&w);
 
     start(&w, &def); /* torque and damper */
@@ -793,11 +794,62 @@ static void test_belt(void **state) {
         near_relative(dem_velocity(&w, 0).x, mu * 9.81 * 0.98 * slips, 2e-3, "still slipping");
         run(&w, 0.1, DEM_LINEAR | DEM_FRICTION);
         near_relative(dem_velocity(&w, 0).x, 2.0 / 7.0 * u, 2e-3, "rolling on a belt");
+        near_relative(w.wall[0].work, 2.0 / 7.0 * u * u * dem_mass(&w, 0), 2e-2,
+                      "work of a belt"); /* u times the momentum */
         dem__set_origin(&w, 0);
         near_relative(w.particle[0].v.x - radius * dem_spin(&w, 0).y, u, 2e-3, "its surface");
         near_vec(w.wall[0].velocity, zero, 0.0, "the belt's frame stays");
         dem_free(&w);
     }
+}
+
+/* A belt that runs around an axis: on a round wall it moves a ball as the wall's own rotation does, at the same power; on the top of a box
+   as a plane belt does, on its underside the other way; on its front, across the axis, not at all. */
+static void test_belt_around_an_axis(void **state) {
+    (void)state;
+    const double u = 0.35, drum = 0.05;
+    dem_vec x[2], v[2];
+    double work[2];
+    for (int turns = 0; turns < 2; turns++) {
+        dem_world w;
+        dem_def def = one_material(0.5, 0.25);
+        start(&w, &def);
+        const int k = wall_index(dem_add_cylinder(&w, 0, zero, v3(0, 1, 0), drum, 1));
+        assert_int_equal(turns ? dem_rotate(&w, k, zero, v3(0, 1, 0), u / drum) : dem_turn_belt(&w, k, v3(0, -3, 0), u),
+                         DEM_OK);
+        add(&w, v3(0, 0, radius - drum), diameter);
+        run(&w, 0.3, DEM_LINEAR | DEM_FRICTION);
+        x[turns] = dem_position(&w, 0), v[turns] = dem_velocity(&w, 0), work[turns] = w.wall[k].work;
+        dem_free(&w);
+    }
+    near_vec(x[0], x[1], 1e-6, "place"), near_vec(v[0], v[1], 1e-4, "velocity");
+    near_relative(work[0], work[1], 1e-3, "work");
+    assert_true(work[0] > 0.0 && fabs(x[0].x) > 1e-3);
+    static const double pull[3][3] = {{0, 0, -9.81}, {0, 0, 9.81}, {0, 9.81, 0}}, speed[3] = {0.1, -0.1, 0.0};
+    for (int side = 0; side < 3; side++) {
+        dem_world w;
+        dem_def def = one_material(0.5, 0.25);
+        def.gravity = v3(pull[side][0], pull[side][1], pull[side][2]);
+        start(&w, &def);
+        const int k = wall_index(dem_add_box(&w, 0, v3(-1, -0.1, -0.1), v3(1, 0.1, 0.1)));
+        assert_int_equal(dem_turn_belt(&w, k, v3(0, 1, 0), u), DEM_OK);
+        add(&w,
+            side == 0   ? v3(0, 0, 0.1 + radius)
+            : side == 1 ? v3(0, 0, -0.1 - radius)
+                        : v3(0, -0.1 - radius, 0),
+            diameter);
+        run(&w, 0.5, DEM_LINEAR | DEM_FRICTION);
+        near_absolute(dem_velocity(&w, 0).x, speed[side], 1e-3, "speed on a side"); /* 2/7 of the belt's */
+        dem_free(&w);
+    }
+    dem_world w;
+    dem_def def = one_material(0.5, 0.25);
+    start(&w, &def);
+    wall_index(dem_add_plane(&w, 0, zero, up));
+    assert_int_equal(dem_turn_belt(&w, 0, zero, 1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_turn_belt(&w, 1, up, 1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_turn_belt(&w, 0, up, nan_), DEM_BAD_ARGUMENT);
+    dem_free(&w);
 }
 
 /* ---- everything at once: skipping, threads, saving, memory ---- */
@@ -841,6 +893,86 @@ static dem_status busy_scene(dem_world *w, int skip, int threads, const dem_allo
 }
 
 enum { BUSY = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING };
+
+/* Work that all walls have done. */
+static double work_of_walls(const dem_world *w) {
+    double sum = 0.0;
+    for (int k = 0; k < w->walls; k++) sum += w->wall[k].work;
+    return sum;
+}
+
+/* The work of each wall against the ledger, which has the sum of all: pushed, turned, shaken and running ones, of triangles, cones, planes,
+   discs; the same bits for any number of threads, without skipping, and after a save. */
+static void test_work_of_walls(void **state) {
+    (void)state;
+    double work[3][DEM_WALLS_MAX], last = 0.0;
+    for (int how = 0; how < 3; how++) {
+        dem_world w;
+        assert_int_equal(busy_scene(&w, how != 1, how == 2 ? 3 : 1, NULL), DEM_OK);
+        run(&w, 0.02, BUSY | DEM_ENERGY);
+        if (how == 2) { /* saved in the midst of it */
+            const size_t size = dem_save(&w, NULL, 0);
+            unsigned char *bytes = (unsigned char *)malloc(size);
+            dem_motion_fn motion = w.wall[3].asked.motion;
+            void *user = w.wall[3].asked.motion_user;
+            assert_int_equal(dem_save(&w, bytes, size), size);
+            dem_free(&w);
+            assert_int_equal(dem_load(&w, bytes, size, NULL), DEM_OK);
+            assert_int_equal(dem_prescribe(&w, 3, zero, motion, user), DEM_OK);
+            free(bytes);
+        }
+        run(&w, 0.02, BUSY | DEM_ENERGY);
+        const dem_energy_ledger l = dem_energy(&w);
+        near_absolute(work_of_walls(&w), l.wall_work, 1e-3 * fabs(l.wall_work), "work of the walls");
+        last = l.wall_work;
+        for (int k = 0; k < w.walls; k++) work[how][k] = w.wall[k].work;
+        dem_free(&w);
+    }
+    assert_true(fabs(last) > 1e-6);
+    for (int k = 0; k < 6; k++) {
+        assert_true(k == 4 ? work[0][k] == 0.0 : work[0][k] != 0.0); /* the ball stays */
+        assert_true(work[0][k] == work[1][k] && work[0][k] == work[2][k]);
+    }
+}
+
+/* Angular momentum of a ball about an axis along y [N m s]. */
+static double moment_about(dem_world *w, dem_vec centre) {
+    dem__set_origin(w, 0);
+    const dem_vec orbit = dem__cross(dem__sub(dem_position(w, 0), centre), dem_velocity(w, 0));
+    return dem_mass(w, 0) * (orbit.y + 0.4 * radius * radius * dem_spin(w, 0).y);
+}
+
+/* A ball rocks in a drum that turns, against rolling resistance: the torque on the drum is weight x arm but for the ball's angular momentum,
+   the power torque x spin; far from the origin, turned either way. */
+static void test_torque_of_a_drum(void **state) {
+    (void)state;
+    for (int way = -1; way <= 1; way += 2) {
+        dem_world w;
+        dem_def def = one_material(0.5, 0.4);
+        const double drum = 0.05, spin = 8.0 * way, lever = 2e-4;
+        const dem_vec centre = v3(3.0, -1.0, 7.0);
+        dem_pair(&def, 0, 0)->rolling = lever;
+        start(&w, &def);
+        const int k = wall_index(dem_add_cylinder(&w, 0, centre, v3(0, 1, 0), drum, 1));
+        assert_int_equal(dem_rotate(&w, k, centre, v3(0, 1, 0), spin), DEM_OK);
+        add(&w, v3(centre.x, centre.y, centre.z - drum + radius), diameter);
+        run(&w, 0.1, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
+        const double before = dem_wall_angular_impulse(&w, k, centre).y, done = w.wall[k].work,
+                     moment = moment_about(&w, centre);
+        double arm = 0.0;
+        for (int n = 0; n < 5000; n++) {
+            const double was = dem_position(&w, 0).x;
+            run(&w, 10.0 * def.dt, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
+            arm += (0.5 * (was + dem_position(&w, 0).x) - centre.x) / 5000.0;
+        }
+        const double time = 50000.0 * def.dt, turned = dem_wall_angular_impulse(&w, k, centre).y - before;
+        const double weight = dem_mass(&w, 0) * 9.81;
+        near_relative(w.wall[k].work - done, -turned * spin, 1e-9, "work = torque x angle");
+        near_relative(turned, weight * arm * time - (moment_about(&w, centre) - moment), 1e-4, "torque = weight x arm");
+        assert_true(-turned * spin > 0.0);
+        dem_free(&w);
+    }
+}
 
 static void test_skipping_changes_nothing(void **state) {
     (void)state;
@@ -1671,6 +1803,9 @@ int main(void) {
         cmocka_unit_test(test_piston_momentum),
         cmocka_unit_test(test_rotor),
         cmocka_unit_test(test_belt),
+        cmocka_unit_test(test_belt_around_an_axis),
+        cmocka_unit_test(test_work_of_walls),
+        cmocka_unit_test(test_torque_of_a_drum),
         cmocka_unit_test(test_skipping_changes_nothing),
         cmocka_unit_test(test_saving),
         cmocka_unit_test(test_unsound_walls),

@@ -428,6 +428,73 @@ static void test_touching_spheres_thrown_about(void **state) {
     }
 }
 
+/* ---- two spheres that approach ---- */
+
+/* Reads speed of the first sphere and force on either from tests/reference/filtration/two_spheres.csv. ratio HUGE_VAL: a wall. */
+static double exact_force(double ratio, double gap, double *speed) {
+    FILE *file = fopen("tests/reference/filtration/two_spheres.csv", "r");
+    char line[200];
+    if (!file) fail_msg("run in the root of the repository: two_spheres.csv is not there");
+    while (fgets(line, sizeof line, file)) {
+        double r, h, u, force;
+        if (sscanf(line, "%lf,%lf,%lf,%lf", &r, &h, &u, &force) != 4) continue;
+        if ((r < HUGE_VAL ? fabs(r - ratio) > 1e-9 : ratio < HUGE_VAL) || fabs(h - gap) > 1e-9) continue;
+        fclose(file);
+        *speed = u;
+        return force;
+    }
+    fclose(file);
+    fail_msg("ratio %g, gap %g: not in two_spheres.csv", ratio, gap);
+    return 0.0;
+}
+
+/* Force on two spheres of radii 4 and 4 ratio cells (HUGE_VAL: a wall), gap [radii], that approach along a direction at a place, over the exact one;
+   with the lubrication that filtration_move adds. */
+static double approach_error(double ratio, double gap, const double along[3], const double place[3]) {
+    const double R = 4.0, other = ratio < HUGE_VAL ? ratio * R : R, h = gap * R, v = 1e-5;
+    double speed, length = 0.0, towards = 0.0;
+    const double exact = exact_force(ratio, gap, &speed) * 6.0 * 3.14159265358979323846 * R * v;
+    const int wall = !(ratio < HUGE_VAL), n = (int)(ratio > 1.0 && !wall ? 6.0 * other : 8.0 * other);
+    double centre[6], velocity[6] = {0}, spin[6] = {0}, radius[2] = {R, other}, force[6], torque[6];
+    const filtration_spheres spheres = {wall ? 1 : 2, centre, velocity, spin, radius, force, torque};
+    filtration_fluid_def def = small_box(n);
+    filtration_fluid fluid;
+    def.voxel = def.density = def.viscosity = 1.0;
+    def.tau = 3.5;
+    if (wall) def.face[FILTRATION_LOW_Z] = def.face[FILTRATION_HIGH_Z] = FILTRATION_WALL;
+    assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
+    for (int a = 0; a < 3; a++) length += along[a] * along[a];
+    for (int a = 0; a < 3; a++) {
+        const double e = along[a] / sqrt(length), middle = 0.5 * n + place[a];
+        centre[a] = middle - e * (R + 0.5 * h), centre[3 + a] = middle + e * (other + 0.5 * h);
+        velocity[a] = speed * v * e, velocity[3 + a] = (speed - 1.0) * v * e;
+    }
+    if (wall) centre[2] = n - R - h;
+    assert_int_equal(filtration_fluid_run(&fluid, (int64_t)(2.4 * R * other) * 2, &spheres), FILTRATION_OK);
+    for (int a = 0; a < 3; a++) towards += (wall ? -force[a] : 0.5 * (force[3 + a] - force[a])) * along[a] / sqrt(length);
+    filtration_fluid_free(&fluid);
+    return (towards + filtration_lubrication_force(R, wall ? HUGE_VAL : other, h, v, 1.0, 2.0 / 3.0, 1e-9)) / exact - 1.0;
+}
+
+/* Gaps of 0.1 to 2 cells at 8 cells a diameter, wherever the spheres are on the lattice and whichever way they go; spheres of unequal size; a wall. */
+static void test_two_spheres_approach(void **state) {
+    (void)state;
+    static const double gaps[] = {0.025, 0.075, 0.125, 0.2, 0.3, 0.5},
+                        ways[4][3] = {{0, 0, 1}, {1, -1, 0}, {1, 1, 1}, {0.3, -1, 0.6}},
+                        places[4][3] = {{0, 0, 0}, {0.5, 0.5, 0.5}, {0.1, 0.3, 0.45}, {0.25, 0.75, 0.6}};
+    double mean = 0.0, worst = 0.0;
+    for (int g = 0; g < 6; g++)
+        for (int k = 0; k < 8; k++) {
+            const double error = approach_error(1.0, gaps[g], ways[k % 4], places[(k + k / 4) % 4]);
+            mean += error / 48.0, worst = fmax(worst, fabs(error));
+        }
+    assert_true(worst < 0.1);
+    assert_true(fabs(mean) < 0.03);
+    assert_true(fabs(approach_error(2.0, gaps[1], ways[3], places[2])) < 0.06);
+    for (int g = 0; g < 6; g += 2)
+        for (int k = 0; k < 2; k++) assert_true(fabs(approach_error(HUGE_VAL, gaps[g], ways[0], places[2 * k])) < 0.08);
+}
+
 /* ---- a moving sphere ---- */
 
 static void uniform_flow(void *user, const double x[3], double u[3], double *p) {
@@ -1010,6 +1077,7 @@ int main(void) {
         cmocka_unit_test(test_fine_arrays),
         cmocka_unit_test(test_clean_cloth),
         cmocka_unit_test(test_touching_spheres_thrown_about),
+        cmocka_unit_test(test_two_spheres_approach),
         cmocka_unit_test(test_frame),
         cmocka_unit_test(test_same_bits),
         cmocka_unit_test(test_resume),

@@ -368,6 +368,11 @@ static void test_smoluchowski(void **state) {
 
 static double proportional(const granulation_granule *g, const void *user) { return *(const double *)user * granulation_volume(g); }
 
+static double one_each_second(const granulation_granule *g, const void *user) {
+    (void)g, (void)user;
+    return 1.0;
+}
+
 static void test_breakage(void **state) {
     (void)state;
     csv_data data = reference("balances.csv");
@@ -398,6 +403,78 @@ static void test_breakage(void **state) {
     near_to("n(1) with both", density(&p.balance, 1.0), csv_value(&data, row, "n1"), 5e-3);
     granulation_balance_free(&p.balance);
     csv_free(&data);
+}
+
+static double square_of(double z, double mother, const void *user) {
+    (void)mother, (void)user;
+    return z * z; /* two daughters, uniform in volume */
+}
+
+/* A breakage function of one's own: uniform daughters as by the built-in ones, Austin's by its moments, where every granule breaks once a
+   second: d ln M0/dt = m/(m - 1) - 1 and d ln M2/dt = m/(m + 1) - 1 with the share z^m. */
+static void test_own_breakage(void **state) {
+    (void)state;
+    double factor = 1.0, errors[2] = {0.0, 0.0};
+    granulation_balance_def def = granulation_balance_default_def();
+    def.selection = proportional, def.selection_user = &factor;
+    def.daughters = GRANULATION_OWN, def.breakage = square_of;
+    def.kernel = NULL;
+    for (int k = 0; k < 2; k++) {
+        prepared p;
+        prepare(&p, def, 80 << k, 1e-4, 200.0, 1);
+        assert_int_equal(granulation_balance_run(&p.balance, 1.0), GRANULATION_OK);
+        near_to("M0", granulation_balance_moment(&p.balance, 0.0, 0.0), 2.0, 1e-3);
+        near_to("M1", granulation_balance_moment(&p.balance, 1.0, 0.0), 1.0, 1e-9);
+        errors[k] = fabs(granulation_balance_moment(&p.balance, 2.0, 0.0) - 1.0);
+        near_to("n(1)", density(&p.balance, 1.0), 4.0 * exp(-2.0), 2e-2);
+        double all = 0.0;
+        for (int cell = 0; cell < p.balance.n; cell++) all += granulation_balance_number(&p.balance, cell);
+        near_to("number", all, granulation_balance_moment(&p.balance, 0.0, 0.0), 1e-12);
+        assert_true(isnan(granulation_balance_number(&p.balance, -1)) && isnan(granulation_balance_number(&p.balance, p.balance.n)));
+        granulation_balance_free(&p.balance);
+    }
+    assert_true(errors[1] < 2e-3 && errors[0] / errors[1] > 3.5);
+    static const double m[] = {2.0, 3.0, 6.0};
+    def.selection = one_each_second, def.breakage = granulation_austin_breakage;
+    for (int k = 0; k < 3; k++) {
+        const granulation_austin austin = {0.3, 3.0 * m[k], 3.0 * m[k]};
+        prepared p;
+        def.breakage_user = &austin;
+        prepare(&p, def, 260, 1e-9, 200.0, 1); /* broken twice on average, many are tiny */
+        const double zeroth = granulation_balance_moment(&p.balance, 0.0, 0.0), second = granulation_balance_moment(&p.balance, 2.0, 0.0);
+        assert_int_equal(granulation_balance_run(&p.balance, 2.0), GRANULATION_OK);
+        near_to("M0 of Austin", granulation_balance_moment(&p.balance, 0.0, 0.0) / zeroth, exp(2.0 * (m[k] / (m[k] - 1.0) - 1.0)), 2e-3);
+        near_to("M1 of Austin", granulation_balance_moment(&p.balance, 1.0, 0.0), 1.0, 1e-9);
+        near_to("M2 of Austin", granulation_balance_moment(&p.balance, 2.0, 0.0) / second, exp(2.0 * (m[k] / (m[k] + 1.0) - 1.0)), 5e-3);
+        granulation_balance_free(&p.balance);
+    }
+}
+
+static double falling(double z, double mother, const void *user) { return (void)mother, (void)user, z < 0.5 ? 2.0 * z : 2.0 - z; }
+static double never_one(double z, double mother, const void *user) { return (void)mother, (void)user, 0.9 * z; }
+static double no_number(double z, double mother, const void *user) { return (void)mother, (void)user, z > 0.3 ? (double)NAN : z; }
+
+static void test_bad_breakage(void **state) {
+    (void)state;
+    const granulation_breakage bad[] = {falling, never_one, no_number, granulation_austin_breakage};
+    const char *field = NULL;
+    granulation_balance_def def = granulation_balance_default_def();
+    def.kernel = NULL, def.selection = one_each_second, def.daughters = GRANULATION_OWN;
+    assert_int_equal(granulation_balance_check_def(&def, &field), GRANULATION_BAD_DEF);
+    assert_string_equal(field, "breakage");
+    for (int k = 0; k < 4; k++) {
+        prepared p;
+        def.breakage = bad[k]; /* Austin's without its data */
+        prepare(&p, def, 20, 1e-2, 20.0, 1);
+        assert_int_equal(granulation_balance_run(&p.balance, 1.0), GRANULATION_KERNEL);
+        granulation_balance_free(&p.balance);
+    }
+    def.daughters = GRANULATION_HALVES;
+    prepared p;
+    prepare(&p, def, 20, 1e-2, 20.0, 1);
+    def.daughters = GRANULATION_OWN, def.breakage = square_of; /* there is no room for what is born */
+    assert_int_equal(granulation_balance_set(&p.balance, &def), GRANULATION_BAD_ARGUMENT);
+    granulation_balance_free(&p.balance);
 }
 
 /* exp(-s - l), constant kernel: M11 = 1 + t, and the totals stay */
@@ -586,6 +663,8 @@ int main(void) {
         cmocka_unit_test(test_moments_and_densities),
         cmocka_unit_test(test_smoluchowski),
         cmocka_unit_test(test_breakage),
+        cmocka_unit_test(test_own_breakage),
+        cmocka_unit_test(test_bad_breakage),
         cmocka_unit_test(test_two_components),
         cmocka_unit_test(test_monte_carlo),
         cmocka_unit_test(test_studies),

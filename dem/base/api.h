@@ -248,7 +248,15 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
 /* Makes a wall a belt: its surface moves at this velocity [m/s], or at its part along the surface, while the wall stays
    where it is. */
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
+/* Makes a wall a belt that runs around pulleys: where the normal is n, its surface moves along axis x n, at this speed
+   [m/s] where the surface is parallel to the axis. Adds to dem_set_belt. */
+DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, double speed);
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
+/* Returns the time integral of the torque of particles on a wall about a point at rest [N m s], since the wall was
+   added: its difference over the time between is the mean torque. Forces of links are not in it. NaN for a wall that
+   does not exist. world->wall[].work is the work that its motion has done on the particles [J]: its difference over the
+   time between is the mean power of its drive, without that of a piston's or rotor's inertia. */
+DEM_API dem_vec dem_wall_angular_impulse(const dem_world *world, int wall, dem_vec point);
 
 /* ---- meshes from files ---- */
 
@@ -431,9 +439,9 @@ typedef struct dem_field {
    rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
 
-/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N] or overlap [m]; contacts without
-   overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
-typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP } dem_quantity;
+/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force
+   [N]; contacts without overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
+typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP, DEM_CONTACT_TANGENTIAL_FORCE } dem_quantity;
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count);
 

@@ -52,9 +52,10 @@ typedef struct dem__correction {
     double impulse[9];  /* time integrals of the force on i and the torques on i and j [N s], [N m s] */
 } dem__correction;
 
-/* Force [N] and torque [N m] of a chunk's contacts on a wall. */
+/* Force [N] and torque [N m] of a chunk's contacts on a wall, and the power of its belt [W]. */
 typedef struct dem__wall_force {
     dem_vec force, torque;
+    double belt_power;
 } dem__wall_force;
 
 /* The numbers kept of the place where a contact touches: the arrays of contacts.touch. A sphere at a mesh, a sphere at

@@ -258,6 +258,7 @@ typedef struct dem_wall_motion {
     dem_vec drift;       /* constant velocity [m/s] */
     dem_vec spin_centre; /* centre of a rotation [m] */
     dem_vec belt;        /* velocity of its surface within itself [m/s] */
+    dem_vec belt_turn;   /* the same around pulleys: axis times speed; along its product with the normal [m/s] */
     double inertia, load, damping; /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
     dem_motion_fn motion;          /* prescribed */
     void *motion_user;
@@ -288,6 +289,9 @@ typedef struct dem_wall {
         rate_change;       /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
     dem_vec force, torque; /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
     dem_vec impulse;       /* time integral of the force [N s] */
+    dem_vec angular_impulse; /* time integral of the torque about the world's origin [N m s]; see
+                                dem_wall_angular_impulse */
+    double work;             /* done on the particles by its motion and its belt [J] */
 
     const struct dem__wall_kind *kind__; /* private: the functions of its kind */
     int slides;                          /* private: 1 if its surface moves otherwise than its origin */

@@ -299,7 +299,7 @@ static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_fric
                   on_j = has_friction ? dem__first(h->impulse + 6) : none;
     dem__push_any(w, i, impulse, on_i, 0.0, n);
     if (j >= 0) dem__push_any(w, j, dem__scale(-1.0, impulse), on_j, 0.0, n);
-    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
+    else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, n, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
 }
 
 /* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the

@@ -75,13 +75,15 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
     if (contacts->shares > 1) dem__add_postponed(w, &e);
     for (int k = 0; k < w->walls; k++) {
         dem_wall *wall = &w->wall[k];
+        double belt_power = 0.0;
         wall->force = wall->torque = dem_vec3(0.0, 0.0, 0.0);
         for (int q = 0; q < contacts->chunk_count; q++) {
             if (!contacts->chunk[q].at_walls) continue;
             const dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
             wall->force = dem__add(wall->force, push->force);
             wall->torque = dem__add(wall->torque, push->torque);
+            belt_power += push->belt_power;
         }
-        wall->impulse = dem__plus(wall->impulse, h, wall->force);
+        dem__book_push(wall, h, wall->force, wall->torque, belt_power);
     }
 }

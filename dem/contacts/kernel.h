@@ -301,6 +301,18 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
     }
 }
 
+/* Adds up the power of belts: that of the rest of a wall's motion follows from the sums of its forces. */
+static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdiff_t chunk, double *const *out) {
+    for (int q = 0; q < x->walls; q++) {
+        const dem_wall *wall = x->wall[q].wall;
+        const int k = x->wall[q].row;
+        if (!dem__is_belt(wall)) continue;
+        const dem_vec along = dem__belt_velocity(wall, dem_vec3(x->rows.nx[k], x->rows.ny[k], x->rows.nz[k]));
+        w->engine->contacts.wall_force[chunk * w->engine->walls.capacity + (wall - w->wall)].belt_power +=
+            out[0][k] * along.x + out[1][k] * along.y + out[2][k] * along.z;
+    }
+}
+
 /* Evaluates the contacts of a chunk. A contact reads its own slot, particles and walls, which do not change meanwhile,
    and writes its own slot; therefore any division among threads gives the same bits. Each block is summed while it is
    in the cache. */
@@ -333,6 +345,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, x, chunk, base, n, at.out, has_friction, postpone_from);
+        if (x->walls > 0) dem__add_belts(w, x, chunk, at.out);
     }
 }
 
@@ -348,7 +361,7 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
         contacts->chunk[q].marked = contacts->chunk[q].postponed = 0, contacts->chunk[q].at_walls = 0;
         for (ptrdiff_t k = 0; k < w->walls; k++) {
             dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
-            push->force = push->torque = dem_vec3(0.0, 0.0, 0.0);
+            push->force = push->torque = dem_vec3(0.0, 0.0, 0.0), push->belt_power = 0.0;
         }
         dem__evaluate_chunk(w, work, q, law, correct, features, postpone_from);
     }

@@ -425,19 +425,25 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
     return DEM_OK;
 }
 
+static inline double dem__quantity_of(const dem_contact_info *c, dem_quantity quantity) {
+    if (quantity == DEM_CONTACT_FORCE) return dem__length(c->force);
+    if (quantity == DEM_CONTACT_OVERLAP) return -c->gap;
+    return dem__length(dem__plus(c->force, -dem__dot(c->force, c->normal), c->normal));
+}
+
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count) {
     const dem_world *w = world;
     ptrdiff_t outside = 0;
     if (!w || !w->def.allocator.fn || !count || bins < 1 || !(low < high) || !dem__finite(high - low))
         return -(ptrdiff_t)DEM_BAD_ARGUMENT;
-    if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (quantity != DEM_CONTACT_FORCE && quantity != DEM_CONTACT_OVERLAP && quantity != DEM_CONTACT_TANGENTIAL_FORCE)
+        return -(ptrdiff_t)DEM_BAD_ARGUMENT;
     for (int k = 0; k < bins; k++) count[k] = 0.0;
     for (ptrdiff_t k = 0; k < w->engine->contacts.count; k++) {
         const dem_contact_info c = dem_get_contact(w, k);
         if (!(c.gap < 0.0)) continue;
-        const double value = quantity == DEM_CONTACT_FORCE ? dem__length(c.force) : -c.gap,
-                     bin = floor((value - low) / (high - low) * bins);
+        const double value = dem__quantity_of(&c, quantity), bin = floor((value - low) / (high - low) * bins);
         if (value >= low && value <= high) count[bin < (double)bins ? (int)bin : bins - 1] += 1.0;
         else outside++;
     }

@@ -88,6 +88,7 @@ typedef struct dem__placed_edge {
         half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
     int number, ends; /* ends: bits of the ends that are corners, which have points of their own */
     int sided;        /* of a wall's edge: whether it is touched only from the side of `outward` */
+    double deep;      /* of a wall's edge: how much deeper than the radii it may be in the core [m] */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -140,7 +141,7 @@ static inline void dem__place_edge(const dem__side *side, int e, int apart, dem_
     const dem_convex *s = side->shape;
     const int from = s->edge[e][0], to = s->edge[e][1];
     const dem_vec u = dem__sub(dem__point(s->corner[to]), dem__point(s->corner[from]));
-    p->number = e, p->ends = 3, p->sided = 0;
+    p->number = e, p->ends = 3, p->sided = 0, p->deep = 0.0;
     p->from = dem__corner_at(s, side->place, from);
     if (s->is_box) { /* along an axis */
         const int k = !(fabs(u.x) > 0.0) * (1 + !(fabs(u.y) > 0.0));
@@ -225,7 +226,7 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
     double s, distance, rest[4], left = 1.0, share[4];
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
-    if (!(overlap > 0.0) || !(overlap < 2.0 * radii)) return 0; /* deeper: on far sides of the cores */
+    if (!(overlap > 0.0) || !(overlap < 2.0 * radii + q->deep)) return 0; /* deeper: on far sides of the cores */
     int n = 1;
     out->key = key, out->taken = 0;
     out->gap = -overlap;

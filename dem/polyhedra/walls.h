@@ -3,6 +3,7 @@
    potential, as between polyhedra. */
 #pragma once
 #include "points.h"
+#include "behind.h"
 #include "mesh_edges.h"
 
 /* A polyhedron at a wall, seen from its centre, and the points found so far. */
@@ -13,7 +14,8 @@ typedef struct dem__at_wall {
     dem_vec centre;   /* of the polyhedron */
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
-    int edges; /* length of the list; 0 until edges are needed */
+    int edges;  /* length of the list; 0 until edges are needed */
+    int is_cut; /* whether a sheet may cut the core: only then corners can be behind it */
     int n;
     dem__convex_point *out;
 } dem__at_wall;
@@ -74,18 +76,56 @@ static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_e
     return 0;
 }
 
-/* Adds the points of all edges of the polyhedron at an edge of a wall. */
+/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
+static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
+    double low = 0.0, high = 1.0;
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec n = dem__point(s->plane[f]);
+        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
+        if (from >= 0.0 && to >= 0.0) return 0;
+        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
+        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
+    }
+    return low < high;
+}
+
+/* Returns the least distance of a face of a core from its centre [m]. */
+static inline double dem__half_width(const dem_convex *s) {
+    double least = s->reach;
+    for (int f = 0; f < s->faces; f++) least = s->plane[f][3] < least ? s->plane[f][3] : least;
+    return least;
+}
+
+/* Finds the direction in which an edge of a wall, which is in the core, is nearest to its surface, among those at which
+   edges of the core cross it. Returns 0 if there is none. */
+static inline int dem__find_way_out(const dem__at_wall *q, const dem__placed_edge *e, dem_vec *way) {
+    double nearest = HUGE_VAL, s, distance;
+    dem_vec n;
+    for (int k = 0; k < q->edges; k++) {
+        if (!dem__find_crossing(&q->edge[k], e, 0, &s, &n, &distance) || !(fabs(distance) < nearest)) continue;
+        nearest = fabs(distance), *way = n;
+    }
+    return nearest < HUGE_VAL;
+}
+
+/* Adds the points of all edges of the polyhedron at an edge of a wall. Where this is in the core, edges of the core
+   tell the side, and only those count through which it came. */
 static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_edge *of) {
     dem__at_wall *q = (dem__at_wall *)(void *)v;
     dem__placed_edge e;
+    dem_vec way;
     if (q->n == DEM__POINTS_MAX || !dem__set_wall_edge(q, of, &e)) return;
     const double radii = q->shape->radius + of->radius;
     if (dem__is_beyond_face(q, &e, DEM__WINDOW * radii)) return;
     dem__list_edges(q);
+    const int is_deep =
+        dem__core_holds_line(q->shape, dem__into_core(&q->core, of->from), dem__into_core(&q->core, of->to)) &&
+        dem__find_way_out(q, &e, &way);
+    if (is_deep) e.deep = dem__half_width(q->shape);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n =
-            dem__cross_edges(&q->edge[k], &e, radii, !e.sided, of->key + 5 * q->edge[k].number, q->out + q->n);
-        if (n == 0) continue;
+        const int n = dem__cross_edges(&q->edge[k], &e, radii, !e.sided && !is_deep, of->key + 5 * q->edge[k].number,
+                                       q->out + q->n);
+        if (n == 0 || (is_deep && !(dem__dot(q->out[q->n].normal, way) > 0.7))) continue;
         const double up = dem__dot(q->out[q->n].normal, of->side);
         if (of->sign == 0.0 || (of->sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
     }
@@ -105,13 +145,41 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
     q->n++;
 }
 
+/* Finds the touches of a sphere of the rounding at x with a sheet that may cut the core. Behind the sheet its overlap
+   counts on, along the normal to the front. Returns their number. */
+static inline int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double limit, dem__touch *touch) {
+    const dem_wall *wall = q->wall;
+    dem__touch behind;
+    double least;
+    int kept = 0, is_behind = 0;
+    int found = dem__touch_wall(wall, x, q->shape->radius, limit, touch, &least);
+    if (dem__has(wall, DEM__TRIANGULATED)) is_behind = dem__find_behind(wall, q->centre, x, &behind);
+    else if (wall->kind__->crosses(wall, dem__sub(q->centre, wall->position), dem__sub(x, wall->position))) {
+        dem__touch_wall(wall, x, q->shape->radius, HUGE_VAL, &behind, &least);
+        behind.gap = -q->shape->radius - behind.gap, behind.normal = dem__scale(-1.0, behind.normal);
+        is_behind = 1;
+    }
+    if (!is_behind) return found;
+    behind.gap -= q->shape->radius;
+    for (int m = 0; m < found; m++) { /* other surfaces stay, this one's far side does not */
+        if (dem__dot(touch[m].normal, behind.normal) > -0.5 && dem__dot(touch[m].normal, behind.normal) < 0.5)
+            touch[kept++] = touch[m];
+    }
+    kept = kept < DEM__TOUCHES ? kept : DEM__TOUCHES - 1;
+    for (int m = kept; m > 0; m--) touch[m] = touch[m - 1];
+    touch[0] = behind;
+    return kept + 1;
+}
+
 /* Adds the points of the polyhedron's corners, which are spheres. */
 static inline void dem__touch_with_corners(dem__at_wall *q) {
     dem__touch touch[DEM__TOUCHES];
     double least;
     for (int k = 0; k < q->shape->corners; k++) {
-        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k]));
-        const int found = dem__touch_wall(q->wall, dem__add(q->centre, arm), q->shape->radius, 0.0, touch, &least);
+        const dem_vec arm = dem__from_core_frame(&q->core, dem__point(q->shape->corner[k])),
+                      x = dem__add(q->centre, arm);
+        const int found = q->is_cut ? dem__touch_cutting(q, x, 0.0, touch)
+                                    : dem__touch_wall(q->wall, x, q->shape->radius, 0.0, touch, &least);
         for (int m = 0; m < found && q->n < DEM__POINTS_MAX; m++) {
             dem__convex_point *point = &q->out[q->n];
             int is_new = touch[m].gap < 0.0;
@@ -128,10 +196,11 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
 /* Returns the touch of a sheet with the sphere about the point at t of an edge. */
 static inline dem__touch dem__touch_sheet_along(const dem__at_wall *q, const dem__placed_edge *e, double t) {
     dem__touch touch[DEM__TOUCHES];
+    const dem_vec x = dem__add(q->centre, dem__plus(e->from, t, e->along));
     double least;
     touch->normal = q->wall->axis[2];
-    dem__touch_wall(q->wall, dem__add(q->centre, dem__plus(e->from, t, e->along)), q->shape->radius, HUGE_VAL, touch,
-                    &least);
+    if (q->is_cut) dem__touch_cutting(q, x, HUGE_VAL, touch);
+    else dem__touch_wall(q->wall, x, q->shape->radius, HUGE_VAL, touch, &least);
     return touch[0];
 }
 
@@ -216,39 +285,20 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
     q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
     q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
+    q.is_cut = 0;
+    if (dem__has(wall, DEM__TRIANGULATED)) q.is_cut = dem__may_cut(wall, s, place);
+    else if (wall->kind__->crosses) q.is_cut = dem__sheet_cuts(wall, s, place);
     if (dem__corners_at(wall) != DEM__CORNERS_NONE) dem__touch_with_corners(&q);
     if (dem__has(wall, DEM__CURVED_SHEET)) dem__touch_sheet_with_edges(&q);
     if (wall->kind__->edges) wall->kind__->edges(wall, place->x, s->reach, &q.visitor);
     return q.n;
 }
 
-/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
-   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
-   in another direction. */
-static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
-                                              int32_t k, double enough) {
-    const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
-    const double height = dem__dot(d, up);
-    double most = fabs(height) - dem__reach_along(s, core, dem__scale(height > 0.0 ? -1.0 : 1.0, up));
-    dem_vec corner[3];
-    if (most >= enough) return most;
-    for (int c = 0; c < 3; c++) corner[c] = dem__into_core(core, dem__sub(t->vertex[t->corner[3 * k + c]], core->x));
-    for (int f = 0; f < s->faces; f++) {
-        const dem_vec n = dem__point(s->plane[f]);
-        const double a = dem__dot(n, corner[0]), b = dem__dot(n, corner[1]), c = dem__dot(n, corner[2]);
-        const double lowest = a < b ? (a < c ? a : c) : b < c ? b : c, apart = lowest - s->plane[f][3];
-        most = apart > most ? apart : most;
-    }
-    return most;
-}
-
 /* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: of the core. */
 static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
     const dem__tree *t = wall->tree;
-    dem__placed core;
+    const dem__placed core = dem__in_frame(wall, place);
     double least = s->reach;
-    core.x = dem__to_frame(wall, dem__sub(place->x, wall->position));
-    for (int k = 0; k < 3; k++) core.axis[k] = dem__to_frame(wall, place->axis[k]);
     for (int32_t b = 0; b < t->nodes && least > 0.0;) {
         const dem__node *node = &t->node[b];
         if (dem__is_far(node, core.x, s->reach + least)) {
@@ -308,18 +358,6 @@ static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s,
         }
     }
     return 0;
-}
-/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
-static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
-    double low = 0.0, high = 1.0;
-    for (int f = 0; f < s->faces; f++) {
-        const dem_vec n = dem__point(s->plane[f]);
-        const double from = dem__dot(n, p) - s->plane[f][3], to = dem__dot(n, q) - s->plane[f][3];
-        if (from >= 0.0 && to >= 0.0) return 0;
-        if (from > 0.0 && from / (from - to) > low) low = from / (from - to);
-        if (to > 0.0 && from / (from - to) < high) high = from / (from - to);
-    }
-    return low < high;
 }
 /* Looks for the axis of a bar that passes through a core. */
 typedef struct dem__axis_visitor {

@@ -266,7 +266,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     if (j < 0) {
         const dem_vec place = w->particle[i].x, t = has_friction ? dem__second(h->impulse) : dem_vec3(0.0, 0.0, 0.0);
         const dem_vec v = dem__sub(w->particle[i].v, dem__surface_velocity(&w->wall[-1 - j], place, n));
-        dem__strike_wall(&w->wall[-1 - j], place, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
+        dem__strike_wall(&w->wall[-1 - j], place, n, dem__scale(-1.0, impulse), dem__scale(-1.0, t));
         dem__expect_impact(w, i, j, n, -dem__dot(v, n));
         return;
     }

@@ -157,10 +157,30 @@ DEM_INLINE dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double ra
                : dem_vec3(0.0, 0.0, 0.0);
 }
 
+/* Returns whether a wall's surface runs while it stays. */
+DEM_INLINE int dem__turns_as_belt(const dem_wall *w) {
+    return w->asked.belt_turn.x != 0.0 || w->asked.belt_turn.y != 0.0 || w->asked.belt_turn.z != 0.0;
+}
+DEM_INLINE int dem__is_belt(const dem_wall *w) {
+    return w->asked.belt.x != 0.0 || w->asked.belt.y != 0.0 || w->asked.belt.z != 0.0 || dem__turns_as_belt(w);
+}
+/* Returns the velocity of a wall's surface within itself where the normal is n. */
+DEM_INLINE dem_vec dem__belt_velocity(const dem_wall *w, dem_vec n) {
+    const dem_vec along = dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n));
+    return dem__turns_as_belt(w) ? dem__add(along, dem__cross(w->asked.belt_turn, n)) : along;
+}
 /* Returns the velocity of a wall's surface at a point whose normal is n. */
 DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_vec n) {
     const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
-    return dem__add(dem__add(w->velocity, turning), dem__sub(w->asked.belt, dem__scale(dem__dot(w->asked.belt, n), n)));
+    return dem__add(dem__add(w->velocity, turning), dem__belt_velocity(w, n));
+}
+/* Adds what a push lasting h gives a wall: the integrals of its force and of its torque about its origin, and the work
+   that the wall does meanwhile; belt_power: what its belt does. */
+DEM_INLINE void dem__book_push(dem_wall *w, double h, dem_vec force, dem_vec torque, double belt_power) {
+    const dem_vec spin = dem__scale(w->spin, w->spin_axis);
+    w->impulse = dem__plus(w->impulse, h, force);
+    w->angular_impulse = dem__plus(w->angular_impulse, h, dem__add(torque, dem__cross(w->position, force)));
+    w->work += h * (belt_power - dem__dot(force, w->velocity) - dem__dot(torque, spin));
 }
 /* Returns the acceleration of a wall's surface at a point. */
 DEM_INLINE dem_vec dem__surface_acceleration(const dem_wall *w, dem_vec point) {

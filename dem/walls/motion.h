@@ -37,7 +37,7 @@ static inline void dem__bound_speed(dem_wall *a) {
         rate * rate *
         (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
     a->spin_bound = fabs(a->spin);
-    a->slides = a->spin != 0.0 || a->asked.belt.x != 0.0 || a->asked.belt.y != 0.0 || a->asked.belt.z != 0.0;
+    a->slides = a->spin != 0.0 || dem__is_belt(a);
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
@@ -156,6 +156,17 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     return DEM_OK;
 }
 
+DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, double speed) {
+    if (dem__is_running(world)) return DEM_BUSY;
+    dem_vec unit;
+    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
+        !dem__moderate(speed))
+        return DEM_BAD_ARGUMENT;
+    world->wall[wall].asked.belt_turn = dem__scale(speed, unit);
+    world->wall[wall].slides = 1;
+    return DEM_OK;
+}
+
 /* Computes the accelerations of controlled walls from the forces on them, and corrects their predicted rates. The
    damper is implicit. */
 static inline void dem__kick_walls(dem_world *w, double h) {
@@ -177,13 +188,21 @@ static inline void dem__kick_walls(dem_world *w, double h) {
     }
 }
 
-/* Applies an impulse at a sphere's place and an angular impulse to a wall, in addition to the forces of the step. */
-static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec impulse, dem_vec angular) {
-    a->impulse = dem__add(a->impulse, impulse);
+/* Applies an impulse at a sphere's place, where the wall's normal is n, and an angular impulse to a wall, in addition
+   to the forces of the step. */
+static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec n, dem_vec impulse, dem_vec angular) {
+    const dem_vec about_origin = dem__add(angular, dem__cross(dem__sub(place, a->position), impulse));
+    dem__book_push(a, 1.0, impulse, about_origin, -dem__dot(impulse, dem__belt_velocity(a, n)));
     if (a->asked.drive < DEM_FORCE_CONTROLLED) return;
     const dem_vec turning = dem__add(angular, dem__cross(dem__sub(place, a->asked.spin_centre), impulse));
     a->rate += dem__dot(a->asked.drive == DEM_FORCE_CONTROLLED ? impulse : turning, a->spin_axis) / a->asked.inertia;
     dem__rated_wall(a, a->rate);
+}
+
+DEM_API dem_vec dem_wall_angular_impulse(const dem_world *world, int wall, dem_vec point) {
+    if (!world || wall < 0 || wall >= world->walls) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    const dem_wall *a = &world->wall[wall];
+    return dem__sub(a->angular_impulse, dem__cross(point, a->impulse));
 }
 
 DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {

@@ -130,10 +130,8 @@ static void json_variant(json *j, const study *st, int v, const averages *a) {
     const settings *s = &st->variants[v].set;
     const result *first = result_of(st, v, 0);
     json_string(j, "scene", scene[s->scene]);
-    json_integer(j, "case", s->case_number);
-    json_number(j, "amplitude_m", s->amplitude);
-    json_number(j, "frequency_hz", s->frequency);
-    json_number(j, "moisture", s->moisture);
+    results_values(j, {"case", s->case_number}, {"amplitude_m", s->amplitude}, {"frequency_hz", s->frequency},
+                   {"moisture", s->moisture});
     json_string(j, "laws", s->moisture > 0.0 ? s->laws ? "printed" : "corrected" : NULL);
     json_number(j, "screen_diameter_m", s->screen_diameter);
     json_number(j, "drop_height_m", s->drop);
@@ -266,17 +264,17 @@ static void draw_cases(const study *st) {
    seeds. */
 static void report_top_layer(const study *st) {
     riddle_plot *figure = riddle_plot_new("Mean time in the top layer, 27 cases", 1, UNDERSIZE);
-    riddle_io_file *file = csv_open(st->self->out, "top_layer.csv",
-                                    "case,amplitude_m,frequency_hz,moisture,seeds,small_s,small_ci_s,near_mesh_s,near_mesh_ci_s");
+    result_table *t =
+        results_of("case,amplitude_m,frequency_hz,moisture,seeds,small_s,small_ci_s,near_mesh_s,near_mesh_ci_s");
     for (int v = 0; v < CASES; v++) {
         const settings *s = &st->variants[v].set;
-        char ci[UNDERSIZE][32] = {"", ""};
-        for (int c = 0; c < UNDERSIZE && st->seeds > 1; c++)
-            snprintf(ci[c], sizeof ci[c], "%.4f", measure_of(st, v, top_layer(c)).interval);
-        csv_line(file, "%d,%g,%g,%g,%d,%.4f,%s,%.4f,%s", s->case_number, s->amplitude, s->frequency, s->moisture, st->seeds,
-                 measure_of(st, v, top_layer(SMALL)).mean, ci[SMALL], measure_of(st, v, top_layer(NEAR_MESH)).mean, ci[NEAR_MESH]);
+        const statistics small = measure_of(st, v, top_layer(SMALL)),
+                         near_mesh = measure_of(st, v, top_layer(NEAR_MESH));
+        results_row(t, NULL, s->case_number, s->amplitude, s->frequency, s->moisture, st->seeds, small.mean,
+                    small.interval, near_mesh.mean, near_mesh.interval);
     }
-    riddle_io_close(file);
+    results_csv(t, st->self->out, "top_layer.csv");
+    results_free(t);
     for (int c = 0; c < UNDERSIZE; c++) {
         riddle_plot_panel_size(figure, 420, 300);
         riddle_plot_panel(figure, 0, c, "amplitude times frequency [m/s]", "time in the top layer [s]");
@@ -303,9 +301,7 @@ static void report_top_layer(const study *st) {
 
 static void json_statistics(json *j, const char *key, statistics s) {
     json_object_begin(j, key);
-    json_number(j, "mean", s.mean);
-    json_number(j, "sd", s.sd);
-    json_number(j, "interval_95", s.interval);
+    results_values(j, {"mean", s.mean}, {"sd", s.sd}, {"interval_95", s.interval});
     json_object_end(j);
 }
 
@@ -317,10 +313,8 @@ static void summary(const study *st, json *j) {
     for (int v = 0; v < st->variant_count; v++) {
         const settings *s = &st->variants[v].set;
         json_object_begin(j, NULL);
-        json_integer(j, "case", s->case_number);
-        json_number(j, "amplitude_m", s->amplitude);
-        json_number(j, "frequency_hz", s->frequency);
-        json_number(j, "moisture", s->moisture);
+        results_values(j, {"case", s->case_number}, {"amplitude_m", s->amplitude}, {"frequency_hz", s->frequency},
+                       {"moisture", s->moisture});
         for (int k = 0; k < 3; k++) {
             const int sample = (int)(when[k] / SAMPLE + 0.5);
             char key[40];
@@ -392,23 +386,25 @@ static void report_sensitivity(const study *st) {
     const double when[2] = {5.0, 10.0}, paper[2][UNDERSIZE] = {{0.13, 0.20}, {0.015, 0.10}};
     const char *const heading[2] = {"after 5 s", "after 10 s"}, *names[VARIANTS_MAX + 1] = {"paper"};
     riddle_plot *figure = riddle_plot_new("What the paper leaves open, one at a time: dry initial case", 2, 1);
-    riddle_io_file *rows = csv_open(st->self->out, "sensitivity.csv", "variant,time_s,small,small_sd,near_mesh,near_mesh_sd,seeds");
-    riddle_io_table t = riddle_io_table_begin("variant|time [s]|small|sd|near-mesh|sd");
+    static const result_column columns[] = {{"variant", "variant", "%s"},
+                                            {"time_s", "time [s]", "%.0f"},
+                                            {"small", "small", "%.3f"},
+                                            {"small_sd", "sd", "%.3f"},
+                                            {"near_mesh", "near-mesh", "%.3f"},
+                                            {"near_mesh_sd", "sd", "%.3f"},
+                                            {"seeds"}};
+    result_table *t = RESULTS(columns);
     for (int v = 0; v < st->variant_count; v++) names[v + 1] = st->variants[v].name;
     for (int w = 0; w < 2; w++) {
         double mean[UNDERSIZE][VARIANTS_MAX + 1] = {{paper[w][SMALL]}, {paper[w][NEAR_MESH]}};
         for (int v = 0; v < st->variant_count; v++) {
             statistics s[UNDERSIZE];
-            riddle_io_table_cell(&t, "%s", names[v + 1]), riddle_io_table_cell(&t, "%.0f", when[w]);
             for (int c = 0; c < UNDERSIZE; c++) {
                 s[c] = measure_of(st, v, at_time(c, when[w]));
                 mean[c][v + 1] = s[c].mean;
-                riddle_io_table_cell(&t, "%.3f", s[c].mean), interval_cell(&t, 3, s[c].sd);
             }
-            char sd[UNDERSIZE][32] = {"", ""};
-            for (int c = 0; c < UNDERSIZE && st->seeds > 1; c++) snprintf(sd[c], sizeof sd[c], "%.6f", s[c].sd);
-            csv_line(rows, "%s,%g,%.6f,%s,%.6f,%s,%d", names[v + 1], when[w], s[SMALL].mean, sd[SMALL], s[NEAR_MESH].mean, sd[NEAR_MESH],
-                     st->seeds);
+            results_row(t, TEXTS(names[v + 1]), when[w], s[SMALL].mean, s[SMALL].sd, s[NEAR_MESH].mean, s[NEAR_MESH].sd,
+                        st->seeds);
         }
         riddle_plot_panel(figure, w, 0, "", "fraction retained [-]");
         riddle_plot_title(figure, heading[w]);
@@ -417,8 +413,9 @@ static void report_sensitivity(const study *st) {
         riddle_plot_horizontal(figure, "", paper[w][NEAR_MESH]);
     }
     riddle_plot_panel_size(figure, 980, 300);
-    table_end(&t);
-    riddle_io_close(rows);
+    results_print(t);
+    results_csv(t, st->self->out, "sensitivity.csv");
+    results_free(t);
     riddle_plot_write(figure, st->self->out, "sensitivity.svg");
     json *j = json_open(st->self->json);
     json_program(j, st->self);
@@ -635,9 +632,7 @@ static void report_moisture(const study *st) {
     riddle_io_table t = riddle_io_table_begin("class|laws|from %|to %|difference|+- paired|+- independent|correlation of pairs");
     json *j = json_open(st->self->json);
     json_program(j, st->self);
-    json_number(j, "amplitude_m", dry->amplitude);
-    json_number(j, "frequency_hz", dry->frequency);
-    json_number(j, "time_s", end);
+    results_values(j, {"amplitude_m", dry->amplitude}, {"frequency_hz", dry->frequency}, {"time_s", end});
     json_integer(j, "seeds", st->seeds);
     riddle_io_table means = riddle_io_table_begin("batch|small|sd|+- 95 %|near-mesh|sd|+- 95 %");
     json_array_begin(j, "means");
@@ -668,12 +663,9 @@ static void report_moisture(const study *st) {
             json_object_begin(j, NULL);
             json_string(j, "class", class_name[c]);
             json_string(j, "laws", laws);
-            json_number(j, "from_moisture", low);
-            json_number(j, "to_moisture", high);
-            json_number(j, "difference", x.difference);
-            json_number(j, "interval_95_paired", x.paired);
-            json_number(j, "interval_95_independent", x.independent);
-            json_number(j, "correlation", x.correlation);
+            results_values(j, {"from_moisture", low}, {"to_moisture", high}, {"difference", x.difference},
+                           {"interval_95_paired", x.paired}, {"interval_95_independent", x.independent},
+                           {"correlation", x.correlation});
             json_course(j, st, from[k], to[k], c);
             json_object_end(j);
         }

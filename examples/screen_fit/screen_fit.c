@@ -486,10 +486,8 @@ static void compare_with_search(const program *self, const study *s, const resul
         riddle_io_table_cell(&t, "%d", searches[i].populations);
         riddle_io_table_cell(&t, "%+.1e", r->all[m].deviation - least);
         json_object_begin(report, kinds[m].key);
-        json_number(report, "average_deviation", least);
-        json_integer(report, "evaluations", evaluations);
-        json_integer(report, "populations", searches[i].populations);
-        json_number(report, "fit_above_search", r->all[m].deviation - least);
+        results_values(report, {"average_deviation", least}, {"evaluations", evaluations},
+                       {"populations", searches[i].populations}, {"fit_above_search", r->all[m].deviation - least});
         json_object_end(report);
     }
     json_object_end(report);
@@ -506,18 +504,21 @@ static const char *name_of(int m, int j) {
 }
 
 static void print_results(const study *s, const results *r) {
-    riddle_io_table t = riddle_io_table_begin("model|published|one set|paper|one set a case|paper|fit [s]|starts at best");
+    static const result_column columns[] = {
+        {NULL, "model", "%s"},     {NULL, "published", "%.4f"},      {NULL, "one set", "%.4f"},
+        {NULL, "paper", "%.4f"},   {NULL, "one set a case", "%.4f"}, {NULL, "paper", "%.4f"},
+        {NULL, "fit [s]", "%.2f"}, {NULL, "starts at best", "%s"}};
+    result_table *fits = RESULTS(columns);
     for (int m = 0; m < KINDS; m++) {
-        const double values[] = {r->published[m], r->all[m].deviation, kinds[m].paper_all, r->each[m], kinds[m].paper_each, r->wall[m]};
-        riddle_io_table_cell(&t, "%s", kinds[m].name);
-        for (int i = 0; i < 6; i++)
-            if (isfinite(values[i])) riddle_io_table_cell(&t, i < 5 ? "%.4f" : "%.2f", values[i]);
-            else riddle_io_table_cell(&t, "%s", "-");
-        riddle_io_table_cell(&t, "%d of %d", r->all[m].starts_at_best, r->all[m].starts);
+        char starts[40];
+        snprintf(starts, sizeof starts, "%d of %d", r->all[m].starts_at_best, r->all[m].starts);
+        results_row(fits, TEXTS(kinds[m].name, starts), r->published[m], r->all[m].deviation, kinds[m].paper_all,
+                    r->each[m], kinds[m].paper_each, r->wall[m]);
     }
     common_print("Average deviation of the fraction retained [-], 27 cases; %s\n", s->source);
-    table_end(&t);
-    t = riddle_io_table_begin("one set for all|parameter|value|95 % range|correlates with|the data");
+    results_print(fits);
+    results_free(fits);
+    riddle_io_table t = riddle_io_table_begin("one set for all|parameter|value|95 % range|correlates with|the data");
     for (int m = 0; m < KINDS; m++)
         for (int j = 0; j < r->all[m].parameters; j++) {
             const screen_fit_result *f = &r->all[m];
@@ -778,8 +779,16 @@ static void draw_groups(const program *self, const study *s, const results *r, j
     char title[120];
     snprintf(title, sizeof title, "Five cases predicted from four, five groups%s", short_source(s));
     riddle_plot *figure = riddle_plot_new(title, 1, 3);
-    riddle_io_file *file = csv_open(self->out, "fig10d.csv", "fitted,model0,model1,model2,model3,model1_grain,audit1,audit2,audit3");
-    riddle_io_table t = riddle_io_table_begin("five from four, fitted to|1 Dong|audit|2 Subasinghe|audit|3 Soldinger|audit");
+    static const result_column columns[] = {{"fitted", "five from four, fitted to", "%s"},
+                                            {"|model0"},
+                                            {"model1", "1 Dong", "%.4f"},
+                                            {"model2", "2 Subasinghe", "%.4f"},
+                                            {"model3", "3 Soldinger", "%.4f"},
+                                            {"|model1_grain"},
+                                            {"|audit1", "audit of 1", "%.4f"},
+                                            {"|audit2", "of 2", "%.4f"},
+                                            {"|audit3", "of 3", "%.4f"}};
+    result_table *t = RESULTS(columns);
     for (int m = 1; m <= 3; m++) {
         riddle_plot_panel(figure, 0, m - 1, "cases fitted", m == 1 ? "average deviation [-]" : "");
         riddle_plot_title(figure, kinds[m].name);
@@ -791,23 +800,12 @@ static void draw_groups(const program *self, const study *s, const results *r, j
         riddle_plot_bars(figure, "independent fit", names, audit, GROUPS);
         riddle_plot_range_y(figure, 0.0, 0.1);
     }
-    json_array_begin(report, "five_from_four_groups");
     for (int g = 0; g < GROUPS; g++) {
         const double *v = r->group[g], *a = groups[g].audit;
-        csv_line(file, "%s,%.17g,%.17g,%.17g,%.17g,%.17g,%g,%g,%g", names[g], v[0], v[1], v[2], v[3], v[4], a[0], a[1], a[2]);
-        riddle_io_table_cell(&t, "%s", names[g]);
-        json_object_begin(report, NULL);
-        json_string(report, "fitted", names[g]);
-        for (int m = 1; m <= 3; m++) {
-            riddle_io_table_cell(&t, "%.4f", v[m]);
-            riddle_io_table_cell(&t, "%.4f", a[m - 1]);
-            json_number(report, kinds[m].key, v[m]);
-        }
-        json_object_end(report);
+        results_row(t, TEXTS(names[g]), v[0], v[1], v[2], v[3], v[4], a[0], a[1], a[2]);
     }
-    json_array_end(report);
-    riddle_io_close(file);
-    table_end(&t);
+    results_write(t, report, "five_from_four_groups", self->out, "fig10d.csv");
+    results_free(t);
     riddle_plot_write(figure, self->out, "fig10d.svg");
 }
 
@@ -861,10 +859,16 @@ static void draw_separation(const program *self, const study *s, const results *
     static const double when[3] = {2.0, 5.0, 10.0};
     double d[GRID], feed[GRID], part[GRID];
     char label[60];
-    riddle_io_table t = riddle_io_table_begin("initial case, model 2|d25 [mm]|d50 [mm]|d75 [mm]|imperfection|undersize in what stays");
+    static const result_column columns[] = {{"time_s", "initial case, model 2, time [s]", "%g"},
+                                            {NULL, "d25 [mm]", "%.2f", 1e3},
+                                            {"d50_m", "d50 [mm]", "%.2f", 1e3},
+                                            {NULL, "d75 [mm]", "%.2f", 1e3},
+                                            {"imperfection", "imperfection", "%.3f"},
+                                            {"recovery"},
+                                            {"misplaced_overflow", "undersize in what stays", "%.3f"}};
+    result_table *t = RESULTS(columns);
     riddle_plot *figure = riddle_plot_new("Partition curve of the deck, initial case, model 2 (extrapolated outside 5 .. 7 mm)", 1, 1);
     riddle_plot_panel(figure, 0, 0, "diameter [mm]", "stays on the deck [-]");
-    json_array_begin(report, "separation");
     for (int i = 0; i < 3; i++) {
         screen_separation m, thirds;
         double x[GRID], three[3] = {0.005, 0.007, 0.010}, equal[3] = {1.0, 1.0, 1.0}, stays[3];
@@ -880,24 +884,13 @@ static void draw_separation(const program *self, const study *s, const results *
         screen_measure(3, three, equal, stays, s->def.aperture, &thirds);
         snprintf(label, sizeof label, "%g s", when[i]);
         riddle_plot_line(figure, label, x, part, GRID);
-        riddle_io_table_cell(&t, "%s", label);
-        riddle_io_table_cell(&t, "%.2f", 1e3 * m.d25);
-        riddle_io_table_cell(&t, "%.2f", 1e3 * m.d50);
-        riddle_io_table_cell(&t, "%.2f", 1e3 * m.d75);
-        riddle_io_table_cell(&t, "%.3f", m.imperfection);
-        riddle_io_table_cell(&t, "%.3f", thirds.misplaced_overflow);
-        json_object_begin(report, NULL);
-        json_number(report, "time_s", when[i]);
-        json_number(report, "d50_m", m.d50);
-        json_number(report, "imperfection", m.imperfection);
-        json_number(report, "recovery", thirds.recovery);
-        json_number(report, "misplaced_overflow", thirds.misplaced_overflow);
-        json_object_end(report);
+        results_row(t, NULL, when[i], m.d25, m.d50, m.d75, m.imperfection, thirds.recovery, thirds.misplaced_overflow);
     }
-    json_array_end(report);
     for (int i = 0; i < CLASSES; i++) riddle_plot_vertical(figure, i ? NULL : "fitted sizes", 1e3 * diameters[i]);
     riddle_plot_range_y(figure, 0.0, 1.05);
-    table_end(&t);
+    results_print(t);
+    results_json(t, report, "separation");
+    results_free(t);
     riddle_plot_write(figure, self->out, "separation.svg");
 }
 
@@ -915,9 +908,8 @@ static void report_fit(json *report, const screen_fit_result *fit, double deviat
     for (int j = 0; j < fit->parameters; j++)
         if (!fit->determined[j]) json_string(report, NULL, screen_parameter_name(fit->model, j));
     json_array_end(report);
-    json_integer(report, "starts", fit->starts);
-    json_integer(report, "starts_at_best", fit->starts_at_best);
-    json_integer(report, "evaluations", fit->evaluations);
+    results_values(report, {"starts", fit->starts}, {"starts_at_best", fit->starts_at_best},
+                   {"evaluations", fit->evaluations});
 }
 
 static void report_results(json *report, const study *s, const results *r, double shrink, finding f[2][FINDINGS]) {
@@ -960,9 +952,8 @@ static void report_results(json *report, const study *s, const results *r, doubl
             json_object_begin(report, kinds[m].key);
             json_number(report, "average_deviation", r->predicted[i][m]);
             if (i < 3) {
-                json_number(report, "moisture", r->by_factor[i][0][m]);
-                json_number(report, "amplitude", r->by_factor[i][1][m]);
-                json_number(report, "frequency", r->by_factor[i][2][m]);
+                results_values(report, {"moisture", r->by_factor[i][0][m]}, {"amplitude", r->by_factor[i][1][m]},
+                               {"frequency", r->by_factor[i][2][m]});
             }
             json_object_end(report);
         }
@@ -971,15 +962,13 @@ static void report_results(json *report, const study *s, const results *r, doubl
     json_object_end(report);
     json_number(report, "fit_wall_s", r->wall[SCREEN_SUBASINGHE]);
     for (int reading = 0; reading < 2; reading++) {
-        json_array_begin(report, reading ? "findings_with_model1_grain" : "findings_with_model1");
-        for (int i = 0; i < FINDINGS; i++) {
-            json_object_begin(report, NULL);
-            json_string(report, "claim", f[reading][i].claim);
-            json_bool(report, "holds", f[reading][i].holds);
-            json_string(report, "numbers", f[reading][i].number);
-            json_object_end(report);
-        }
-        json_array_end(report);
+        static const result_column columns[] = {
+            {"claim", NULL, "%s"}, {"holds", NULL, "yes|no"}, {"numbers", NULL, "%s"}};
+        result_table *t = RESULTS(columns);
+        for (int i = 0; i < FINDINGS; i++)
+            results_row(t, TEXTS(f[reading][i].claim, f[reading][i].number), f[reading][i].holds);
+        results_json(t, report, reading ? "findings_with_model1_grain" : "findings_with_model1");
+        results_free(t);
     }
 }
 
@@ -1078,10 +1067,8 @@ static int fit_lab(const program *self, const char *path, int starts) {
         if (!files[f]) continue;
         json *report = json_open(files[f]);
         json_string(report, "data", path);
-        json_integer(report, "cases", data.cases);
-        json_integer(report, "readings", points);
-        json_number(report, "scatter", fits[0].scatter);
-        json_integer(report, "rises", fits[0].rises);
+        results_values(report, {"cases", data.cases}, {"readings", points}, {"scatter", fits[0].scatter},
+                       {"rises", fits[0].rises});
         json_string(report, "best", lab_keys[best]);
         for (int m = 0; m < LAB_MODELS; m++) lab_write_fit(report, &fits[m], m);
         json_program(report, self);

@@ -226,10 +226,8 @@ static inline void lab_read(const program *self, const char *path, lab *out) {
 
 static inline void lab_write_fit(json *report, const screen_fit_result *fit, int model) {
     json_object_begin(report, lab_keys[model]);
-    json_number(report, "deviation", fit->deviation);
-    json_number(report, "rms", fit->rms);
-    json_number(report, "case_error", fit->case_error);
-    json_number(report, "degrees_of_freedom", fit->dof);
+    results_values(report, {"deviation", fit->deviation}, {"rms", fit->rms}, {"case_error", fit->case_error},
+                   {"degrees_of_freedom", fit->dof});
     const double *const numbers[4] = {fit->parameter, fit->low, fit->high, fit->error};
     static const char *const titles[4] = {"value", "low95", "high95", "standard_error"};
     for (int t = 0; t < 4; t++) {

@@ -50,14 +50,19 @@ static void draw_table2(const program *self, json *report) {
     riddle_io_file *file =
         csv_open(self->out, "table2.csv",
                  "time_s,f_7a_experiment,f_7a_model,f_7b_experiment,f_7b_model,f_8a_experiment,f_8a_model,f_8b_experiment,f_8b_model");
-    riddle_io_table t = riddle_io_table_begin("Table 2|f(0)|f(30 s)|mean of 60 s|f_inf|k1 [1/s]|k2 [1/s]|largest difference");
+    static const result_column columns[] = {{"figure", NULL, "%s"},        {"row", NULL, "%s"},
+                                            {NULL, "Table 2", "%s"},       {"f0", "f(0)", "%.4f"},
+                                            {"f_inf", "f_inf", "%.3f"},    {"k_per_s"},
+                                            {"f_30_s", "f(30 s)", "%.4f"}, {"mean_60_s", "mean of 60 s", "%.4f"},
+                                            {NULL, "k1 [1/s]", "%.5f"},    {NULL, "k2 [1/s]", "%.5f"},
+                                            {"largest_difference"},        {NULL, "largest difference", "%s"}};
+    result_table *t = RESULTS(columns);
     double time[CURVE], f[8][CURVE];
     for (int i = 0; i < CURVE; i++) {
         double line[9] = {time[i] = 300.0 * i / (CURVE - 1)};
         for (int j = 0; j < 8; j++) line[j + 1] = f[j][i] = at(&table2[j], time[i]);
         riddle_io_row(file, line, 9);
     }
-    json_array_begin(report, "table2");
     for (int j = 0; j < 8; j++) {
         const row *r = &table2[j], *other = &table2[j ^ 1];
         double f0 = r->f_inf + r->A, difference = 0.0, when = 0.0;
@@ -66,26 +71,12 @@ static void draw_table2(const program *self, json *report) {
                 difference = fabs(at(r, s) - at(other, s));
                 when = s;
             }
-        double mean = blocking_time_mean(f0, r->f_inf, r->k, 60.0), k1 = blocking_k1(r->f_inf, r->k), k2 = blocking_k2(r->f_inf, r->k);
-        riddle_io_table_cell(&t, "%s %s", r->figure, r->what);
-        riddle_io_table_cell(&t, "%.4f", f0);
-        riddle_io_table_cell(&t, "%.4f", at(r, 30.0));
-        riddle_io_table_cell(&t, "%.4f", mean);
-        riddle_io_table_cell(&t, "%.3f", r->f_inf);
-        riddle_io_table_cell(&t, "%.5f", k1);
-        riddle_io_table_cell(&t, "%.5f", k2);
-        if (j % 2 == 0) riddle_io_table_cell(&t, "%.4f at %.0f s", difference, when);
-        else riddle_io_table_cell(&t, "%s", "");
-        json_object_begin(report, NULL);
-        json_string(report, "figure", r->figure);
-        json_string(report, "row", r->what);
-        json_number(report, "f0", f0);
-        json_number(report, "f_inf", r->f_inf);
-        json_number(report, "k_per_s", r->k);
-        json_number(report, "f_30_s", at(r, 30.0));
-        json_number(report, "mean_60_s", mean);
-        json_number(report, "largest_difference", difference);
-        json_object_end(report);
+        char name[60], most[60] = "";
+        snprintf(name, sizeof name, "%s %s", r->figure, r->what);
+        if (j % 2 == 0) snprintf(most, sizeof most, "%.4f at %.0f s", difference, when);
+        results_row(t, TEXTS(r->figure, r->what, name, most), f0, r->f_inf, r->k, at(r, 30.0),
+                    blocking_time_mean(f0, r->f_inf, r->k, 60.0), blocking_k1(r->f_inf, r->k),
+                    blocking_k2(r->f_inf, r->k), difference);
         if (j % 2 == 0) {
             riddle_plot_panel(figure, j / 4, j / 2 % 2, "time [s]", "free holes f [-]");
             riddle_plot_title(figure, titles[j / 2]);
@@ -93,8 +84,9 @@ static void draw_table2(const program *self, json *report) {
         riddle_plot_line(figure, r->what, time, f[j], CURVE);
         if (j % 2) riddle_plot_style(figure, RIDDLE_PLOT_DASHED, RIDDLE_PLOT_NEXT);
     }
-    json_array_end(report);
-    table_end(&t);
+    results_print(t);
+    results_json(t, report, "table2");
+    results_free(t);
     riddle_io_close(file);
     riddle_plot_write(figure, self->out, "table2.svg");
 }
@@ -180,22 +172,12 @@ static void report_fit(json *report, const readings *r, blocking_status status, 
     json_object_begin(report, "fit");
     json_string(report, "source", source);
     json_string(report, "status", blocking_status_text(status));
-    json_integer(report, "readings", r->n);
-    json_number(report, "f0", fit->f0);
-    json_number(report, "f_inf", fit->f_inf);
-    json_number(report, "k_per_s", fit->k);
-    json_number(report, "k1_per_s", fit->k1);
-    json_number(report, "k2_per_s", fit->k2);
-    json_number(report, "error_f0", fit->error_f0);
-    json_number(report, "error_f_inf", fit->error_f_inf);
-    json_number(report, "error_k_per_s", fit->error_k);
-    json_number(report, "k_lowest_per_s", fit->k_lowest);
-    json_number(report, "k_highest_per_s", fit->k_highest);
-    json_number(report, "f0_lowest", fit->f0_lowest);
-    json_number(report, "f0_highest", fit->f0_highest);
-    json_number(report, "f_inf_lowest", fit->f_inf_lowest);
-    json_number(report, "f_inf_highest", fit->f_inf_highest);
-    json_number(report, "degrees_of_freedom", fit->dof);
+    results_values(report, {"readings", r->n}, {"f0", fit->f0}, {"f_inf", fit->f_inf}, {"k_per_s", fit->k},
+                   {"k1_per_s", fit->k1}, {"k2_per_s", fit->k2}, {"error_f0", fit->error_f0},
+                   {"error_f_inf", fit->error_f_inf}, {"error_k_per_s", fit->error_k},
+                   {"k_lowest_per_s", fit->k_lowest}, {"k_highest_per_s", fit->k_highest},
+                   {"f0_lowest", fit->f0_lowest}, {"f0_highest", fit->f0_highest}, {"f_inf_lowest", fit->f_inf_lowest},
+                   {"f_inf_highest", fit->f_inf_highest}, {"degrees_of_freedom", fit->dof});
     json_bool(report, "k_determined", fit->k_determined);
     json_bool(report, "f_inf_determined", fit->f_inf_determined);
     json_number(report, "r2", fit->r2);
@@ -206,7 +188,10 @@ static void report_fit(json *report, const readings *r, blocking_status status, 
 /* Every pair of readings at t and 2 t with the one at 0 (or the first reading, for other times): what eq 14 and 15 would be asked. */
 static int three_points(json *report, const readings *r, double *first, double *k, double *error) {
     int found = 0;
-    riddle_io_table t = riddle_io_table_begin("three readings [s]|f_inf|standard error|k [1/s]|standard error|status");
+    static const result_column columns[] = {{NULL, "three readings [s]", "%s"},     {NULL, "f_inf", "%.3f"},
+                                            {NULL, "standard error of it", "%.3f"}, {NULL, "k [1/s]", "%.4f"},
+                                            {NULL, "standard error of it", "%.4f"}, {NULL, "status", "%s"}};
+    result_table *t = RESULTS(columns);
     json_array_begin(report, "three_point");
     for (int i = 1; i + 1 < r->n; i++) {
         const double times[3] = {r->t[0], r->t[i], r->t[i + 1]}, f[3] = {r->f[0], r->f[i], r->f[i + 1]};
@@ -214,17 +199,12 @@ static int three_points(json *report, const readings *r, double *first, double *
             r->counted ? sqrt((r->sigma[0] * r->sigma[0] + r->sigma[i] * r->sigma[i] + r->sigma[i + 1] * r->sigma[i + 1]) / 3.0) : 0.0;
         blocking_estimate e;
         blocking_status status = blocking_three_point(times, f, sigma, BLOCKING_TOLERANCE, &e);
-        riddle_io_table_cell(&t, "%g, %g, %g", times[0], times[1], times[2]);
-        riddle_io_table_cell(&t, "%.3f", e.f_inf);
-        riddle_io_table_cell(&t, "%.3f", e.error_f_inf);
-        riddle_io_table_cell(&t, "%.4f", e.k);
-        riddle_io_table_cell(&t, "%.4f", e.error_k);
-        riddle_io_table_cell(&t, "%s", blocking_status_text(status));
+        char text[100];
+        snprintf(text, sizeof text, "%g, %g, %g", times[0], times[1], times[2]);
+        results_row(t, TEXTS(text, blocking_status_text(status)), e.f_inf, e.error_f_inf, e.k, e.error_k);
         json_object_begin(report, NULL);
         json_array(report, "time_s", times, 3);
-        json_number(report, "f_inf", e.f_inf);
-        json_number(report, "k_per_s", e.k);
-        json_number(report, "error_k_per_s", e.error_k);
+        results_values(report, {"f_inf", e.f_inf}, {"k_per_s", e.k}, {"error_k_per_s", e.error_k});
         json_string(report, "status", blocking_status_text(status));
         json_object_end(report);
         if (!(e.k > 0.0)) continue;
@@ -234,7 +214,8 @@ static int three_points(json *report, const readings *r, double *first, double *
         found++;
     }
     json_array_end(report);
-    table_end(&t);
+    results_print(t);
+    results_free(t);
     return found;
 }
 
@@ -263,21 +244,13 @@ static void fit_tests(const program *self, json *report, const char *path, doubl
     common_print("A deck that was just cleaned, after %.3g s: f %.3f (%.3f .. %.3f), mean %.3f (%.3f .. %.3f)\n", duty->run_time, run.last,
                  run.last_low95, run.last_high95, run.mean, run.mean_low95, run.mean_high95);
     json_object_begin(report, "law");
-    json_integer(report, "tests", (int)law.tests);
-    json_number(report, "aicc", law.aicc);
-    json_number(report, "aicc_constant", law.aicc_constant);
+    results_values(report, {"tests", (int)law.tests}, {"aicc", law.aicc}, {"aicc_constant", law.aicc_constant});
     json_array(report, "ln_k1_of_1_K_x_h_moisture", law.a, BLOCKING_LAW_TERMS);
     json_array(report, "ln_k2_of_1_K_x_h_moisture", law.b, BLOCKING_LAW_TERMS);
-    json_number(report, "K", K);
-    json_number(report, "x_h", x_h);
-    json_number(report, "k1_per_s", at_yours.k1);
-    json_number(report, "k2_per_s", at_yours.k2);
-    json_number(report, "f_inf", at_yours.f_inf);
-    json_number(report, "f_inf_low95", at_yours.f_inf_low95);
-    json_number(report, "f_inf_high95", at_yours.f_inf_high95);
-    json_number(report, "free_mean", run.mean);
-    json_number(report, "free_mean_low95", run.mean_low95);
-    json_number(report, "free_mean_high95", run.mean_high95);
+    results_values(report, {"K", K}, {"x_h", x_h}, {"k1_per_s", at_yours.k1}, {"k2_per_s", at_yours.k2},
+                   {"f_inf", at_yours.f_inf}, {"f_inf_low95", at_yours.f_inf_low95},
+                   {"f_inf_high95", at_yours.f_inf_high95}, {"free_mean", run.mean},
+                   {"free_mean_low95", run.mean_low95}, {"free_mean_high95", run.mean_high95});
     json_bool(report, "extrapolated", at_yours.outside != 0);
     json_object_end(report);
 }
@@ -322,19 +295,11 @@ static void report_simulation(json *report, const sieve_patch *patch, const read
     common_print("  %ld of them passed, %ld larger than a hole were forced through; steps of %.2g s at the end\n", (long)w->passed_total,
                  (long)too_large, w->def.dt);
     json_object_begin(report, "simulation");
-    json_integer(report, "holes", def->across * def->across);
-    json_number(report, "opening_m", def->opening);
-    json_number(report, "wire_m", def->wire);
-    json_number(report, "K", def->K);
-    json_number(report, "frequency_hz", def->frequency);
-    json_number(report, "amplitude_m", sieve_patch_amplitude(def));
-    json_number(report, "x_h", patch->hard_mass / patch->mass);
-    json_number(report, "load_kg_per_m2", def->load);
-    json_integer(report, "spheres", patch->grains);
-    json_integer(report, "passed", w->passed_total);
-    json_integer(report, "forced_through", too_large);
-    json_number(report, "vibrated_s", r->t[r->n - 1]);
-    json_integer(report, "contact_steps", w->contact_steps);
+    results_values(report, {"holes", def->across * def->across}, {"opening_m", def->opening}, {"wire_m", def->wire},
+                   {"K", def->K}, {"frequency_hz", def->frequency}, {"amplitude_m", sieve_patch_amplitude(def)},
+                   {"x_h", patch->hard_mass / patch->mass}, {"load_kg_per_m2", def->load}, {"spheres", patch->grains},
+                   {"passed", w->passed_total}, {"forced_through", too_large}, {"vibrated_s", r->t[r->n - 1]},
+                   {"contact_steps", w->contact_steps});
     json_array(report, "time_s", r->t, r->n);
     json_array(report, "free_holes", r->free_holes, r->n);
     json_object_end(report);
@@ -373,9 +338,19 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
     double mean[XS][KS], bar_of[XS][KS], table3[XS][GRID], at_K[GRID];
     riddle_plot *figure =
         riddle_plot_new("Blocking by spheres, simulated, beside Table 3 of Lawinska et al. (2016); K: toss indicator", 2, 2);
-    riddle_io_file *file = csv_open(self->out, "sweep.csv", "K,x_h,time_s,free_holes,holes");
-    riddle_io_table t = riddle_io_table_begin(
-        "K|x_h|f0|f at the end|f0 fitted|f_inf fitted|k1 [1/s]|k2 [1/s]|R2|f* +- 95 % by counting holes|f* of Table 3|fit");
+    static const result_column columns[] = {{NULL, "K", "%g"},
+                                            {NULL, "x_h", "%g"},
+                                            {NULL, "f0", "%.3f"},
+                                            {NULL, "f at the end", "%.3f"},
+                                            {NULL, "f0 fitted", "%.3f"},
+                                            {NULL, "f_inf fitted", "%.3f"},
+                                            {NULL, "k1 [1/s]", "%.3f"},
+                                            {NULL, "k2 [1/s]", "%.3f"},
+                                            {NULL, "R2", "%.3f"},
+                                            {NULL, "f* +- 95 % by counting holes", "%s"},
+                                            {NULL, "f* of Table 3", "%.3f"},
+                                            {NULL, "fit", "%s"}};
+    result_table *counts = results_of("K,x_h,time_s,free_holes,holes"), *t = RESULTS(columns);
     json_array_begin(report, "sweep");
     for (int j = 0; j < XS; j++) {
         riddle_plot_panel(figure, j / 2, j % 2, "time [s]", "free holes f [-]");
@@ -392,35 +367,25 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
             riddle_plot_style(figure, RIDDLE_PLOT_MARKED, i);
             mean[j][i] = 0.5 * (r->f[0] + r->f[last]);
             bar_of[j][i] = 0.5 * z95 * sqrt(r->sigma[0] * r->sigma[0] + r->sigma[last] * r->sigma[last]);
-            for (int q = 0; q < r->n; q++) {
-                const double line[5] = {K, x_h, r->t[q], r->free_holes[q], r->holes[q]};
-                riddle_io_row(file, line, 5);
-            }
-            const double cells[] = {r->f[0], r->f[last], fit.f0, fit.f_inf, fit.k1, fit.k2, fit.r2};
-            riddle_io_table_cell(&t, "%g", K);
-            riddle_io_table_cell(&t, "%g", x_h);
-            for (int c = 0; c < 7; c++) riddle_io_table_cell(&t, "%.3f", cells[c]);
-            riddle_io_table_cell(&t, "%.3f +- %.3f", mean[j][i], bar_of[j][i]);
-            riddle_io_table_cell(&t, "%.3f", of_table);
-            riddle_io_table_cell(&t, "%s", blocking_status_text(status));
+            for (int q = 0; q < r->n; q++) results_row(counts, NULL, K, x_h, r->t[q], r->free_holes[q], r->holes[q]);
+            snprintf(label, sizeof label, "%.3f +- %.3f", mean[j][i], bar_of[j][i]);
+            results_row(t, TEXTS(label, blocking_status_text(status)), K, x_h, r->f[0], r->f[last], fit.f0, fit.f_inf,
+                        fit.k1, fit.k2, fit.r2, of_table);
             json_object_begin(report, NULL);
             json_number(report, "K", K);
             json_number(report, "x_h", x_h);
             json_array(report, "time_s", r->t, r->n);
             json_array(report, "free_fraction", r->f, r->n);
-            json_number(report, "f_star", mean[j][i]);
-            json_number(report, "f_star_table3", of_table);
-            json_number(report, "f0_fitted", fit.f0);
-            json_number(report, "f_inf_fitted", fit.f_inf);
-            json_number(report, "k1_per_s", fit.k1);
-            json_number(report, "k2_per_s", fit.k2);
-            json_number(report, "r2", fit.r2);
+            results_values(report, {"f_star", mean[j][i]}, {"f_star_table3", of_table}, {"f0_fitted", fit.f0},
+                           {"f_inf_fitted", fit.f_inf}, {"k1_per_s", fit.k1}, {"k2_per_s", fit.k2}, {"r2", fit.r2});
             json_object_end(report);
         }
     }
     json_array_end(report);
-    table_end(&t);
-    riddle_io_close(file);
+    results_print(t);
+    results_csv(counts, self->out, "sweep.csv");
+    results_free(t);
+    results_free(counts);
     riddle_plot_panel(figure, 1, 1, "toss indicator K [-]", "f*: mean of f at 0 s and at the end [-]");
     riddle_plot_title(figure, "beside Table 3, spherical (lines)");
     for (int i = 0; i < GRID; i++) at_K[i] = 0.6 + 4.3 * i / (GRID - 1);
@@ -475,12 +440,12 @@ static void draw_fit(const program *self, json *report, const readings *r, const
         }
     }
     riddle_plot_write(figure, self->out, "fit.svg");
-    riddle_io_file *file = csv_open(self->out, "fit.csv", "time_s,free_fraction,standard_error,fitted");
-    for (int i = 0; i < r->n; i++) {
-        double line[4] = {r->t[i], r->f[i], r->counted ? r->sigma[i] : (double)NAN, blocking_curve(fit->f0, fit->f_inf, fit->k, r->t[i])};
-        riddle_io_row(file, line, 4);
-    }
-    riddle_io_close(file);
+    result_table *file = results_of("time_s,free_fraction,standard_error,fitted");
+    for (int i = 0; i < r->n; i++)
+        results_row(file, NULL, r->t[i], r->f[i], r->counted ? r->sigma[i] : (double)NAN,
+                    blocking_curve(fit->f0, fit->f_inf, fit->k, r->t[i]));
+    results_csv(file, self->out, "fit.csv");
+    results_free(file);
 }
 
 /* ---- Table 3 ---- */
@@ -513,14 +478,22 @@ static void draw_polynomials(const program *self, json *report, double K, double
     static double raw[GRID * GRID], cut[GRID * GRID], x[8 * GRID * 3], y[8 * GRID * 3];
     riddle_plot *figure = riddle_plot_new("Mean free fraction f* of Table 3, cut to 1 beyond the line", 2, 2);
     riddle_io_file *file = csv_open(self->out, "polynomials.csv", "K,x_h,spherical,irregular,sharp_as_printed,sharp_repaired");
-    riddle_io_table t = riddle_io_table_begin("Table 3, K 0.6-5|least|largest|above 1|rising with x_h|f* at your K, x_h|remark");
+    static const result_column columns[] = {{"shape", "Table 3, K 0.6-5", "%s"},
+                                            {"least", "least", "%.4f"},
+                                            {"largest", "largest", "%.4f"},
+                                            {"share_above_one", "above 1 [%]", "%.1f", 100.0},
+                                            {NULL, "rising with x_h [%]", "%.1f", 100.0},
+                                            {"f_star", "f* at your K, x_h", "%.4f"},
+                                            {"f_star_raw"},
+                                            {"flags"},
+                                            {"remark", "remark", "%s"}};
+    result_table *t = RESULTS(columns);
     blocking_conditions c = blocking_default_conditions();
     c.K = K;
     c.x_h = x_h;
     json_object_begin(report, "polynomial");
     json_number(report, "K", K);
     json_number(report, "x_h", x_h);
-    json_array_begin(report, "shapes");
     for (int s = 0; s < BLOCKING_SHAPE_COUNT; s++) {
         blocking_shape shape = (blocking_shape)s;
         for (int j = 0; j < GRID; j++)
@@ -545,23 +518,8 @@ static void draw_polynomials(const program *self, json *report, double K, double
         const char *remark = status == BLOCKING_OK ? "" : blocking_status_text(status);
         for (unsigned flag = 1; flag <= BLOCKING_FLAG_RISING && !*remark; flag *= 2)
             if (a.flags & flag) remark = blocking_flag_text(flag);
-        riddle_io_table_cell(&t, "%s", blocking_shape_text(shape));
-        riddle_io_table_cell(&t, "%.4f", least);
-        riddle_io_table_cell(&t, "%.4f", largest);
-        riddle_io_table_cell(&t, "%.1f %%", 100.0 * above);
-        riddle_io_table_cell(&t, "%.1f %%", 100.0 * rising);
-        riddle_io_table_cell(&t, "%.4f", a.value);
-        riddle_io_table_cell(&t, "%s", remark);
-        json_object_begin(report, NULL);
-        json_string(report, "shape", blocking_shape_text(shape));
-        json_number(report, "f_star", a.value);
-        json_number(report, "f_star_raw", a.raw);
-        json_integer(report, "flags", a.flags);
-        json_string(report, "remark", remark);
-        json_number(report, "least", least);
-        json_number(report, "largest", largest);
-        json_number(report, "share_above_one", above);
-        json_object_end(report);
+        results_row(t, TEXTS(blocking_shape_text(shape), remark), least, largest, above, rising, a.value, a.raw,
+                    a.flags);
         riddle_plot_panel(figure, s / 2, s % 2, "toss indicator K [-]", "hard-to-screen content x_h [-]");
         riddle_plot_title(figure, blocking_shape_text(shape));
         riddle_plot_heat(figure, "f* [-]", cut, GRID, GRID, 0.6, 5.0, 0.0, 1.0);
@@ -573,10 +531,11 @@ static void draw_polynomials(const program *self, json *report, double K, double
             riddle_plot_style(figure, 0, 1);
         }
     }
-    json_array_end(report);
+    results_json(t, report, "shapes");
     json_object_end(report);
     common_print("\n");
-    table_end(&t);
+    results_print(t);
+    results_free(t);
     for (int j = 0; j < GRID; j += 3)
         for (int i = 0; i < GRID; i += 3) {
             double k = 0.6 + 4.4 * i / (GRID - 1), h = (double)j / (GRID - 1), line[6] = {k, h};
@@ -608,50 +567,39 @@ static void design(const program *self, json *report, blocking_duty duty, const 
     common_print("  by Table 3, %s: %.4f m2 (f* %.4f)%s\n", blocking_shape_text(shape), from_table, average->value,
                  average->flags & BLOCKING_FLAG_BOX ? ", an extrapolation" : "");
     json_object_begin(report, "deck");
-    json_number(report, "passing_kg_per_s", duty.passing);
-    json_number(report, "capacity_kg_per_s_m2", duty.capacity);
-    json_number(report, "clearance", duty.clearance);
-    json_number(report, "run_time_s", duty.run_time);
-    json_number(report, "free_mean", deck.free_mean);
-    json_number(report, "free_lowest", deck.free_lowest);
-    json_number(report, "effective_area_m2", deck.effective_area);
-    json_number(report, "area_clean_m2", deck.area_clean);
-    json_number(report, "area_mean_m2", deck.area_mean);
-    json_number(report, "area_lowest_m2", deck.area_lowest);
-    json_number(report, "area_mean_low95_m2", deck.area_mean_low95);
-    json_number(report, "area_mean_high95_m2", deck.area_mean_high95);
-    json_number(report, "area_lowest_low95_m2", deck.area_lowest_low95);
-    json_number(report, "area_lowest_high95_m2", deck.area_lowest_high95);
-    json_number(report, "area_table3_m2", from_table);
+    results_values(report, {"passing_kg_per_s", duty.passing}, {"capacity_kg_per_s_m2", duty.capacity},
+                   {"clearance", duty.clearance}, {"run_time_s", duty.run_time}, {"free_mean", deck.free_mean},
+                   {"free_lowest", deck.free_lowest}, {"effective_area_m2", deck.effective_area},
+                   {"area_clean_m2", deck.area_clean}, {"area_mean_m2", deck.area_mean},
+                   {"area_lowest_m2", deck.area_lowest}, {"area_mean_low95_m2", deck.area_mean_low95},
+                   {"area_mean_high95_m2", deck.area_mean_high95}, {"area_lowest_low95_m2", deck.area_lowest_low95},
+                   {"area_lowest_high95_m2", deck.area_lowest_high95}, {"area_table3_m2", from_table});
     json_object_end(report);
 
-    double T[CURVE], now[CURVE], mean[CURVE], area_mean[CURVE], area_lowest[CURVE];
     double longest = fmax(10.0 * duty.run_time, duty.k > 0.0 ? 20.0 / duty.k : 0.0);
-    riddle_io_file *file = csv_open(self->out, "deck.csv", "run_time_s,free_now,free_mean,area_mean_m2,area_lowest_m2");
+    result_table *t = results_of("run_time_s,free_now,free_mean,area_mean_m2,area_lowest_m2");
     for (int i = 0; i < CURVE; i++) {
-        duty.run_time = T[i] = longest * pow(1e-4, 1.0 - (double)i / (CURVE - 1));
         blocking_deck d;
+        duty.run_time = longest * pow(1e-4, 1.0 - (double)i / (CURVE - 1));
         blocking_design(&duty, &d);
-        now[i] = blocking_curve(duty.f0, duty.f_inf, duty.k, T[i]);
-        mean[i] = d.free_mean;
-        area_mean[i] = d.area_mean;
-        area_lowest[i] = d.area_lowest;
-        double line[5] = {T[i], now[i], mean[i], area_mean[i], area_lowest[i]};
-        riddle_io_row(file, line, 5);
+        results_row(t, NULL, duty.run_time, blocking_curve(duty.f0, duty.f_inf, duty.k, duty.run_time), d.free_mean,
+                    d.area_mean, d.area_lowest);
     }
-    riddle_io_close(file);
+    results_csv(t, self->out, "deck.csv");
+    const double *T = results_column(t, "run_time_s", 1.0);
     riddle_plot *figure = riddle_plot_new("Deck area after blocking", 1, 2);
     riddle_plot_panel(figure, 0, 0, "time since cleaning [s]", "free holes f [-]");
     riddle_plot_log_x(figure);
-    riddle_plot_line(figure, "now", T, now, CURVE);
-    riddle_plot_line(figure, "mean since cleaning", T, mean, CURVE);
+    riddle_plot_line(figure, "now", T, results_column(t, "free_now", 1.0), CURVE);
+    riddle_plot_line(figure, "mean since cleaning", T, results_column(t, "free_mean", 1.0), CURVE);
     riddle_plot_panel(figure, 0, 1, "time between cleanings [s]", "deck area [m²]");
     riddle_plot_log_x(figure);
-    riddle_plot_line(figure, "duty met at every moment", T, area_lowest, CURVE);
-    riddle_plot_line(figure, "duty met on average", T, area_mean, CURVE);
+    riddle_plot_line(figure, "duty met at every moment", T, results_column(t, "area_lowest_m2", 1.0), CURVE);
+    riddle_plot_line(figure, "duty met on average", T, results_column(t, "area_mean_m2", 1.0), CURVE);
     riddle_plot_horizontal(figure, "nothing blocked", deck.area_clean);
     if (!(average->flags & BLOCKING_FLAG_BOX)) riddle_plot_horizontal(figure, "by Table 3", from_table);
     riddle_plot_write(figure, self->out, "deck.svg");
+    results_free(t);
 }
 
 /* x_h of a size curve in a file. */

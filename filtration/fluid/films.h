@@ -7,8 +7,8 @@
 
 /* Adds the pressure on a link between two solids, or through a face, from node (x, y, z) of the sphere along j. There the mean of the
    densities that the two spheres would have counts for both, so that the film pushes them apart with equal forces. */
-static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b,
-                                         filtration__surface *sum, int x, int y, int z, int j) {
+static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b, int x, int y,
+                                         int z, int j) {
     const int n[3] = {l->nx, l->ny, l->nz};
     int s[3] = {x, y, z}, p[3] = {x + l->c[j][0], y + l->c[j][1], z + l->c[j][2]}, mirrored;
     double d[3];
@@ -30,11 +30,17 @@ static inline void filtration__film_link(filtration__lattice *l, int32_t index, 
             density = 0.5 * (density + filtration__density_at(other, away));
         }
     }
-    (void)sum;
     for (int a = 0; a < 3; a++) {
         b->force[0][a] -= 2.0 * l->w[j] * l->c[j][a] * density;
         b->hull[a] -= l->c[j][a] * l->whole_weight[j];
     }
+}
+
+FILTRATION__INLINE void filtration__film_part(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                              filtration__visit *none, const filtration__run *r, int j, int inner,
+                                              int first, int end) {
+    (void)none, (void)inner;
+    for (int x = first; x <= end; x++) filtration__film_link(l, index, b, x, r->y, r->z, j);
 }
 
 /* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a
@@ -44,8 +50,9 @@ FILTRATION__STATIC void filtration__film_task(void *context, int task) {
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
         filtration__ball *b = &l->balls[n];
         if (!(b->radius > 0.0)) continue;
-        if (b->films) filtration__ball_links(l, (int32_t)n, b, NULL, filtration__film_link);
+        if (b->films) filtration__ball_links(l, (int32_t)n, b, NULL, filtration__film_part);
         for (int a = 0; a < 3; a++) b->force[0][a] -= 2.0 / 72.0 * (double)b->hull[a] * b->density;
+        filtration__lubricate(l, n, (1.0 / l->rates.plus - 0.5) / 3.0);
     }
 }
 

@@ -148,7 +148,8 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
     l->refill = (int)d->refill;
     l->nx = d->nodes[0], l->ny = d->nodes[1], l->nz = d->nodes[2];
     for (int f = 0; f < 6; f++) l->face[f] = filtration__kind_of(d->face[f]);
-    l->periodic_x = filtration__repeats(l, 0);
+    for (int a = 0; a < 3; a++) l->repeats[a] = filtration__repeats(l, a);
+    l->periodic_x = l->repeats[0];
     l->ghost_y = !filtration__repeats(l, 1);
     l->ghost_z = !filtration__repeats(l, 2);
     filtration__list_entries(l);
@@ -182,6 +183,7 @@ FILTRATION_API void filtration_fluid_free(filtration_fluid *fluid) {
     if (l->slab_active) filtration__resize(m, l->slab_active, (size_t)l->nz, 0);
     if (l->links) filtration__resize(m, l->links, (size_t)l->link_count * sizeof *l->links, 0);
     if (l->balls) filtration__resize(m, l->balls, (size_t)l->ball_room * sizeof *l->balls, 0);
+    if (l->gaps) filtration__resize(m, l->gaps, (size_t)l->gap_room * sizeof *l->gaps, 0);
     filtration__resize(m, l, sizeof *l, 0);
     fluid->lattice = NULL;
 }
@@ -258,6 +260,13 @@ static inline filtration_status filtration__room_for_balls(filtration_fluid *flu
         if (!balls) return FILTRATION_NO_MEMORY;
         l->balls = balls;
         l->ball_room = room;
+    }
+    if (n > l->gap_room) {
+        filtration__gaps *gaps = (filtration__gaps *)filtration__resize(&fluid->def.memory, l->gaps, (size_t)l->gap_room * sizeof *gaps,
+                                                                        (size_t)l->ball_room * sizeof *gaps);
+        if (!gaps) return FILTRATION_NO_MEMORY;
+        l->gaps = gaps;
+        l->gap_room = l->ball_room;
     }
     for (; l->ball_count < n; l->ball_count++) memset(&l->balls[l->ball_count], 0, sizeof *l->balls);
     return FILTRATION_OK;

@@ -45,6 +45,23 @@ typedef struct filtration__ball {
     int64_t hull[3];          /* sum over its links of 72 w c [-]: 0 where its surface is closed */
 } filtration__ball;
 
+#define FILTRATION__NEAR 24  /* most gaps to other spheres that a sphere lists */
+#define FILTRATION__PUSHES 5 /* sums over a gap */
+
+/* A gap between a sphere and another one near it. */
+typedef struct filtration__near {
+    int32_t other;
+    double normal[3], gap; /* from the sphere to the other; [nodes], 0 where they touch */
+    double cap;            /* the surface farther along the normal, from the centre, belongs to the gap [nodes] */
+    double push[FILTRATION__PUSHES]; /* along the normal, of its links in the gap, and of a density and slopes of 1 there */
+} filtration__near;
+
+/* The gaps beside a sphere. */
+typedef struct filtration__gaps {
+    int count;
+    filtration__near near[FILTRATION__NEAR];
+} filtration__gaps;
+
 /* Relaxation and forcing of one step, of the kernel's precision. */
 typedef struct filtration__rates {
     double plus, minus, bulk; /* rates [-] of even and odd parts and of the trace of the stress */
@@ -70,6 +87,7 @@ typedef struct filtration__lattice {
     double real_c[FILTRATION__Q][3], squared_c[FILTRATION__Q];
     filtration__rates rates;
     int periodic_x, half_way, refill;
+    int repeats[3]; /* 1: the axis is periodic */
     /* Of nodes whose neighbours all lie in the box, between steps; the first index is `odd`: where an outgoing and an incoming population
        is, after the place of the node itself; how far the next node is, in places and in nodes. */
     ptrdiff_t out_at[2][FILTRATION__Q], in_at[2][FILTRATION__Q], next_place[FILTRATION__Q], next_node[FILTRATION__Q];
@@ -84,6 +102,8 @@ typedef struct filtration__lattice {
     filtration__entry entries[64][FILTRATION__Q];
     filtration__ball *balls;
     ptrdiff_t ball_count, ball_room;
+    filtration__gaps *gaps; /* [gap_room], of the spheres in the last step */
+    ptrdiff_t gap_room;
     ptrdiff_t fluid_nodes, solid_nodes;
     double to_velocity, to_pressure, to_force; /* SI per lattice unit */
     double reduce[FILTRATION__TASKS][8];       /* sums of tasks */

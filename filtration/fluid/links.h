@@ -1,6 +1,6 @@
-/* Lattice links that a surface cuts: the boundary law, the links of the solid at rest. */
+/* Lattice links that the surface of the solid at rest cuts. */
 #pragma once
-#include "faces.h"
+#include "batch.h"
 
 /* ==== >>links ==== */
 
@@ -10,73 +10,44 @@ typedef struct filtration__cut {
     double fraction; /* q [-] */
 } filtration__cut;
 
-/* Reads the outgoing population i of the node behind (against i). Returns 0 if that node is not fluid. */
-static inline int filtration__behind(const filtration__lattice *l, const filtration__cut *k, double *h) {
-    int p[3] = {k->x - l->c[k->i][0], k->y - l->c[k->i][1], k->z - l->c[k->i][2]}, mirrored;
-    if (!filtration__inside(l, p, &mirrored) || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID)
-        return 0;
-    int i = mirrored ? filtration__turned(l, k->i, mirrored) : k->i;
-    *h = filtration__get(l, filtration__outgoing(l, p[0], p[1], p[2], i));
-    return 1;
-}
-
-/* Computes the population that returns along a link, and stores it where the next step reads it: by central linear interpolation (Ginzburg
-   et al. 2008), or half way where there is no second fluid node. cu: c_i . velocity of the surface. Returns the outgoing population; *back:
-   the returning one. */
-static inline double filtration__bounce(filtration__lattice *l, const filtration__cut *k, double cu, double *back) {
-    int opposite = filtration__opposite(k->i);
-    double out = filtration__get(l, filtration__outgoing(l, k->x, k->y, k->z, k->i)), behind = 0.0;
-    if (l->half_way || !filtration__behind(l, k, &behind)) {
-        *back = out - 6.0 * l->w[k->i] * cu;
-    } else {
-        double other = filtration__get(l, filtration__outgoing(l, k->x, k->y, k->z, opposite));
-        double weight = 1.0 / (1.0 + 2.0 * k->fraction);
-        *back = out + (1.0 - 2.0 * k->fraction) * weight * (behind - other) - 12.0 * weight * l->w[k->i] * cu;
-    }
-    filtration__put(l, filtration__incoming(l, k->x, k->y, k->z, opposite), *back);
-    return out;
-}
-
-/* The same at a node whose neighbours all lie in the box; place: of the node, node: its number. */
-FILTRATION__INLINE double filtration__bounce_inner(filtration__lattice *l, ptrdiff_t place, ptrdiff_t node, int i,
-                                                   double fraction, double cu, double *back) {
-    const ptrdiff_t *at = l->out_at[l->odd];
-    const int opposite = filtration__opposite(i);
-    const double out = filtration__get(l, place + at[i]);
-    if (l->half_way || l->owner[node - l->next_node[i]] != FILTRATION__FLUID) {
-        *back = out - 6.0 * l->w[i] * cu;
-    } else {
-        const double behind = filtration__get(l, place - l->next_place[i] + at[i]),
-                     other = filtration__get(l, place + at[opposite]);
-        const double weight = 1.0 / (1.0 + 2.0 * fraction);
-        *back = out + (1.0 - 2.0 * fraction) * weight * (behind - other) - 12.0 * weight * l->w[i] * cu;
-    }
-    filtration__put(l, place + l->in_at[l->odd][opposite], *back);
-    return out;
-}
-
 static inline filtration__cut filtration__link_cut(const filtration__link *link) {
     filtration__cut k = {link->x, link->y, link->z, link->i, (double)link->fraction};
     return k;
 }
 
+static inline void filtration__bounce_links(filtration__lattice *l, filtration__batch *b) {
+    if (b->n == 0) return;
+    filtration__bounce_batch(b, filtration__pad_batch(b));
+    filtration__write_batch(l, b);
+    b->n = 0;
+}
+
 FILTRATION__STATIC void filtration__link_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
+    filtration__batch b;
+    filtration__paths path[FILTRATION__Q];
     ptrdiff_t first, end;
-    double back;
+    for (int i = 0; i < l->q; i++) path[i] = filtration__paths_of(l, i);
     filtration__task_range(l->link_count, task, &first, &end);
+    b.n = 0;
     for (ptrdiff_t n = first; n < end; n++) {
         const filtration__link *link = &l->links[n];
-        const ptrdiff_t node = filtration__node(l, link->x, link->y, link->z);
+        const int p[3] = {link->x, link->y, link->z}, i = link->i;
+        const ptrdiff_t node = filtration__node(l, p[0], p[1], p[2]);
         if (l->owner[node] != FILTRATION__FLUID) continue;
-        if (filtration__is_inner(l, link->x, link->y, link->z)) {
-            const ptrdiff_t place = filtration__inner_place(l, link->x, link->y, link->z);
-            filtration__bounce_inner(l, place, node, link->i, (double)link->fraction, 0.0, &back);
+        b.fraction[b.n] = (double)link->fraction, b.push[b.n] = 0.0;
+        if (filtration__is_inner(l, p[0], p[1], p[2])) {
+            const ptrdiff_t place = filtration__inner_place(l, p[0], p[1], p[2]);
+            const int k = b.n++, is_free = l->owner[node + path[i].node_behind] == FILTRATION__FLUID && !l->half_way;
+            b.free[k] = is_free ? 1.0 : 0.0, b.place[k] = place + path[i].in;
+            b.out[k] = filtration__get(l, place + path[i].out), b.other[k] = filtration__get(l, place + path[i].other);
+            b.behind[k] = is_free ? filtration__get(l, place + path[i].behind) : 0.0;
         } else {
-            const filtration__cut k = filtration__link_cut(link);
-            filtration__bounce(l, &k, 0.0, &back);
+            filtration__gather_link(l, &b, p, i);
         }
+        if (b.n == FILTRATION__BATCH) filtration__bounce_links(l, &b);
     }
+    filtration__bounce_links(l, &b);
 }
 
 static inline void filtration__point(const filtration_fluid_def *def, int x, int y, int z, double point[3]) {

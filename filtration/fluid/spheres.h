@@ -1,6 +1,7 @@
 /* Moving spheres on the lattice: the nodes that they cover, their links, the force on them, nodes that they leave. */
 #pragma once
 #include "links.h"
+#include "near.h"
 
 /* ==== >>spheres ==== */
 
@@ -9,8 +10,9 @@ static inline void filtration__chord(const filtration__ball *b, int y, int z, in
     double dy = y - b->centre[1], dz = z - b->centre[2], rest = b->radius * b->radius - (dy * dy + dz * dz);
     *first = 1, *end = 0;
     if (!(rest > 0.0)) return;
-    double half = sqrt(rest);
-    *first = (int)floor(b->centre[0] - half) + 1, *end = (int)ceil(b->centre[0] + half) - 1;
+    const double half = sqrt(rest), low = b->centre[0] - half, high = b->centre[0] + half;
+    const int a = (int)low, e = (int)high; /* floor and ceil are calls on some machines */
+    *first = a - (a > low) + 1, *end = e + (e < high) - 1;
 }
 
 /* Finds the rows that a sphere may cover along an axis. */
@@ -71,28 +73,84 @@ static inline void filtration__surface_velocity(const filtration__ball *b, const
 typedef struct filtration__surface {
     double weight, density, place[3], rise[3]; /* sums of w, w r, w d, w r d */
     double spread[6];                          /* of w d d: xx, yy, zz, yz, zx, xy */
-    double arm[3];                             /* of w (d x c) */
+    double arm[3];                             /* of w (d x c), c into the fluid */
     double force[3], torque[3];
-    int64_t links[FILTRATION__Q]; /* number along each direction */
 } filtration__surface;
+enum { FILTRATION__SUMS = sizeof(filtration__surface) / sizeof(double) };
 
-/* Adds the momentum exchange of a link, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the
-   density there. d: from the centre, u: velocity of the surface. Written out, because there is a link for every few nodes
-   of a cake. */
-FILTRATION__INLINE void filtration__exchange(const filtration__lattice *l, filtration__surface *s, int i,
-                                             const double d[3], const double u[3], double out, double back) {
-    const double *c = l->real_c[i], w = l->w[i], both = out + back, less = out - back, wr = 0.5 * both;
-    const double fx = c[0] * both - u[0] * less, fy = c[1] * both - u[1] * less, fz = c[2] * both - u[2] * less;
-    const double wx = w * d[0], wy = w * d[1], wz = w * d[2];
-    s->force[0] += fx, s->force[1] += fy, s->force[2] += fz;
-    s->torque[0] += d[1] * fz - d[2] * fy, s->torque[1] += d[2] * fx - d[0] * fz, s->torque[2] += d[0] * fy - d[1] * fx;
-    s->links[i]++;
-    s->weight += w, s->density += wr;
-    s->place[0] += wx, s->place[1] += wy, s->place[2] += wz;
-    s->rise[0] += wr * d[0], s->rise[1] += wr * d[1], s->rise[2] += wr * d[2];
-    s->spread[0] += wx * d[0], s->spread[1] += wy * d[1], s->spread[2] += wz * d[2];
-    s->spread[3] += wy * d[2], s->spread[4] += wz * d[0], s->spread[5] += wx * d[1];
-    s->arm[0] += wy * c[2] - wz * c[1], s->arm[1] += wz * c[0] - wx * c[2], s->arm[2] += wx * c[1] - wy * c[0];
+/* A sphere while its links are visited. */
+typedef struct filtration__visit {
+    double part[FILTRATION__SUMS][FILTRATION__LANES]; /* of filtration__surface, in its order */
+    double push[FILTRATION__NEAR][FILTRATION__PUSHES][FILTRATION__LANES];
+    int64_t links[FILTRATION__Q];  /* number along each direction, from the sphere */
+    filtration__paths path;        /* along the present direction */
+    double whole;                  /* 0: half-way, otherwise 1 */
+    filtration__batch inner, edge; /* links of nodes whose neighbours all lie in the box, and of others */
+} filtration__visit;
+
+/* Finds for the links of a batch, along c from the sphere, where the surface is and how it moves. */
+FILTRATION__INLINE void filtration__cut_lanes(const filtration__ball *b, const double *c, filtration__batch *s, int end,
+                                              int half_way) {
+    const double v[3] = {b->velocity[0], b->velocity[1], b->velocity[2]},
+                 spin[3] = {b->spin[0], b->spin[1], b->spin[2]};
+    const double cx = c[0], cy = c[1], cz = c[2], cc = cx * cx + cy * cy + cz * cz;
+    const double rr = b->radius * b->radius, share = half_way ? 0.0 : 1.0 / cc, half = half_way ? 0.5 : 0.0;
+    double along[FILTRATION__ROOM], root[FILTRATION__ROOM];
+    for (int k = 0; k < end; k++) {
+        const double dx = s->d[0][k], dy = s->d[1][k], dz = s->d[2][k], cd = -(dx * cx) - dy * cy - dz * cz,
+                     rest = cd * cd - cc * (dx * dx + dy * dy + dz * dz - rr);
+        along[k] = cd, root[k] = 0.5 * (rest + fabs(rest)); /* 0 where it would be below: a link that grazes */
+    }
+    for (int k = 0; k < end; k++) root[k] = sqrt(root[k]); /* alone: gcc takes errno for control flow */
+    FILTRATION__INDEPENDENT
+    for (int k = 0; k < end; k++) {
+        const double q = half + share * (-along[k] - root[k]);
+        const double ex = s->d[0][k] - q * cx, ey = s->d[1][k] - q * cy, ez = s->d[2][k] - q * cz;
+        const double ux = v[0] + spin[1] * ez - spin[2] * ey, uy = v[1] + spin[2] * ex - spin[0] * ez,
+                     uz = v[2] + spin[0] * ey - spin[1] * ex;
+        s->fraction[k] = q, s->d[0][k] = ex, s->d[1][k] = ey, s->d[2][k] = ez;
+        s->push[k] = -s->w[k] * (cx * ux + cy * uy + cz * uz);
+    }
+}
+FILTRATION__CLONES(filtration__cut_batch,
+                   (const filtration__ball *b, const double *c, filtration__batch *s, int end, int half_way),
+                   (b, c, s, end, half_way), filtration__cut_lanes(b, c, s, end, half_way))
+
+/* Adds the momentum exchange of links, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the density there. */
+FILTRATION__INLINE void filtration__exchange_lanes(const filtration__ball *b, const double *c,
+                                                   const filtration__batch *s, int end,
+                                                   double part[FILTRATION__SUMS][FILTRATION__LANES]) {
+    const double v[3] = {b->velocity[0], b->velocity[1], b->velocity[2]},
+                 spin[3] = {b->spin[0], b->spin[1], b->spin[2]};
+    const double cx = c[0], cy = c[1], cz = c[2];
+    for (int first = 0; first < end; first += FILTRATION__LANES) FILTRATION__INDEPENDENT
+    for (int lane = 0; lane < FILTRATION__LANES; lane++) {
+        const int k = first + lane;
+        const double x = s->d[0][k], y = s->d[1][k], z = s->d[2][k];
+        const double both = s->out[k] + s->back[k], less = s->out[k] - s->back[k], w = s->w[k], wr = 0.5 * both;
+        const double fx = -cx * both - (v[0] + spin[1] * z - spin[2] * y) * less,
+                     fy = -cy * both - (v[1] + spin[2] * x - spin[0] * z) * less,
+                     fz = -cz * both - (v[2] + spin[0] * y - spin[1] * x) * less;
+        const double wx = w * x, wy = w * y, wz = w * z;
+        part[0][lane] += w, part[1][lane] += wr;
+        part[2][lane] += wx, part[3][lane] += wy, part[4][lane] += wz;
+        part[5][lane] += wr * x, part[6][lane] += wr * y, part[7][lane] += wr * z;
+        part[8][lane] += wx * x, part[9][lane] += wy * y, part[10][lane] += wz * z;
+        part[11][lane] += wy * z, part[12][lane] += wz * x, part[13][lane] += wx * y;
+        part[14][lane] += wy * cz - wz * cy, part[15][lane] += wz * cx - wx * cz, part[16][lane] += wx * cy - wy * cx;
+        part[17][lane] += fx, part[18][lane] += fy, part[19][lane] += fz;
+        part[20][lane] += y * fz - z * fy, part[21][lane] += z * fx - x * fz, part[22][lane] += x * fy - y * fx;
+    }
+}
+FILTRATION__CLONES(filtration__exchange_batch,
+                   (const filtration__ball *b, const double *c, const filtration__batch *s, int end,
+                    double part[FILTRATION__SUMS][FILTRATION__LANES]),
+                   (b, c, s, end, part), filtration__exchange_lanes(b, c, s, end, part))
+
+static inline double filtration__add_lanes(const double part[FILTRATION__LANES]) {
+    double sum = part[0];
+    for (int lane = 1; lane < FILTRATION__LANES; lane++) sum += part[lane];
+    return sum;
 }
 
 /* Fits density + slope . d to the density at a sphere's links, by least squares; the more of the surface is hidden, the more the slope is
@@ -121,98 +179,206 @@ static inline void filtration__fit_density(filtration__ball *b, const filtration
     b->density = s->density / s->weight - filtration__dot(b->slope, mean);
 }
 
-/* Applies the link from a sphere's node (x, y, z) along j to a fluid node, if there is one; otherwise counts a film. */
-static inline void filtration__ball_link(filtration__lattice *l, int32_t index, filtration__ball *b,
-                                         filtration__surface *sum, int x, int y, int z, int j) {
-    const signed char *c = l->c[j];
-    int s[3] = {x, y, z}, p[3] = {x + c[0], y + c[1], z + c[2]}, mirrored;
-    double d[3], e[3], u[3], back;
-    const int inner = filtration__is_inner(l, p[0], p[1], p[2]);
-    for (int a = 0; a < 3; a++) d[a] = p[a] - b->centre[a];
-    if (!inner) {
-        if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return;
-        const int from_image = mirrored, there = filtration__inside(l, p, &mirrored);
-        if (there && mirrored) return;
-        if (!there || l->owner[filtration__node(l, p[0], p[1], p[2])] != FILTRATION__FLUID) {
-            b->films += !from_image;
-            return;
-        }
-    }
-    const ptrdiff_t node = filtration__node(l, p[0], p[1], p[2]);
-    if (inner) {
-        if (l->owner[node - l->next_node[j]] != index) return;
-        if (l->owner[node] != FILTRATION__FLUID) {
-            b->films++;
-            return;
-        }
-    }
-    const double *r = l->real_c[j], cc = l->squared_c[j];
-    const double cd = -(d[0] * r[0]) - d[1] * r[1] - d[2] * r[2], dd = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    const double root = cd * cd - cc * (dd - b->radius * b->radius);
-    const double fraction = l->half_way ? 0.5 : (-cd - sqrt(root > 0.0 ? root : 0.0)) / cc;
-    const int i = filtration__opposite(j);
-    for (int a = 0; a < 3; a++) e[a] = d[a] - fraction * r[a];
-    filtration__surface_velocity(b, e, u);
-    const double cu = -(r[0] * u[0] + r[1] * u[1] + r[2] * u[2]);
-    double out;
-    if (inner) {
-        out = filtration__bounce_inner(l, filtration__inner_place(l, p[0], p[1], p[2]), node, i, fraction, cu, &back);
-    } else {
-        const filtration__cut k = {p[0], p[1], p[2], i, fraction};
-        out = filtration__bounce(l, &k, cu, &back);
-    }
-    filtration__exchange(l, sum, i, e, u, out, back);
+/* Applies the links of a batch, along j from sphere n. */
+static inline void filtration__bounce_ball(filtration__lattice *l, ptrdiff_t n, filtration__visit *v,
+                                           filtration__batch *s, int j) {
+    const filtration__ball *b = &l->balls[n];
+    const filtration__gaps *gaps = &l->gaps[n];
+    const double *c = l->real_c[j];
+    if (s->n == 0) return;
+    if (s == &v->inner) filtration__read_batch(l, s, &v->path);
+    const int end = filtration__pad_batch(s);
+    filtration__cut_batch(b, c, s, end, l->half_way);
+    filtration__bounce_batch(s, end);
+    filtration__write_batch(l, s);
+    filtration__exchange_batch(b, c, s, end, v->part);
+    const double low = s->d[2][0] - 1.0,
+                 high = s->d[2][s->n - 1] + 1.0; /* links come in the order of z, and are shorter than that */
+    for (int m = 0; m < gaps->count; m++)
+        if (filtration__may_reach(b, &gaps->near[m], low, high))
+            filtration__push_batch(s, end, gaps->near[m].normal, gaps->near[m].cap,
+                                   -filtration__dot(c, gaps->near[m].normal), v->push[m]);
+    v->links[j] += s->n;
+    s->n = 0;
 }
 
-/* What is done with a link of a sphere, from its node (x, y, z) along j. */
-typedef void (*filtration__link_fn)(filtration__lattice *l, int32_t index, filtration__ball *b,
-                                    filtration__surface *sum, int x, int y, int z, int j);
+/* Returns whether node s of the sphere has along j a fluid node p, which then lies in the box; otherwise counts a film. */
+static inline int filtration__meets_fluid(const filtration__lattice *l, int32_t index, filtration__ball *b, int s[3],
+                                          int p[3]) {
+    int mirrored;
+    if (!filtration__inside(l, s, &mirrored) || l->owner[filtration__node(l, s[0], s[1], s[2])] != index) return 0;
+    const int from_image = mirrored, there = filtration__inside(l, p, &mirrored);
+    if (there && mirrored) return 0;
+    if (there && l->owner[filtration__node(l, p[0], p[1], p[2])] == FILTRATION__FLUID) return 1;
+    b->films += !from_image;
+    return 0;
+}
 
-/* Visits all links of a sphere: in every row those of its nodes whose neighbour along j is outside. */
+/* A row of a sphere's nodes. */
+typedef struct filtration__run {
+    int first, end, y, z, at; /* at: place in the block */
+    double dy, dz;            /* from the centre */
+    ptrdiff_t place, node;    /* of x = 0 */
+} filtration__run;
+
+/* Gathers links from nodes first .. end of a row, fewer than FILTRATION__BATCH, whose neighbours have all neighbours in the box. Without
+   branches, because where links are follows no pattern. */
+FILTRATION__INLINE void filtration__gather_row(const filtration__lattice *l, int32_t index, filtration__ball *b,
+                                               filtration__visit *v, const filtration__run *r, int j, int first,
+                                               int end) {
+    filtration__batch *s = &v->inner;
+    const double *c = l->real_c[j], dx = c[0] - b->centre[0], dy = r->dy + c[1], dz = r->dz + c[2], w = l->w[j],
+                 whole = v->whole;
+    const ptrdiff_t next = v->path.node_behind, place = r->place + l->next_place[j];
+    const int32_t *owner = l->owner + r->node;
+    int k = s->n, films = 0;
+    const char *f = (const char *)l->f;
+    const ptrdiff_t size = l->single ? 4 : 8;
+    for (int x = first; x <= end; x++) {
+        const int own = owner[x] == index, fluid = owner[x + next] == FILTRATION__FLUID;
+        s->d[0][k] = x + dx, s->d[1][k] = dy, s->d[2][k] = dz, s->w[k] = w;
+        s->place[k] = place + x, s->free[k] = owner[x + 2 * next] == FILTRATION__FLUID ? whole : 0.0;
+        FILTRATION__PREFETCH(f + size * (place + x + v->path.out)),
+            FILTRATION__PREFETCH(f + size * (place + x + v->path.in));
+        FILTRATION__PREFETCH(f + size * (place + x + v->path.other)),
+            FILTRATION__PREFETCH(f + size * (place + x + v->path.behind));
+        k += own & fluid, films += own & !fluid;
+    }
+    s->n = k, b->films += films;
+}
+
+/* Gathers the links of nodes first .. end of a row along j; applies them where there is no more room. inner: the row of their neighbours
+   has all neighbours in the box, but for its ends. */
+FILTRATION__INLINE void filtration__gather_part(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                                filtration__visit *v, const filtration__run *r, int j, int inner,
+                                                int first, int end) {
+    const signed char *c = l->c[j];
+    if (inner && first + c[0] > 0 && end + c[0] < l->nx - 1) {
+        for (int x = first; x <= end; x += FILTRATION__BATCH) {
+            filtration__gather_row(l, index, b, v, r, j, x,
+                                   end - x < FILTRATION__BATCH ? end : x + FILTRATION__BATCH - 1);
+            if (v->inner.n >= FILTRATION__BATCH) filtration__bounce_ball(l, index, v, &v->inner, j);
+        }
+        return;
+    }
+    filtration__batch *s = &v->edge;
+    for (int x = first; x <= end; x++) {
+        int p[3] = {x + c[0], r->y + c[1], r->z + c[2]}, at[3] = {x, r->y, r->z};
+        const int k = s->n;
+        s->d[0][k] = p[0] - b->centre[0], s->d[1][k] = p[1] - b->centre[1], s->d[2][k] = p[2] - b->centre[2],
+        s->w[k] = l->w[j];
+        if (!filtration__meets_fluid(l, index, b, at, p)) continue;
+        filtration__gather_link(l, s, p, filtration__opposite(j));
+        if (s->n == FILTRATION__BATCH) filtration__bounce_ball(l, index, v, s, j);
+    }
+}
+
+/* What is done with the links of nodes first .. end of a row along j. */
+typedef void (*filtration__part_fn)(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__visit *v,
+                                    const filtration__run *r, int j, int inner, int first, int end);
+
+/* A block of rows of a sphere, along y and z, that are visited together; with the rows beside it. */
+enum { FILTRATION__ROWS = 32, FILTRATION__SIZE = FILTRATION__ROWS + 2 };
+typedef struct filtration__block {
+    int count, from[FILTRATION__SIZE * FILTRATION__SIZE],
+        to[FILTRATION__SIZE * FILTRATION__SIZE];     /* nodes inside the sphere */
+    char inner[FILTRATION__SIZE * FILTRATION__SIZE]; /* 1: all neighbours of the row lie in the box, but for its ends */
+    filtration__run run[FILTRATION__ROWS * FILTRATION__ROWS];
+} filtration__block;
+
+static inline void filtration__list_rows(const filtration__lattice *l, const filtration__ball *b, const int y[2],
+                                         const int z[2], filtration__block *rows) {
+    rows->count = 0;
+    for (int k = z[0] - 1; k <= z[1] + 1; k++)
+        for (int m = y[0] - 1; m <= y[1] + 1; m++) {
+            const int at = (k - z[0] + 1) * FILTRATION__SIZE + m - y[0] + 1;
+            filtration__chord(b, m, k, &rows->from[at], &rows->to[at]);
+            rows->inner[at] = m > 0 && k > 0 && m < l->ny - 1 && k < l->nz - 1;
+            if (m < y[0] || m > y[1] || k < z[0] || k > z[1] || rows->from[at] > rows->to[at]) continue;
+            const filtration__run r = {rows->from[at],
+                                       rows->to[at],
+                                       m,
+                                       k,
+                                       at,
+                                       m - b->centre[1],
+                                       k - b->centre[2],
+                                       filtration__inner_place(l, 0, m, k),
+                                       filtration__node(l, 0, m, k)};
+            rows->run[rows->count++] = r;
+        }
+}
+
+/* Visits the links of a block of rows, direction by direction: in every row those of nodes whose neighbour along j is outside. */
+FILTRATION__INLINE void filtration__block_links(filtration__lattice *l, int32_t index, filtration__ball *b,
+                                                filtration__visit *v, const filtration__block *rows,
+                                                const filtration__part_fn part) {
+    for (int j = 1; j < l->q; j++) {
+        const int cx = l->c[j][0], next = l->c[j][2] * FILTRATION__SIZE + l->c[j][1];
+        if (v) v->path = filtration__paths_of(l, filtration__opposite(j));
+        for (int k = 0; k < rows->count; k++) {
+            const filtration__run *r = &rows->run[k];
+            const int at = r->at + next, inner = rows->inner[at], in = rows->from[at] - cx, out = rows->to[at] - cx;
+            if (in > out) {
+                part(l, index, b, v, r, j, inner, r->first, r->end);
+                continue;
+            }
+            if (r->first < in) part(l, index, b, v, r, j, inner, r->first, r->end < in ? r->end : in - 1);
+            if (r->end > out) part(l, index, b, v, r, j, inner, out + 1 > r->first ? out + 1 : r->first, r->end);
+        }
+        if (v) filtration__bounce_ball(l, index, v, &v->inner, j), filtration__bounce_ball(l, index, v, &v->edge, j);
+    }
+}
+
+/* Visits all links of a sphere. */
 FILTRATION__INLINE void filtration__ball_links(filtration__lattice *l, int32_t index, filtration__ball *b,
-                                               filtration__surface *sum, const filtration__link_fn link) {
+                                               filtration__visit *v, const filtration__part_fn part) {
+    filtration__block rows;
     int y0, y1, z0, z1;
     filtration__extent(b, 1, &y0, &y1);
     filtration__extent(b, 2, &z0, &z1);
-    for (int z = z0; z <= z1; z++)
-        for (int y = y0; y <= y1; y++) {
-            int first, end, from[3][3], to[3][3];
-            filtration__chord(b, y, z, &first, &end);
-            if (first > end) continue;
-            for (int dz = 0; dz < 3; dz++)
-                for (int dy = 0; dy < 3; dy++) {
-                    filtration__chord(b, y + dy - 1, z + dz - 1, &from[dz][dy], &to[dz][dy]);
-                    if (from[dz][dy] > to[dz][dy]) from[dz][dy] = to[dz][dy] = end + 4;
-                }
-            for (int j = 1; j < l->q; j++) {
-                const signed char *c = l->c[j];
-                int in = from[c[2] + 1][c[1] + 1] - c[0], out = to[c[2] + 1][c[1] + 1] - c[0];
-                for (int x = first; x <= end && x < in; x++) link(l, index, b, sum, x, y, z, j);
-                for (int x = out + 1 > first ? out + 1 : first; x <= end; x++) link(l, index, b, sum, x, y, z, j);
-            }
+    for (int z = z0; z <= z1; z += FILTRATION__ROWS)
+        for (int y = y0; y <= y1; y += FILTRATION__ROWS) {
+            const int ys[2] = {y, y1 < y + FILTRATION__ROWS ? y1 : y + FILTRATION__ROWS - 1},
+                      zs[2] = {z, z1 < z + FILTRATION__ROWS ? z1 : z + FILTRATION__ROWS - 1};
+            filtration__list_rows(l, b, ys, zs, &rows);
+            filtration__block_links(l, index, b, v, &rows, part);
         }
+}
+
+/* Applies all links of sphere n. */
+static inline void filtration__apply_ball(filtration__lattice *l, ptrdiff_t n) {
+    filtration__ball *b = &l->balls[n];
+    filtration__gaps *gaps = &l->gaps[n];
+    filtration__visit v;
+    filtration__surface sum;
+    double *sums = (double *)&sum;
+    memset(v.part, 0, sizeof v.part), memset(v.links, 0, sizeof v.links);
+    v.inner.n = v.edge.n = 0, v.whole = l->half_way ? 0.0 : 1.0;
+    filtration__find_near(l, n, gaps);
+    memset(v.push, 0, (size_t)gaps->count * sizeof v.push[0]);
+    b->films = b->hull[0] = b->hull[1] = b->hull[2] = 0;
+    filtration__ball_links(l, (int32_t)n, b, &v, filtration__gather_part);
+    for (int k = 0; k < FILTRATION__SUMS; k++) sums[k] = filtration__add_lanes(v.part[k]);
+    for (int m = 0; m < gaps->count; m++)
+        for (int k = 0; k < FILTRATION__PUSHES; k++) gaps->near[m].push[k] = filtration__add_lanes(v.push[m][k]);
+    filtration__fit_density(b, &sum);
+    for (int a = 0; a < 3; a++) {
+        b->force[0][a] = sum.force[a];
+        b->torque[0][a] = sum.torque[a] + 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
+        for (int j = 1; j < l->q; j++) b->hull[a] -= v.links[j] * l->c[j][a] * l->whole_weight[j];
+    }
+    b->steps++;
 }
 
 FILTRATION__STATIC void filtration__ball_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
-    filtration__surface sum;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
         filtration__ball *b = &l->balls[n];
+        l->gaps[n].count = 0;
         if (!(b->radius > 0.0)) continue;
         memcpy(b->force[1], b->force[0], sizeof b->force[0]);
         memcpy(b->torque[1], b->torque[0], sizeof b->torque[0]);
-        memset(b->force[0], 0, sizeof b->force[0]);
-        memset(b->torque[0], 0, sizeof b->torque[0]);
-        memset(&sum, 0, sizeof sum);
-        b->films = b->hull[0] = b->hull[1] = b->hull[2] = 0;
-        filtration__ball_links(l, (int32_t)n, b, &sum, filtration__ball_link);
-        filtration__fit_density(b, &sum);
-        for (int a = 0; a < 3; a++) {
-            b->force[0][a] = sum.force[a];
-            b->torque[0][a] = sum.torque[a] - 2.0 * b->density * sum.arm[a]; /* a constant pressure turns no sphere */
-            for (int i = 1; i < l->q; i++) b->hull[a] += sum.links[i] * l->c[i][a] * l->whole_weight[i];
-        }
-        b->steps++;
+        filtration__apply_ball(l, n);
     }
 }
 

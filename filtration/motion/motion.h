@@ -87,7 +87,7 @@ static inline double filtration__touch_normal(const filtration_motion_def *def, 
             -2.0 / 3.0 * stiffness * t->gap + 2.0 * 0.91287092917527686 * damping * sqrt(stiffness * t->mass) * closing;
     }
     if (def->lubrication) {
-        const double least = def->least_gap * 2.0 * t->r1, cutoff = fluid->def.voxel * (2.0 / 3.0);
+        const double least = def->least_gap * 2.0 * t->r1, cutoff = fluid->def.voxel * FILTRATION__FILM;
         const double rate =
             filtration_lubrication_force(t->r1, t->r2, t->gap, 1.0, fluid->def.viscosity, cutoff, least);
         film = rate * closing / (1.0 + rate * h / t->mass);
@@ -251,7 +251,7 @@ static inline int filtration__can_move(const filtration_motion_def *def, const f
                                        const filtration_spheres *s, ptrdiff_t n, double share) {
     const double r = s->radius[n], m = filtration__sphere_mass(def, r), light = 1.0 - fluid->def.density / def->density;
     const double film = filtration_lubrication_force(r, HUGE_VAL, 0.0, 1.0, fluid->def.viscosity,
-                                                     fluid->def.voxel * (2.0 / 3.0), def->least_gap * 2.0 * r);
+                                                     fluid->def.voxel * FILTRATION__FILM, def->least_gap * 2.0 * r);
     if (r == 0.0) return 1;
     if (!(r > 0.0 && m > 1e-100 && m < 1e100) || (def->lubrication && !filtration__is_finite(film * fluid->dt / m)))
         return 0;
@@ -285,7 +285,7 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
     for (ptrdiff_t n = 0; n < spheres->n; n++)
         if (!filtration__can_move(def, fluid, spheres, n, share)) return FILTRATION_BAD_ARGUMENT;
     double h = fluid->dt / def->sub_steps, damping = filtration__damping(def->restitution);
-    double reach = def->lubrication ? fluid->def.voxel * (2.0 / 3.0) : 0.0;
+    double reach = def->lubrication ? fluid->def.voxel * FILTRATION__FILM : 0.0;
     for (ptrdiff_t k = 0; contact && k < 3 * spheres->n; k++) contact[k] = 0.0;
     for (int sub = 0; sub < def->sub_steps; sub++) {
         for (ptrdiff_t n = 0; n < spheres->n; n++) {

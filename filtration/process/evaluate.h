@@ -75,10 +75,10 @@ static inline filtration__bend filtration__find_bend(const filtration__readings 
     filtration__bend bend = {0.0, 1.0, 0.0};
     filtration__kind kind, best = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, {0.0, 0.0}, 0.0, 0.0, 0.0, {0.0, 0.0}};
     if (line->n < 6) return bend; /* a bend would be a guess */
-    for (int k = 0; k < FILTRATION__KINDS; k++) {
+    for (int k = 0; k < FILTRATION__FITS; k++) {
         if (!filtration__is_thought_of(r->def, k) || !filtration__roughs[k % FILTRATION__ROUGHS].for_bend) continue;
         filtration__fit_kind(r, first, last, line, 2, k / FILTRATION__ROUGHS,
-                             &filtration__roughs[k % FILTRATION__ROUGHS], &kind);
+                             &filtration__roughs[k % FILTRATION__ROUGHS], 1, &kind);
         if (k == 0 || kind.bent_likelihood > best.bent_likelihood) best = kind;
     }
     bend.size = (fabs(best.coefficient[0]) * 2.0 / 3.0 + fabs(best.coefficient[1]) * 0.4) / line->mean_y;

@@ -123,9 +123,12 @@ typedef struct filtration_curve_def {
     double volume_error; /* [m3] >= 0; default 0. Both only weight the readings; intervals follow from the scatter */
     double
         drift_error; /* standard error of the last volume used by a balance that drifts in proportion to time [m3] >= 0; default 0.
-                              Such a drift looks like another filter, so that no readings tell it */
-    int independent; /* 1: the errors of neighbours are known to be independent; 0: not known, intervals allow for errors that are
-                              alike or add up; default 0 */
+                              Such a drift looks like another filter, so that hardly any readings tell it. 0: with
+                              `independent` there is none; otherwise the intervals allow for one that changes the last
+                              reading by seven times its scatter */
+    int independent; /* 1: the errors of neighbours are known to be independent, and the balance does not drift; 0: not known,
+                              intervals allow for errors that are alike or add up, and for a drift: they are two to ten times
+                              as wide; default 0 */
     double
         start_time; /* of the stage that is evaluated [s]; default 0. Then (t - t1) / (V - V1) is fitted over V + V1 */
     double start_volume;   /* [m3] >= 0; default 0 */

@@ -9,10 +9,22 @@ typedef struct filtration__roughness {
     int for_bend;                     /* 1: one of those that tell a bend from scatter (three are enough) */
 } filtration__roughness;
 
-enum { FILTRATION__WEIGHTS = 4, FILTRATION__ROUGHS = 7, FILTRATION__KINDS = FILTRATION__WEIGHTS * FILTRATION__ROUGHS };
+/* A drift of the balance in proportion to time: what it changes at the end, over the scatter of a reading there. */
+typedef struct filtration__drifting {
+    double size, prior;
+} filtration__drifting;
+
+enum {
+    FILTRATION__WEIGHTS = 4,
+    FILTRATION__ROUGHS = 7,
+    FILTRATION__DRIFTS = 2,
+    FILTRATION__FITS = FILTRATION__WEIGHTS * FILTRATION__ROUGHS,
+    FILTRATION__KINDS = FILTRATION__FITS * FILTRATION__DRIFTS
+};
+static const filtration__drifting filtration__drifts[FILTRATION__DRIFTS] = {{0.0, 0.4}, {7.0, 0.6}};
 static const double filtration__weight_prior[FILTRATION__WEIGHTS] = {1.0, 1.0, 0.5, 0.5};
 static const filtration__roughness filtration__roughs[FILTRATION__ROUGHS] = {
-    {0.0, 0.0, 1.0, 2.0, 1},                                                      /* independent errors */
+    {0.0, 0.0, 1.0, 1.0, 1},                                                      /* independent errors */
     {0.3, 0.91, 0.0, 1.0, 0}, {0.6, 0.64, 0.0, 1.0, 1}, {0.8, 0.36, 0.0, 1.0, 0}, /* each like the one before, of variance 1 */
     {1.0, 0.03, 1.0, 0.5, 0}, {1.0, 0.3, 1.0, 0.5, 1},  {1.0, 1.0, 0.0, 0.5, 0}}; /* errors that add up, as of a balance that wanders */
 
@@ -146,36 +158,66 @@ static inline double filtration__normal_matrix(const filtration__readings *r, si
     return logs + riddle_log(product);
 }
 
-/* Fits a level, or a level and a slope (unknowns 1, 2). */
-static inline void filtration__fit_kind(const filtration__readings *r, size_t first, size_t last, const filtration__line *line,
-                                        int unknowns, int weight, const filtration__roughness *rough, filtration__kind *kind) {
-    double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS];
-    const double logs = filtration__normal_matrix(r, first, last, line, weight, rough, g), n = (double)line->n;
-    const double rounding = FILTRATION__ROUNDING * 1e-2 * line->mean_y, least = g[0][0] * rounding * rounding;
-    double drift[4][4], bent[5][5];
-    const int of_drift[4] = {0, 1, 4, 5}, of_bend[5] = {0, 1, 2, 3, 5};
+/* Fits a level, or a level and a slope (unknowns 1, 2), by the normal matrix of a kind of scatter. drift: standard error
+   of an ordinate at the line's end by a drift of the balance, over that of a reading there; 0: none. It is an unknown
+   that is expected to be 0, which an observation of its own says. */
+static inline void filtration__fit_line(const double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], double drift, double rate,
+                                        double logs, double least, int unknowns, const filtration__line *line,
+                                        filtration__kind *kind) {
+    const int of_line[4] = {0, 1, 4, 5}, of_drift[4] = {4, 0, 1, 5}, *columns = drift > 0.0 ? of_drift : of_line;
+    const int first = drift > 0.0 ? 1 : 0, pivots = 2 + first;
+    const double n = (double)line->n, expected = drift > 0.0 ? rate / drift : 0.0;
+    double f[4][4];
     for (int i = 0; i < 4; i++)
-        for (int j = 0; j <= i; j++) drift[i][j] = g[of_drift[i]][of_drift[j]];
-    for (int i = 0; i < 5; i++)
-        for (int j = 0; j <= i; j++) bent[i][j] = g[of_bend[i]][of_bend[j]];
-    memset(kind, 0, sizeof *kind);
+        for (int j = 0; j <= i; j++) {
+            const int high = columns[i] > columns[j] ? columns[i] : columns[j], low = columns[i] + columns[j] - high;
+            f[i][j] = g[high][low];
+        }
+    if (drift > 0.0) f[0][0] += expected * expected;
     if (unknowns == 1)
-        for (int i = 1; i < 4; i++) drift[i][1] = 0.0;
-    const double determinant = filtration__decompose(drift[0], 4, 2), a = drift[0][0], b = drift[1][0], c = drift[1][1];
-    kind->squares = drift[3][3] > least ? drift[3][3] : least;
+        for (int i = first + 1; i < 4; i++) f[i][first + 1] = 0.0;
+    const double determinant = filtration__decompose(f[0], 4, pivots);
+    const double a = f[first][first], b = f[first + 1][first], c = f[first + 1][first + 1];
+    const double *rest = f[3], *of = drift > 0.0 ? NULL : f[2];
+    memset(kind, 0, sizeof *kind);
+    kind->squares = rest[3] > least ? rest[3] : least;
     if (unknowns == 2) {
-        kind->slope = drift[3][1] / c, kind->drifted[1] = drift[2][1] / c;
+        kind->slope = rest[first + 1] / c, kind->drifted[1] = of ? of[1] / c : 0.0;
         kind->of_slope = 1.0 / (c * c), kind->of_both = -b / (a * c * c);
     }
-    kind->level = (drift[3][0] - b * kind->slope) / a, kind->drifted[0] = (drift[2][0] - b * kind->drifted[1]) / a;
+    kind->level = (rest[first] - b * kind->slope) / a;
+    kind->drifted[0] = of ? (of[0] - b * kind->drifted[1]) / a : 0.0;
     kind->of_level = 1.0 / (a * a) - b / a * kind->of_both;
-    kind->drift = drift[2][2] > 0.0 ? drift[3][2] / drift[2][2] : 0.0;
+    kind->drift = of && of[2] > 0.0 ? rest[2] / of[2] : 0.0;
     kind->likelihood = logs - determinant - 0.5 * (n - unknowns) * riddle_log(kind->squares);
+    if (drift > 0.0) kind->likelihood += riddle_log(expected);
+}
+
+/* Fits the same with a parabola and a cubic in addition. */
+static inline void filtration__fit_bend(const double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], double logs, double least,
+                                        const filtration__line *line, filtration__kind *kind) {
+    const int columns[5] = {0, 1, 2, 3, 5};
+    double bent[5][5];
+    for (int i = 0; i < 5; i++)
+        for (int j = 0; j <= i; j++) bent[i][j] = g[columns[i]][columns[j]];
     const double of_bent = filtration__decompose(bent[0], 5, 4);
     kind->bent_squares = bent[4][4] > least ? bent[4][4] : least;
-    kind->bent_likelihood = logs - of_bent - 0.5 * (n - 4.0) * riddle_log(kind->bent_squares);
+    kind->bent_likelihood = logs - of_bent - 0.5 * ((double)line->n - 4.0) * riddle_log(kind->bent_squares);
     kind->coefficient[1] = bent[3][3] > 0.0 ? bent[4][3] / bent[3][3] : 0.0;
     kind->coefficient[0] = bent[2][2] > 0.0 ? (bent[4][2] - bent[3][2] * kind->coefficient[1]) / bent[2][2] : 0.0;
+}
+
+/* Fits one kind of scatter without and with drifts of the balance that nobody has stated: fills drifts entries. */
+static inline void filtration__fit_kind(const filtration__readings *r, size_t first, size_t last, const filtration__line *line,
+                                        int unknowns, int weight, const filtration__roughness *rough, int drifts,
+                                        filtration__kind *kind) {
+    double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], rate;
+    const double logs = filtration__normal_matrix(r, first, last, line, weight, rough, g);
+    const double rounding = FILTRATION__ROUNDING * 1e-2 * line->mean_y, least = g[0][0] * rounding * rounding;
+    filtration__on_line(line, line->high, line->end, &rate);
+    for (int k = 0; k < drifts; k++)
+        filtration__fit_line(g, filtration__drifts[k].size, rate, logs, least, unknowns, line, &kind[k]);
+    filtration__fit_bend(g, logs, least, line, kind);
 }
 
 /* The kinds that are thought of: all, or those that the definition leaves. */
@@ -194,33 +236,45 @@ typedef struct filtration__mixture {
     double drift; /* of the balance by the last reading, a standard error, in shares of the line's end */
 } filtration__mixture;
 
+/* Computes the means. The line is that without a drift that nobody has stated: it only widens the range. */
+static inline void filtration__average(filtration__mixture *m, int drifts) {
+    double sum = 0.0, still = 0.0;
+    for (int k = 0; k < m->n; k++) {
+        sum += m->share[k];
+        if (k % drifts == 0) still += m->share[k];
+    }
+    for (int k = 0; k < m->n; k++) {
+        const filtration__kind *kind = &m->kind[k];
+        const double share = k % drifts == 0 && still > 0.0 ? m->share[k] / still : 0.0;
+        m->level += share * kind->level, m->slope += share * kind->slope;
+        m->drifted[0] += share * kind->drifted[0], m->drifted[1] += share * kind->drifted[1];
+        m->share[k] = m->share[k] > 3e-4 * sum ? m->share[k] / sum : 0.0;
+        m->rough += m->share[k] * kind->likelihood;
+    }
+}
+
 static inline void filtration__mix(const filtration__readings *r, size_t first, size_t last, const filtration__line *line, int unknowns,
                                    filtration__mixture *m) {
-    double best = -HUGE_VAL, sum = 0.0;
+    double best = -HUGE_VAL;
     memset(m, 0, sizeof *m);
     m->freedom = (double)line->n - unknowns, m->confidence = r->def->confidence;
     m->student = filtration_student(m->confidence, m->freedom);
     m->drift = r->def->drift_error / r->x_scale / line->end;
-    for (int k = 0; k < FILTRATION__KINDS; k++) {
+    const int drifts = unknowns == 1 || r->def->independent || m->drift > 0.0 ? 1 : FILTRATION__DRIFTS;
+    for (int k = 0; k < FILTRATION__FITS; k++) {
         if (!filtration__is_thought_of(r->def, k)) continue;
         const filtration__roughness *rough = &filtration__roughs[k % FILTRATION__ROUGHS];
-        filtration__fit_kind(r, first, last, line, unknowns, k / FILTRATION__ROUGHS, rough, &m->kind[m->n]);
-        m->share[m->n] = riddle_log(rough->prior * filtration__weight_prior[k / FILTRATION__ROUGHS]) + m->kind[m->n].likelihood;
-        m->kind[m->n].likelihood = rough->white > 0.0 && rough->step == 0.0 ? 0.0 : rough->keeps; /* from here on: of neighbours */
-        if (m->share[m->n] > best) best = m->share[m->n];
-        m->n++;
+        filtration__fit_kind(r, first, last, line, unknowns, k / FILTRATION__ROUGHS, rough, drifts, &m->kind[m->n]);
+        for (int q = 0; q < drifts; q++, m->n++) {
+            filtration__kind *kind = &m->kind[m->n];
+            const double prior = rough->prior * filtration__weight_prior[k / FILTRATION__ROUGHS] * filtration__drifts[q].prior;
+            m->share[m->n] = riddle_log(prior) + kind->likelihood;
+            kind->likelihood = rough->white > 0.0 && rough->step == 0.0 ? 0.0 : rough->keeps; /* from here on: of neighbours */
+            if (m->share[m->n] > best) best = m->share[m->n];
+        }
     }
-    for (int k = 0; k < m->n; k++) {
-        m->share[k] = riddle_exp(m->share[k] - best);
-        if (!(m->share[k] > 3e-4)) m->share[k] = 0.0;
-        sum += m->share[k];
-    }
-    for (int k = 0; k < m->n; k++) {
-        const filtration__kind *kind = &m->kind[k];
-        const double share = m->share[k] /= sum;
-        m->level += share * kind->level, m->slope += share * kind->slope, m->rough += share * kind->likelihood;
-        m->drifted[0] += share * kind->drifted[0], m->drifted[1] += share * kind->drifted[1];
-    }
+    for (int k = 0; k < m->n; k++) m->share[k] = riddle_exp(m->share[k] - best);
+    filtration__average(m, drifts);
 }
 
 /* Returns the standard error of level times the level and slope times the slope: with Student's factor it gives the half width of the

@@ -489,11 +489,13 @@ class Series:
 
 class Wall:
     """A wall of a world, read when asked. position [m], velocity [m/s] and normal (the axis of what is round) of its own frame; force [N]
-    on it, and torque [N m] about its origin, in the last step; impulse [N s]: the time integral of the force, for means: its difference
-    over the time between; spin [rad/s]; coordinate and rate of a wall that is pushed [m or rad, m/s or rad/s]."""
+    on it, and torque [N m] about its origin, in the last step; impulse [N s] and angular_impulse [N m s]: the time integrals of the force
+    and of the torque about the world's origin (angular_impulse_about: about another point), work [J]: done on the particles by its motion
+    and its belt; for means: their differences over the time between; spin [rad/s]; coordinate and rate of a wall that is pushed [m or rad,
+    m/s or rad/s]."""
 
-    _VECTORS = ("position", "velocity", "normal", "force", "torque", "impulse")
-    _NUMBERS = ("kind", "material", "enabled", "spin", "coordinate", "rate")
+    _VECTORS = ("position", "velocity", "normal", "force", "torque", "impulse", "angular_impulse")
+    _NUMBERS = ("kind", "material", "enabled", "spin", "coordinate", "rate", "work")
     _KINDS = {value: name for name, value in _core._constants["dem"].items() if name in
               ("PLANE", "CYLINDER", "SCREEN", "SPHERE", "CONE", "MESH", "EXIT", "DISC")}
 
@@ -502,7 +504,7 @@ class Wall:
         self._read()
 
     def _read(self):
-        out = ffi.new("double[24]")
+        out = ffi.new("double[28]")
         if lib.riddle_wall(self._world._alive, self.index, out) != 0:
             raise IndexError(f"wall {self.index}: the world has {self._world.walls}")
         return out
@@ -516,8 +518,12 @@ class Wall:
             return self._KINDS.get(int(value), str(int(value))).lower() if name == "kind" else bool(value) if name == "enabled" else int(value) if name == "material" else value
         raise AttributeError(f"a wall has no {name}; it has index, {', '.join(self._NUMBERS + self._VECTORS)}")
 
+    def angular_impulse_about(self, point):
+        """The time integral of the torque about a point at rest [N m s]: its difference over the time between is the mean torque."""
+        return self.angular_impulse - np.cross(_core.vector(3, point, "angular_impulse_about: point"), self.impulse)
+
     def __dir__(self):
-        return ["index", *self._NUMBERS, *self._VECTORS]
+        return ["index", "angular_impulse_about", *self._NUMBERS, *self._VECTORS]
 
     def __repr__(self):
         return f"<dem.Wall {self.index}, {self.kind}, force {_core.short(self.force)} N>"

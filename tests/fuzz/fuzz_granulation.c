@@ -203,7 +203,9 @@ static uint64_t balance(fuzz_draws *d) {
     data.speed = number(&of, 3, 0.0, 3.0);
     data.laws = of.pick % 3 ? &laws : NULL, data.limit = of.pick % 5 ? HUGE_VAL : 2e-4;
     def.kernel = kernel_of(of.pick), def.kernel_user = of.pick % 7 ? &data : NULL, def.kernel_changes = of.pick / 16 % 2;
-    def.scheme = (granulation_scheme)(of.pick / 32 % 2), def.daughters = (granulation_daughters)(of.pick / 64 % 2);
+    def.scheme = (granulation_scheme)(of.pick / 32 % 2), def.daughters = (granulation_daughters)(of.pick / 64 % 3);
+    const granulation_austin austin = {number(&of, 4, 0.0, 1.0), number(&of, 6, 0.5, 6.0), number(&of, 7, 0.5, 12.0)};
+    def.breakage = of.pick % 11 ? granulation_austin_breakage : NULL, def.breakage_user = of.pick % 13 ? &austin : NULL;
     selection = number(&of, 5, 0.0, 1.0);
     def.selection = of.pick / 128 % 2 ? slow_breakage : NULL, def.selection_user = &selection;
     def.tolerance = decade(&of, 6, 1e-5, 1e-2), def.consolidation = number(&of, 7, 0.0, 0.1), def.most_steps = 300;
@@ -213,7 +215,7 @@ static uint64_t balance(fuzz_draws *d) {
     const int two = fuzz_one_of(d, 4) == 0;
     const granulation_status made = granulation_balance_init(&b, &def, CELLS, edges, NULL, two ? CELLS : 0, two ? edges : NULL, NULL);
     FUZZ_HOLDS(made == GRANULATION_OK || (made == GRANULATION_NO_MEMORY && memory.has_failed) ||
-               ((made == GRANULATION_BAD_ARGUMENT || made == GRANULATION_BAD_DEF) && (of.odd >= 0 || two)) || made == GRANULATION_KERNEL);
+               ((made == GRANULATION_BAD_ARGUMENT || made == GRANULATION_BAD_DEF) && (of.odd >= 0 || two || !def.breakage)) || made == GRANULATION_KERNEL);
     memory.fail_at = -1;
     for (int calls = 3 + fuzz_one_of(d, 8); calls > 0 && made == GRANULATION_OK; calls--) {
         const call c = draw_call(d, 3);

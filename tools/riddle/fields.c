@@ -277,6 +277,44 @@ static int read_points(tree_file *file, const tree *v, const scene_field *f, sce
     return 0;
 }
 
+/* [low, high]: how many there may be; any number of the unit above 0. */
+static int read_numbers(tree_file *file, const tree *v, const scene_field *f, scene_list *list) {
+    if (v->kind != TREE_LIST) return tree_fail(file, v, "%s: a list of numbers is wanted: [1 mm, 2 mm]", f->key);
+    if (v->n < f->low || v->n > f->high)
+        return tree_fail(file, v, "%s: %d of them; allowed is %g to %g", f->key, v->n, f->low, f->high);
+    double *item = tree_memory(file, sizeof *item * (size_t)(v->n ? v->n : 1));
+    if (!item) return -1;
+    list->n = v->n, list->item = item;
+    scene_field number = *f;
+    number.kind = FIELD_NUMBER, number.low = 0.0, number.high = 1e30, number.above = true;
+    for (int k = 0; k < v->n; k++)
+        if (read_number(file, v->item[k], f->key, &number, &item[k])) return -1;
+    return 0;
+}
+
+/* A timetable: times rise; between two the number changes evenly. */
+static int read_pairs(tree_file *file, const tree *v, const scene_field *f, scene_list *list) {
+    if (v->kind != TREE_LIST) return tree_fail(file, v, "%s: a list of [time, number] is wanted", f->key);
+    if (v->n < f->low || v->n > f->high)
+        return tree_fail(file, v, "%s: %d of them; allowed is %g to %g", f->key, v->n, f->low, f->high);
+    double *item = tree_memory(file, 2 * sizeof *item * (size_t)(v->n ? v->n : 1));
+    if (!item) return -1;
+    list->n = v->n, list->item = item;
+    scene_field time = *f, number = *f;
+    time.kind = number.kind = FIELD_NUMBER, time.unit = UNIT_TIME, time.low = 0.0, time.high = 1e30, time.above = false;
+    number.low = -1e30, number.high = 1e30, number.above = false;
+    for (int k = 0; k < v->n; k++, item += 2) {
+        const tree *pair = v->item[k];
+        if (pair->kind != TREE_LIST || pair->n != 2)
+            return tree_fail(file, pair, "%s: [time, number] is wanted", f->key);
+        if (read_number(file, pair->item[0], f->key, &time, &item[0]) ||
+            read_number(file, pair->item[1], f->key, &number, &item[1]))
+            return -1;
+        if (k > 0 && !(item[0] > item[-2])) return tree_fail(file, pair, "%s: times must rise", f->key);
+    }
+    return 0;
+}
+
 static int read_two(tree_file *file, const tree *v, const scene_field *f, const char **two) {
     if (v->kind != TREE_LIST || v->n != 2) return tree_fail(file, v, "%s: two names are wanted: [a, b]", f->key);
     return read_text(file, v->item[0], f, &two[0]) || read_text(file, v->item[1], f, &two[1]) ? -1 : 0;
@@ -321,6 +359,8 @@ static int read_value(tree_file *file, const tree *v, const scene_field *f, void
     case FIELD_CHOICE: return read_choice(file, v, f, at);
     case FIELD_VECTOR: return read_vector(file, v, f, at);
     case FIELD_POINTS: return read_points(file, v, f, at);
+    case FIELD_NUMBERS: return read_numbers(file, v, f, at);
+    case FIELD_PAIRS: return read_pairs(file, v, f, at);
     case FIELD_PART: return fields_read(file, v, f->section, at);
     case FIELD_LIST:
     case FIELD_NAMED: return read_list(file, v, f, at);
@@ -415,6 +455,11 @@ static const char *type_text(const scene_field *f, char *text, size_t size) {
     case FIELD_POINTS:
         snprintf(text, size, "list of [x, y, z]%s%s; %g to %g of them", allowed[0] ? ", each " : "", allowed, f->low, f->high);
         break;
+    case FIELD_NUMBERS:
+        snprintf(text, size, "list of numbers%s%s; %g to %g of them", allowed[0] ? ", each " : "", allowed, f->low,
+                 f->high);
+        break;
+    case FIELD_PAIRS: snprintf(text, size, "list of [time, number]; %g to %g of them", f->low, f->high); break;
     case FIELD_PART: snprintf(text, size, "keys: %s", f->section->title); break;
     case FIELD_LIST: snprintf(text, size, "list of: %s", f->section->title); break;
     case FIELD_NAMED: snprintf(text, size, "names, each with: %s", f->section->title); break;

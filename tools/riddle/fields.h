@@ -34,18 +34,20 @@ typedef enum unit_kind {
 } unit_kind;
 
 typedef enum field_kind {
-    FIELD_NUMBER, /* double */
-    FIELD_WHOLE,  /* double, a whole number */
-    FIELD_YES,    /* int: yes or no */
-    FIELD_TEXT,   /* const char * */
-    FIELD_FILE,   /* the same, the name of a file, relative to the folder of this one */
-    FIELD_TWO,    /* const char *[2] */
-    FIELD_CHOICE, /* int: which of choices, "linear|hertz" */
-    FIELD_VECTOR, /* double[3] */
-    FIELD_POINTS, /* scene_list of double[3] */
-    FIELD_PART,   /* a struct in its place, beginning with a scene_part */
-    FIELD_LIST,   /* scene_list of such structs */
-    FIELD_NAMED   /* the same, as a map from names */
+    FIELD_NUMBER,  /* double */
+    FIELD_WHOLE,   /* double, a whole number */
+    FIELD_YES,     /* int: yes or no */
+    FIELD_TEXT,    /* const char * */
+    FIELD_FILE,    /* the same, the name of a file, relative to the folder of this one */
+    FIELD_TWO,     /* const char *[2] */
+    FIELD_CHOICE,  /* int: which of choices, "linear|hertz" */
+    FIELD_VECTOR,  /* double[3] */
+    FIELD_POINTS,  /* scene_list of double[3] */
+    FIELD_NUMBERS, /* scene_list of double */
+    FIELD_PAIRS,   /* scene_list of double[2]: a time, and a number with the unit */
+    FIELD_PART,    /* a struct in its place, beginning with a scene_part */
+    FIELD_LIST,    /* scene_list of such structs */
+    FIELD_NAMED    /* the same, as a map from names */
 } field_kind;
 
 /* How every struct begins that a table describes. */

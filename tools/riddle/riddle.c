@@ -11,6 +11,7 @@
 #include "report.h"
 #include "scene.h"
 #include "scene_check.h"
+#include "scene_materials.h"
 #include "scene_same.h"
 #include "templates.h"
 
@@ -18,7 +19,7 @@ enum { SCENE_MB = 16 }; /* at most */
 static const char state_name[] = "scene.state";
 static const double OVERLAP_MAX = 0.1; /* of a diameter: beyond it contacts are no contacts any more */
 static const char usage[] = "usage: riddle run FILE [options]; riddle run --template hopper|screen|drum|box|shapes; "
-                            "riddle keys; riddle run --help";
+                            "riddle keys; riddle materials; riddle run --help";
 
 typedef struct job {
     const char *file;
@@ -218,6 +219,7 @@ static void tell(const job *j, const stop_def *stop, const char *written) {
     report_json(j->r, out);
     json_close(out);
     if (stop) common_print("stopped at %g s: %s\n", scene_time(&j->s), stop->column);
+    report_say(j->r);
     if (lack.missed_mass > 0.0)
         common_print("%g kg found no place: a larger region, a longer way or more speed gives it one\n",
                      lack.missed_mass);
@@ -338,6 +340,11 @@ int main(int argc, char **argv) {
         fields_describe(&scene_section);
         return common_exit_status();
     }
+    if (argc == 2 && strcmp(argv[1], "materials") == 0) {
+        common_open_standard_streams();
+        scene_list_materials();
+        return common_exit_status();
+    }
     const int help = argc >= 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "--version") == 0);
     if (!help && (argc < 2 || strcmp(argv[1], "run") != 0)) return refuse(usage);
     const int place = help ? 0 : place_of_file(argc, argv);
@@ -356,7 +363,7 @@ int main(int argc, char **argv) {
                            "runs a scene from a YAML or JSON file.\n\n"
                            "usage: riddle run FILE [options]\n"
                            "       riddle run --template hopper|screen|drum|box|shapes\n"
-                           "       riddle keys",
+                           "       riddle keys; riddle materials",
                            options, sizeof options / sizeof *options, n, help ? argv : rest);
     const int status = pattern ? refuse("--template NAME stands alone") : run_scene(&j, word_given(argc, argv, "--seed"));
     free(rest);

@@ -5,12 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "scene_books.h"
 #include "scene_feed.h"
 #include "scene_shapes.h"
+#include "scene_timetable.h"
 #include "scene_walls.h"
 #include "scene_wet.h"
 
-enum { STEPS = 2000 };
+enum { STEPS = 2000, STEPS_OF_A_MAP = 50 };
 static const double EXPECTED_SPEED = 2.0; /* [m/s] for Hertz contacts, as a fall of 0.2 m gives */
 
 /* ---- definition ---- */
@@ -125,7 +127,10 @@ static double smallest_of(const scene *s) {
 
 /* No longer than feeds allow, and than STEPS steps, so that Ctrl-C is heard. The duration has no part in it: a longer one has the same bits. */
 static int choose_tick(scene *s) {
-    double shortest = fmin(s->def->measure.every, STEPS * s->world.def.dt);
+    const wall_def *w = s->def->walls.item;
+    int mapped = 0;
+    for (int k = 0; k < s->def->walls.n; k++) mapped |= w[k].load_map;
+    double shortest = fmin(s->def->measure.every, (mapped ? STEPS_OF_A_MAP : STEPS) * s->world.def.dt);
     for (int k = 0; k < s->sources; k++)
         if (!isnan(s->source[k].def->rate)) shortest = fmin(shortest, scene_feed_interval(s, &s->source[k]));
     s->tick = s->def->measure.every / ceil(s->def->measure.every / shortest - 1e-9);
@@ -152,11 +157,15 @@ int scene_make(scene *s, const scene_def *def, tree_file *file, uint64_t seed, i
     if (check_periodic(s) || choose_step(s, d, &d.dt)) return -1;
     const char *bad = "";
     if (dem_init(&s->world, &d, &bad) != DEM_OK) return tree_fail(file, file->root, "%s is outside its range", bad);
-    return scene_add_shapes(s) || scene_add_walls(s) || choose_tick(s) || scene_wet_begin(s) ? -1 : 0;
+    return scene_add_shapes(s) || scene_add_walls(s) || scene_set_timetables(s) || choose_tick(s) ||
+                   scene_books_begin(s) || scene_wet_begin(s)
+               ? -1
+               : 0;
 }
 
 void scene_free(scene *s) {
     dem_free(&s->world);
+    scene_books_free(s);
     scene_wet_free(s);
 }
 
@@ -183,6 +192,7 @@ static void book_passed(scene *s) {
         const double mass = g->density * RIDDLE_PI / 6.0 * p->diameter * p->diameter * p->diameter;
         g->passed += mass;
         s->exit_mass[p->exit] += mass;
+        scene_books_leave(s, p, mass);
     }
     dem_take_passed(&s->world, NULL, s->world.passed_count);
 }
@@ -190,9 +200,12 @@ static void book_passed(scene *s) {
 static dem_status advance(scene *s, double next, double length) {
     const double now = scene_time(s);
     dem_status status = switch_walls(s, now);
+    scene_books_look(s, now);
+    if (status == DEM_OK) status = scene_follow_timetables(s, now + 0.5 * length);
     for (int k = 0; k < s->def->feeds.n && status == DEM_OK; k++) {
         const ptrdiff_t before = s->world.count;
         status = scene_feed(s, &s->feeder[k], now, next);
+        if (status == DEM_OK) status = scene_books_come(s, before);
         if (status == DEM_OK) status = scene_wet_new(s, &s->feeder[k], before);
     }
     if (status == DEM_OK) status = s->wet ? scene_wet_run(s, length) : dem_run(&s->world, length, s->features);
@@ -281,6 +294,7 @@ static void exchange_world(scene *s, scene_state *io) {
             dem_free(&s->world);
             s->world = loaded;
             s->world.def.threads = s->threads;
+            if (scene_set_timetables(s)) io->failed = 1;
         }
     }
     free(bytes);
@@ -298,6 +312,7 @@ int scene_exchange(scene *s, scene_state *io) {
     for (int k = 0; k < s->groups && !io->failed; k++)
         state_numbers(io, &s->group[k].fed, 1), state_numbers(io, &s->group[k].passed, 1);
     state_numbers(io, s->exit_mass, DEM_WALLS_MAX);
+    if (!io->failed && scene_books_exchange(s, io)) io->failed = 1;
     if (s->wet && !io->failed && scene_wet_exchange(s, io)) io->failed = 1;
     if (!io->failed) exchange_world(s, io);
     if (io->reading && s->wet && !io->failed && scene_wet_link(s)) io->failed = 1;

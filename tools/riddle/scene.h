@@ -38,12 +38,22 @@ typedef struct scene_feeder {
     double asked;         /* of a rate: so far [kg] */
 } scene_feeder;
 
-/* Particles that are told apart: a size of a label and a material. */
+/* Particles that are told apart: a class of sizes of a label and a material. */
 typedef struct size_group {
     char name[64];
     double density;
+    double low,
+        high; /* its class [m]: equal for a single size; 0, infinite: below the finest, above the coarsest sieve */
     double fed, passed; /* [kg] */
 } size_group;
+
+/* Sums over particles of a class that came, or left by an exit. */
+typedef struct tally {
+    double count, mass;
+    double sized;       /* sum of mass x diameter [kg m] */
+    double under;       /* mass of those finer than the cut of the separation [kg] */
+    double aged, aged2; /* sums of mass x time since they came, and of its square [kg s], [kg s2] */
+} tally;
 
 struct wet_scene;
 
@@ -62,6 +72,9 @@ typedef struct scene {
     scene_feeder *feeder; /* [def->feeds.n] */
     size_group *group;
     int groups;
+    double *sieve; /* [sieves] rising; none: classes are those of the feeds [m] */
+    int sieves;
+    struct books *books;
     double exit_mass[DEM_WALLS_MAX]; /* [kg] by wall of the world */
     double tick;                     /* [s] */
     double ticks;                    /* done; a whole number */

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "scene_materials.h"
+
 #define ANY -HUGE_VAL, HUGE_VAL, false
 #define POSITIVE 0.0, 1e30, true
 #define AT_LEAST_0 0.0, 1e30, false
@@ -32,10 +34,14 @@
 /* ---- materials ---- */
 
 static const scene_field material_fields[] = {
-    NUMBER(material_def, density, UNIT_DENSITY, POSITIVE, MUST, "of the solid"),
-    NUMBER(material_def, young_modulus, UNIT_STRESS, POSITIVE, "1e10", "used by `law: hertz`, and there for the time step"),
-    {"poisson_ratio", FIELD_NUMBER, UNIT_NONE, offsetof(material_def, poisson_ratio), 0.0, 0.5, false, "0.25", 0, NO_WORDS,
-     "used by `law: hertz`, and there for the time step"},
+    TEXT(material_def, ready, "",
+         "name of a ready material, which gives what is not said here: glass, steel, pvc, limestone, wheat, "
+         "polypropylene"),
+    NUMBER(material_def, density, UNIT_DENSITY, POSITIVE, "", "of the solid; must be given without `ready`"),
+    NUMBER(material_def, young_modulus, UNIT_STRESS, POSITIVE, "1e10",
+           "used by `law: hertz`, and there for the time step"),
+    {"poisson_ratio", FIELD_NUMBER, UNIT_NONE, offsetof(material_def, poisson_ratio), 0.0, 0.5, false, "0.25", 0,
+     NO_WORDS, "used by `law: hertz`, and there for the time step"},
 };
 SECTION(material, material_def, "material", "A material of particles or walls. At most 8.");
 
@@ -148,7 +154,14 @@ static const scene_field rotation_fields[] = {
 };
 SECTION(rotation, rotation, "rotate", "Turning about a fixed line.");
 static const scene_field straight_fields[] = {VECTOR(straight_motion, velocity, UNIT_SPEED, MUST, "constant")};
-SECTION(straight, straight_motion, "move, belt", "`move`: the wall goes; `belt`: only its surface runs.");
+SECTION(straight, straight_motion, "move", "The wall goes.");
+static const scene_field belt_fields[] = {
+    VECTOR(belt_motion, velocity, UNIT_SPEED, "", "of the surface, or its part along the surface"),
+    VECTOR(belt_motion, axis, UNIT_NONE, "",
+           "of the pulleys, instead: the surface runs around it, at `speed` wherever it is bent to"),
+    NUMBER(belt_motion, speed, UNIT_SPEED, ANY, "", "of the surface, with `axis`: along axis x normal"),
+};
+SECTION(belt, belt_motion, "belt", "Only the surface runs: `velocity`, or `axis` and `speed`.");
 static const scene_field piston_fields[] = {
     VECTOR(piston, axis, UNIT_NONE, MUST, "it moves along this only"),
     NUMBER(piston, mass, UNIT_MASS, POSITIVE, MUST, "20 times a particle's or more; its weight does not count"),
@@ -180,10 +193,18 @@ static const scene_field wall_fields[] = {
     PART(wall_def, vibrate, vibration, "", 0, "vibration"),
     PART(wall_def, rotate, rotation, "", 0, "rotation"),
     PART(wall_def, move, straight, "", 0, "constant velocity"),
-    PART(wall_def, belt, straight, "", 0, "a surface that runs while the wall stays"),
+    PART(wall_def, belt, belt, "", 0, "a surface that runs while the wall stays"),
     PART(wall_def, piston, piston, "", 0, "moved by a force"),
     PART(wall_def, rotor, rotor, "", 0, "turned by a torque"),
-    NUMBER(wall_def, from, UNIT_TIME, AT_LEAST_0, "0", "the wall is there from this time on; its motion runs all the time"),
+    {"load_map", FIELD_YES, UNIT_NONE, offsetof(wall_def, load_map), ANY, "no", 0, NO_WORDS,
+     "of box, lifters and mesh: `loads_<wall>.vtp` and `.csv`, of each triangle the mean normal force and pressure, normal force x sliding "
+     "(Archard's wear is proportional to it) and work of friction over its area, from the contacts after every tick"},
+    {"timetable", FIELD_PAIRS, UNIT_NONE, offsetof(wall_def, timetable), 1, 1000, false, "", 0, NO_WORDS,
+     "[[0 s, 0], [2 s, 1]]: factors of the speed of `rotate`, `move` and `belt` and of the amplitude of `vibrate`; "
+     "even between two times, "
+     "constant before the first and after the last"},
+    NUMBER(wall_def, from, UNIT_TIME, AT_LEAST_0, "0",
+           "the wall is there from this time on; its motion runs all the time"),
     NUMBER(wall_def, until, UNIT_TIME, AT_LEAST_0, "", "and until this time, after `from`: a gate"),
 };
 SECTION(wall, wall_def, "wall", "One shape, and how it moves. At most 32 walls; an exit counts.");
@@ -321,27 +342,75 @@ static const scene_field measured_fields[] = {
 };
 SECTION(measured, measured_region, "measured region",
         "Columns `<name>_count`, `_mass_kg`, `_solid_fraction`, `_coordination`, `_vx_m_s`, `_vy_m_s`, `_vz_m_s`, `_pressure_Pa`.");
-static const scene_field measure_fields[] = {
-    NUMBER(measure_def, every, UNIT_TIME, POSITIVE, "", "time between two rows of `measured.csv`; default: a hundredth of the duration"),
-    LIST(measure_def, regions, FIELD_NAMED, measured, 100, "", "regions with names"),
+static const scene_field mixing_fields[] = {
+    PART(mixing_def, box, box_region, MUST, 0, "where"),
+    VECTOR(mixing_def, cells, UNIT_NONE, MUST, "how many cells along x, y, z: the samples"),
+    TEXT(mixing_def, of, MUST,
+         "classes that are mixed into the others, by their names in `left_<class>`: `white_*`, or several with commas"),
 };
-SECTION(
-    measure, measure_def, "measure",
-    "`measured.csv` always has `time_s`, `particles`, `mass_kg`, `kinetic_J`, `largest_overlap` (of all contacts at that time, over the "
-    "diameter of the smaller particle, of a clump's sphere, or of the sphere of a polyhedron's volume), of each class `left_<class>` "
-    "(share of its fed mass that has "
-    "passed no exit), of each exit `<exit>_kg`, of each other wall `<wall>_Fx_N`, `_Fy_N`, `_Fz_N` (mean since the row before); with "
-    "liquid `bridges`, `liquid_kg`; with polyhedra `core_overlaps`, pairs pressed deeper than their rounding: 0 is right, else contacts "
-    "are "
-    "too soft.");
+SECTION(mixing, mixing_def, "mixing", "Lacey's index by time, column `<name>_lacey`: 0 separated, 1 as by chance.");
+static const scene_field heap_fields[] = {
+    VECTOR(heap_def, centre, UNIT_LENGTH, MUST, "of the plate under the heap"),
+    NUMBER(heap_def, radius, UNIT_LENGTH, POSITIVE, MUST, "of the heap's foot; 6 rings and 12 sectors are seen"),
+};
+SECTION(heap, heap_def, "heap",
+        "Slope of a heap by time, column `<name>_angle_deg`: that of a line through the means of rings, of the highest "
+        "centre in each sector. "
+        "Up is against gravity.");
+static const scene_field separation_fields[] = {
+    TEXT(separation_def, fine, MUST, "exits of the fine product; several with commas"),
+    TEXT(separation_def, coarse, "",
+         "exits of the coarse product; default: what has passed no exit of the fine product"),
+    NUMBER(separation_def, cut, UNIT_DIAMETER, POSITIVE, "",
+           "what is finer should pass; default: the aperture of the scene's screen"),
+    NUMBER(separation_def, from, UNIT_TIME, AT_LEAST_0, "0",
+           "what leaves from this time on counts; above 0 only with `coarse`"),
+};
+SECTION(separation, separation_def, "separation",
+        "The partition (Tromp) curve of a run: `separation.csv`, `partition.svg`, and d50, probable error Ep = (d75 - "
+        "d25)/2, efficiency "
+        "(Hancock: share of the undersize that passes minus that of the oversize) and others in `results.csv`.");
+static const scene_field measure_fields[] = {
+    NUMBER(measure_def, every, UNIT_TIME, POSITIVE, "",
+           "time between two rows of `measured.csv`; default: a hundredth of the duration"),
+    {"sieves", FIELD_NUMBERS, UNIT_DIAMETER, offsetof(measure_def, sieves), 1, 100, false, "", 0, NO_WORDS,
+     "feeds are cut into classes at these sieves, in any order; a particle as large as a sieve stays on it"},
+    CHOICE(measure_def, series, "none|R5|R10|R20|R20/3|R40/3", "none",
+           "the same at the sieves of a series of ISO 565 that cover all feeds"),
+    {"by_class", FIELD_YES, UNIT_NONE, offsetof(measure_def, by_class), ANY, "no", 0, NO_WORDS,
+     "columns of each class for every exit, `<exit>_<class>_kg`, and every region"},
+    LIST(measure_def, regions, FIELD_NAMED, measured, 100, "", "regions with names"),
+    PART(measure_def, separation, separation, "", 0, "into a fine and a coarse product"),
+    LIST(measure_def, mixing, FIELD_NAMED, mixing, 20, "", "how well classes are mixed, with names"),
+    LIST(measure_def, heaps, FIELD_NAMED, heap, 20, "", "heaps with names"),
+};
+SECTION(measure, measure_def, "measure",
+        "`measured.csv` always has `time_s`, `particles`, `mass_kg`, `kinetic_J`, `largest_overlap` (of all contacts "
+        "at that time, over the "
+        "diameter of the smaller particle, of a clump's sphere, or of the sphere of a polyhedron's volume), of each "
+        "class `left_<class>` "
+        "(share of its fed mass that has "
+        "passed no exit), of each exit `<exit>_kg`, `_kg_s` (flow) and `_residence_s` (time since they were fed, of "
+        "those that passed), of each "
+        "other wall `<wall>_Fx_N`, `_Fy_N`, `_Fz_N`; of one that turns `_torque_N_m`, of the particles about its axis; "
+        "of one that moves `_power_W`, "
+        "given to the particles; of all walls together `power_W` (flows, forces, torques, powers and residence times "
+        "are means since the row "
+        "before); `centre_x_m`, `centre_y_m`, `centre_z_m` of all particles' mass; with "
+        "liquid `bridges`, `liquid_kg`; with polyhedra `core_overlaps`, pairs pressed deeper than their rounding: 0 is "
+        "right, else contacts "
+        "are "
+        "too soft.");
 static const scene_field output_fields[] = {
     NUMBER(output_def, frames, UNIT_TIME, POSITIVE, "",
            "time between two frames of the ParaView series `scene.pvd`, `scene_walls.pvd`; default: none"),
     NUMBER(output_def, tables, UNIT_TIME, POSITIVE, "",
-           "time between two tables of all particles, `particles_0001.csv` and so on: id, place, velocity, spin, diameter, mass, group, "
+           "time between two tables of all particles, `particles_0001.csv` and so on: id, place, velocity, spin, "
+           "diameter, mass, group, "
            "contacts; default: none"),
     NUMBER(output_def, picture, UNIT_TIME, AT_LEAST_0, "", "time of `scene.png`; default: the end"),
-    NUMBER(output_def, save, UNIT_TIME, POSITIVE, "", "time between two saves; there is always one at the end and after Ctrl-C"),
+    NUMBER(output_def, save, UNIT_TIME, POSITIVE, "",
+           "time between two saves; there is always one at the end and after Ctrl-C"),
     CHOICE(output_def, colour, "class|speed", "class", "of the particles in pictures"),
     NUMBER(output_def, top_speed, UNIT_SPEED, POSITIVE, "1", "where the scale of speeds ends"),
     VECTOR(output_def, view, UNIT_NONE, "[0.3, 1, -0.4]", "direction in which one looks"),
@@ -349,8 +418,12 @@ static const scene_field output_fields[] = {
     {"movie_rate", FIELD_NUMBER, UNIT_NONE, offsetof(output_def, movie_rate), 1e-6, 1e3, false, "1", 0, NO_WORDS,
      "simulated seconds in a second of the movie"},
     TEXT(output_def, curves, "",
-         "columns of `measured.csv` that `curves.svg` shows, a panel for each part between `;`: `left_*; kinetic_J, largest_overlap`; default: what "
+         "columns of `measured.csv` that `curves.svg` shows, a panel for each part between `;`: `left_*; kinetic_J, "
+         "largest_overlap`; default: what "
          "is left of each class, and masses"),
+    {"passed", FIELD_YES, UNIT_NONE, offsetof(output_def, passed), ANY, "no", 0, NO_WORDS,
+     "`passed.csv`: a row for each particle that has passed an exit: time, exit, class, diameter, mass, residence "
+     "time"},
 };
 SECTION(output, output_def, "output", "`scene.png` and `curves.svg` are always written.");
 static const scene_field stop_fields[] = {
@@ -397,11 +470,16 @@ const scene_table scene_section = {"scene", "The whole file.", scene_fields, (in
 
 int scene_read(tree_file *file, scene_def *scene) {
     if (fields_read(file, file->root, &scene_section, scene)) return -1;
+    for (int k = 0; k < scene->materials.n; k++)
+        if (scene_fill_material(file, (material_def *)scene->materials.item + k)) return -1;
     tree none = {TREE_MAP, 1, 1, NULL, 0, 0, 0, 0, NULL, NULL}; /* what is not given has its defaults all the same */
     const tree *measure = scene->measure.part.where, *output = scene->output.part.where;
     if (!measure && fields_read(file, &none, &measure_section, &scene->measure)) return -1;
     if (!output && fields_read(file, &none, &output_section, &scene->output)) return -1;
     scene->measure.part.where = measure, scene->output.part.where = output;
+    if (scene->measure.sieves.n > 0 && scene->measure.series > 0)
+        return tree_fail(file, fields_where(&scene->measure.part, "series"),
+                         "series: sieves are given, too; one of both");
     if (!(scene->measure.every > 0.0)) scene->measure.every = scene->duration / 100.0;
     return 0;
 }

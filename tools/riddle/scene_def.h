@@ -6,6 +6,7 @@
 
 typedef struct material_def {
     scene_part part;
+    const char *ready;
     double density, young_modulus, poisson_ratio;
 } material_def;
 
@@ -72,6 +73,10 @@ typedef struct straight_motion {
     scene_part part;
     double velocity[3];
 } straight_motion;
+typedef struct belt_motion {
+    scene_part part;
+    double velocity[3], axis[3], speed;
+} belt_motion;
 typedef struct piston {
     scene_part part;
     double axis[3], mass, force, damping;
@@ -95,9 +100,12 @@ typedef struct wall_def {
     lifters_shape lifters;
     vibration vibrate;
     rotation rotate;
-    straight_motion move, belt;
+    straight_motion move;
+    belt_motion belt;
     piston piston;
     rotor rotor;
+    scene_list timetable; /* double[2] */
+    int load_map;
     double from, until;
 } wall_def;
 
@@ -189,10 +197,28 @@ typedef struct measured_region {
     scene_part part;
     region_def region;
 } measured_region;
+typedef struct mixing_def {
+    scene_part part;
+    box_region box;
+    double cells[3];
+    const char *of;
+} mixing_def;
+typedef struct heap_def {
+    scene_part part;
+    double centre[3], radius;
+} heap_def;
+typedef struct separation_def {
+    scene_part part;
+    const char *fine, *coarse;
+    double cut, from;
+} separation_def;
 typedef struct measure_def {
     scene_part part;
     double every;
-    scene_list regions; /* measured_region */
+    scene_list sieves; /* double */
+    int series, by_class;
+    scene_list regions, mixing, heaps; /* measured_region, mixing_def, heap_def */
+    separation_def separation;
 } measure_def;
 typedef struct output_def {
     scene_part part;
@@ -200,6 +226,7 @@ typedef struct output_def {
     int colour, movie;
     double movie_rate;
     const char *curves;
+    int passed;
 } output_def;
 typedef struct stop_def {
     scene_part part;

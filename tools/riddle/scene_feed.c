@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "scene_shapes.h"
+#include "scene_sieves.h"
 #include "scene_walls.h"
 #include "sheet.h"
 
@@ -52,6 +53,30 @@ static int add_share(scene *s, size_shares *list, const tree *at, dem_sizes size
         return tree_fail(s->file, at, "sizes: 0 < smallest < largest <= 1e6 smallest, and something between them");
     size_share *q = &list->item[list->n++];
     q->sizes = sizes, q->share = share, q->low = low, q->high = high;
+    return 0;
+}
+
+/* Cuts a list at the sieves: a class that lies in several of them becomes several. */
+static int cut_shares(scene *s, size_shares *list) {
+    size_shares cut = {NULL, 0, list->by_mass};
+    for (int k = 0; k < list->n && s->sieves > 0; k++) {
+        const size_share *q = &list->item[k];
+        const bool single = q->sizes.kind == DEM_SIZES_LIST;
+        const double last = single ? q->sizes.diameter[0] : q->sizes.largest;
+        double at = single ? last : q->sizes.smallest, low, high;
+        do {
+            scene_sieve_class(s, at, &low, &high);
+            dem_sizes part = q->sizes;
+            const double share = single ? 1.0 : scene_share_between(&q->sizes, low, high);
+            if (!single) part.smallest = fmax(part.smallest, low), part.largest = fmin(part.largest, high);
+            uint64_t random = 1;
+            if (share > 1e-12 && dem_draw_size(&part, &random) > 0.0 && /* else beyond the end of a tail */
+                add_share(s, &cut, s->def->measure.part.where, part, share * q->share, low, high))
+                return -1;
+            at = high;
+        } while (high < last);
+    }
+    if (s->sieves > 0) *list = cut;
     return 0;
 }
 
@@ -129,6 +154,8 @@ static int group_of(scene *s, const feed_def *def, const size_share *c, double d
     char name[64];
     if (!def->sizes.part.where) snprintf(name, sizeof name, "%.50s", label);
     else if (c->low == c->high) snprintf(name, sizeof name, "%.40s%s%gmm", label, bar, 1e3 * c->low);
+    else if (c->low == 0.0) snprintf(name, sizeof name, "%.40s%sunder_%gmm", label, bar, 1e3 * c->high);
+    else if (c->high == HUGE_VAL) snprintf(name, sizeof name, "%.40s%sover_%gmm", label, bar, 1e3 * c->low);
     else snprintf(name, sizeof name, "%.40s%s%g-%gmm", label, bar, 1e3 * c->low, 1e3 * c->high);
     for (char *p = name; *p; p++)
         if (strchr(", \"", *p) || (unsigned char)*p < 32 || *p == 127) *p = '_';
@@ -136,7 +163,7 @@ static int group_of(scene *s, const feed_def *def, const size_share *c, double d
         if (strcmp(s->group[g].name, name) == 0 && s->group[g].density == density) return g;
     size_group *g = &s->group[s->groups];
     snprintf(g->name, sizeof g->name, "%s", name);
-    g->density = density;
+    g->density = density, g->low = c->low, g->high = c->high;
     return s->groups++;
 }
 
@@ -259,8 +286,15 @@ int scene_add_sources(scene *s) {
     size_shares *lists = tree_memory(s->file, (size_t)n * sizeof *lists);
     int total = 0;
     if (!lists) return -1;
+    double smallest = HUGE_VAL, largest = 0.0;
     for (int k = 0; k < n; k++) {
         if (read_sizes(s, &def[k], &lists[k])) return -1;
+        for (int c = 0; c < lists[k].n; c++)
+            smallest = fmin(smallest, lists[k].item[c].low), largest = fmax(largest, lists[k].item[c].high);
+    }
+    if (largest > 0.0 && scene_make_sieves(s, smallest, largest)) return -1;
+    for (int k = 0; k < n; k++) {
+        if (cut_shares(s, &lists[k])) return -1;
         total += lists[k].n;
     }
     s->source = tree_memory(s->file, (size_t)total * sizeof *s->source);

@@ -128,6 +128,16 @@ static void put_field(writing *w, const char *path, const scene_part *part, cons
             put(w, '\n', "%.17g %.17g %.17g", x[0], x[1], x[2]);
         }
         return;
+    case FIELD_NUMBERS:
+    case FIELD_PAIRS:
+        for (int k = 0; k < list->n; k++) {
+            const int pair = f->kind == FIELD_PAIRS;
+            x = (const double *)list->item + (pair ? 2 : 1) * k;
+            put(w, '\t', "%s[%d]", path, k + 1);
+            if (pair) put(w, '\t', "[%g s, %g]", x[0], x[1]), put(w, '\n', "%.17g %.17g", x[0], x[1]);
+            else put(w, '\t', "%g", x[0]), put(w, '\n', "%.17g", x[0]);
+        }
+        return;
     case FIELD_PART:
         if (((const scene_part *)at)->where) put_part(w, path, f->section, at);
         return;

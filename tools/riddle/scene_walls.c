@@ -225,20 +225,34 @@ static int add_shape(scene *s, const wall_def *w, int material) {
     return dem_add_cone(world, material, &cone);
 }
 
+dem_status scene_set_belt(scene *s, const wall_def *w, int wall, double factor) {
+    const belt_motion *b = &w->belt;
+    if (isnan(b->velocity[0])) return dem_turn_belt(&s->world, wall, scene_vec(b->axis), factor * b->speed);
+    return dem_set_belt(&s->world, wall,
+                        dem_vec3(factor * b->velocity[0], factor * b->velocity[1], factor * b->velocity[2]));
+}
+
 static int move_wall(scene *s, const wall_def *w, int wall) {
     dem_world *world = &s->world;
     const scene_part *at = &w->part;
     dem_status status = DEM_OK;
-    if (w->vibrate.part.where) {
+    const int timed = w->timetable.n > 0; /* scene_set_timetables moves it */
+    if (w->vibrate.part.where && !timed) {
         at = &w->vibrate.part;
         status = dem_vibrate(world, wall, scene_vec(w->vibrate.amplitude), scene_vec(w->vibrate.phase), w->vibrate.frequency);
     }
-    if (status == DEM_OK && w->rotate.part.where) {
+    if (status == DEM_OK && w->rotate.part.where && !timed) {
         at = &w->rotate.part;
         status = dem_rotate(world, wall, scene_vec(w->rotate.centre), scene_vec(w->rotate.axis), w->rotate.speed);
     }
-    if (status == DEM_OK && w->move.part.where) at = &w->move.part, status = dem_move(world, wall, scene_vec(w->move.velocity));
-    if (status == DEM_OK && w->belt.part.where) at = &w->belt.part, status = dem_set_belt(world, wall, scene_vec(w->belt.velocity));
+    if (status == DEM_OK && w->move.part.where && !timed)
+        at = &w->move.part, status = dem_move(world, wall, scene_vec(w->move.velocity));
+    if (status == DEM_OK && w->belt.part.where) {
+        at = &w->belt.part;
+        if (!isnan(w->belt.axis[0]) != !isnan(w->belt.speed) || !isnan(w->belt.axis[0]) == !isnan(w->belt.velocity[0]))
+            return tree_fail(s->file, at->where, "belt: velocity, or axis and speed");
+        status = scene_set_belt(s, w, wall, 1.0);
+    }
     if (status == DEM_OK && w->piston.part.where) {
         at = &w->piston.part;
         status = dem_control_force(world, wall, scene_vec(w->piston.axis), w->piston.mass, w->piston.force, w->piston.damping);
