@@ -39,8 +39,9 @@
              sphere and 12 more for every wall, 40 a near pair, 340 a contact with friction (64 more with a ledger), room for at least
              64 to 1024 of each and 6 near pairs a sphere, and half as much again for growing. Running out gives DEM_OUT_OF_MEMORY and
              a world that can be read, saved and freed.
-   Threads   def.threads with OpenMP, else one; fewer while another program takes the cores. Same bits for any number. Worlds are
-             independent of each other; several threads may read one.
+   Threads   def.threads with OpenMP (no more than there are processors) or a pool of the host's, else one; fewer where a loop has little
+             work or another program takes the cores. Same bits for any number. Worlds are independent of each other; several threads may
+             read one.
    Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
    Flags     -O2 is enough: with gcc the functions here bring their own options (#pragma GCC optimize, undone at the end), and with gcc
              and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
@@ -2306,8 +2307,8 @@ typedef struct dem__run {
     int running;      /* a run or a removal is in progress: functions of the caller may not change the world */
     int ending;       /* the law's hook ended is being called: it may not add links either */
     int keeps_wrenches;
-    int turns;           /* whether spins may change in this step: without friction and loads only those of rigid bodies */
-    double stiffest;     /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
+    int turns;       /* whether spins may change in this step: without friction and loads only those of rigid bodies */
+    double stiffest; /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
     int has_unset_pairs; /* some pair of different materials was never set */
     int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
@@ -2335,13 +2336,13 @@ typedef struct dem__bodies {
     dem__wrench *load;     /* constant within a step: external loads and links */
     dem__wrench *external; /* the external part */
     dem__bound *bound;
-    dem_vec *impact;            /* change of velocity from the beginning to the middle of an impact [m/s] */
-    double *shifted;            /* distance by which edge steps have shifted it from its bound [m] */
-    double *wall_speed;         /* speed that its wall timers rely on [m/s] */
-    double *mass_share;         /* 1 / contacts [-] */
-    int32_t *activity;          /* DEM__FLYING .. */
-    int32_t *number;            /* number of particles present before it: its number without gaps */
-    int32_t *rank, *by_rank;    /* place in the order in which contacts lie; the particle of a rank. Every particle has a
+    dem_vec *impact;         /* change of velocity from the beginning to the middle of an impact [m/s] */
+    double *shifted;         /* distance by which edge steps have shifted it from its bound [m] */
+    double *wall_speed;      /* speed that its wall timers rely on [m/s] */
+    double *mass_share;      /* 1 / contacts [-] */
+    int32_t *activity;       /* DEM__FLYING .. */
+    int32_t *number;         /* number of particles present before it: its number without gaps */
+    int32_t *rank, *by_rank; /* place in the order in which contacts lie; the particle of a rank. Every particle has a
                                    rank, those that are gone too, until arrays are made without them */
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     int32_t *active_at;         /* where it is in the first list */
@@ -2404,9 +2405,9 @@ typedef struct dem__contacts {
     dem__wall_force *wall_force;     /* [chunk][wall], walls.capacity apart */
     int force_chunks;                /* for so many chunks */
     dem__postponed *postponed;       /* with threads */
-    int states, constants;       /* number of arrays of each */
-    int has_history;             /* whether states can be other than zero */
-    uint64_t law;                /* dem__law_mark of the law that made them; 0: unknown */
+    int states, constants;           /* number of arrays of each */
+    int has_history;                 /* whether states can be other than zero */
+    uint64_t law;                    /* dem__law_mark of the law that made them; 0: unknown */
     void *block;
     size_t bytes;
     int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the near pair; -1: none; below -1: a
@@ -2517,28 +2518,28 @@ typedef struct dem__engine {
 #define DEM__TELL(w, member, arguments)                                                                                \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
-            if ((w)->engine->feature[f_].member) (w)->engine->feature[f_].member arguments;                          \
+            if ((w)->engine->feature[f_].member) (w)->engine->feature[f_].member arguments;                            \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns 0 after a failure: does nothing from then on. ok: an int, 1 at first. */
 #define DEM__ASK(w, ok, member, arguments)                                                                             \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (ok); f_++) {                                                   \
-            if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                   \
+            if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                     \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns a number to be added to a sum. */
 #define DEM__ADD_UP(w, sum, member, arguments)                                                                         \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
-            if ((w)->engine->feature[f_].member) (sum) += (w)->engine->feature[f_].member arguments;                 \
+            if ((w)->engine->feature[f_].member) (sum) += (w)->engine->feature[f_].member arguments;                   \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns a status: nothing after the first that is not DEM_OK. */
 #define DEM__CHECK(w, status, member, arguments)                                                                       \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (status) == DEM_OK; f_++) {                                     \
-            if ((w)->engine->feature[f_].member) (status) = (w)->engine->feature[f_].member arguments;               \
+            if ((w)->engine->feature[f_].member) (status) = (w)->engine->feature[f_].member arguments;                 \
         }                                                                                                              \
     } while (0)
 
@@ -6837,8 +6838,7 @@ DEM_INLINE ptrdiff_t dem__reset_timers_of(dem_world *w, const int32_t *reset, pt
 DEM__AVX2_CLONE(dem__reset_timers_part,
                 (dem_world * w, const int32_t *reset, ptrdiff_t n, int64_t step, int32_t *list, ptrdiff_t room,
                  ptrdiff_t *listed),
-                (w, reset, n, step, list, room, listed),
-                *listed = dem__reset_timers_of(w, reset, n, step, list, room))
+                (w, reset, n, step, list, room, listed), *listed = dem__reset_timers_of(w, reset, n, step, list, room))
 
 /* Lists the timers of the pairs of particles first .. end-1 of the list, in this thread's part of timers.list, which is
    free between two searches for what is due. */
@@ -7998,7 +7998,7 @@ struct dem__work {
         past[DEM_STATE_MAX]; /* of the step before: force, gap; whether it ended; history at the start */
     dem__wall_row wall[DEM__BLOCK];
     int walls;
-    dem__timer_batch batch; /* for tests of pairs */
+    dem__timer_batch batch;                       /* for tests of pairs */
     int32_t head[DEM__CHUNKS], tail[DEM__CHUNKS]; /* lists of postponed forces for each share: see dem__postponed */
 };
 
@@ -10509,7 +10509,7 @@ static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int books =
         w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 2), n, /* n / 2: little work for each particle */
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 2), n,    /* n / 2: little work for each particle */
                   w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range, &h);
 }
 
@@ -10792,7 +10792,8 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     ptrdiff_t marked = 0;
     for (int q = 0; q < chunks; q++) marked += contacts->chunk[q].marked;
     if (marked == 0) return;
-    if (chunks > 1) dem__in_parts(w, dem__parts_of(w, 8 * marked, chunks), chunks, dem__correct_inner_range, &has_friction);
+    if (chunks > 1)
+        dem__in_parts(w, dem__parts_of(w, 8 * marked, chunks), chunks, dem__correct_inner_range, &has_friction);
     dem__correct_others(w, has_friction);
     for (int q = 0; w->engine->bodies.rigid && q < contacts->chunk_count; q++) {
         const dem__chunk *in = &contacts->chunk[q];
@@ -11325,8 +11326,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
     w->status = DEM_OK; /* the caller may have mended any other failure */
-    if (!dem__make_work(w) || !dem__fit_contact_arrays(w, kernel->law, features))
-        return DEM_OUT_OF_MEMORY;
+    if (!dem__make_work(w) || !dem__fit_contact_arrays(w, kernel->law, features)) return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     w->engine->contacts.law = dem__law_mark(kernel->law);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;

@@ -1207,6 +1207,63 @@ static void check_sections(const dem_world *w) {
     }
 }
 
+/* Runs the tasks of a loop one after the other, the last one first. */
+static void run_last_first(void *user, int tasks, void (*task)(void *context, int index), void *context) {
+    for (int k = tasks - 1; k >= 0; k--) task(context, k);
+    *(int *)user = tasks > *(int *)user ? tasks : *(int *)user;
+}
+/* A block of 16 x 16 x 15 spheres that overlap by 1e-5 m, added in steps of `stride` through the block. */
+static dem_status make_block(dem_world *w, int stride, int threads, int *most) {
+    const int n = 16 * 16 * 15;
+    dem_def def = dem_default_def();
+    const int glass = dem_add_material(&def, 2500.0, 5e9, 0.2);
+    const double diameter = 5e-3, apart = 4.99e-3;
+    def.dt = 4e-6, def.threads = threads, def.parallel = run_last_first, def.parallel_user = most;
+    dem_status status = dem_init(w, &def, NULL);
+    if (status == DEM_OK && dem_add_plane(w, glass, dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0)) < 0) status = DEM_TOO_MANY;
+    for (int m = 0; m < n && status == DEM_OK; m++) {
+        const int k = (int)((long long)m * stride % n);
+        const double centre[3] = {k % 16 * apart, k / 16 % 16 * apart, (k / 256 + 0.5) * apart};
+        status = dem_add_spheres(w, 1, centre, &diameter, glass, k);
+    }
+    return status;
+}
+/* Contacts lie by place, whatever the order in which spheres were added; numbers stay. Threads and saves change nothing. */
+static void test_order_by_place(void **state) {
+    (void)state;
+    uint64_t hash[4] = {0};
+    for (int k = 0; k < 4; k++) {
+        const int threads[] = {1, 1, 7, 64};
+        int most = 0;
+        dem_world w, copy;
+        assert_int_equal(make_block(&w, k ? 1237 : 1, threads[k], &most), DEM_OK); /* 1237 and 3840 have no common divisor */
+        run(&w, 40 * w.def.dt, DEM_LINEAR | DEM_FRICTION);
+        assert_true(w.engine->contacts.chunk_count > 16 && (k < 2 || most > (k == 2 ? 6 : 16)));
+        double apart = 0.0; /* of particles that follow each other in the order [m] */
+        for (ptrdiff_t r = 1; r < w.count; r++) {
+            const dem_vec a = dem_position(&w, w.engine->bodies.by_rank[r - 1]), b = dem_position(&w, w.engine->bodies.by_rank[r]);
+            apart += sqrt(pow(a.x - b.x, 2) + pow(a.y - b.y, 2) + pow(a.z - b.z, 2)) / (double)(w.count - 1);
+        }
+        assert_true(apart < 8e-3); /* neighbours are 4.99e-3 m apart */
+        for (ptrdiff_t i = 0; i < w.count; i++) assert_true(w.id[i] == (uint64_t)i && w.group[i] == (k ? i * 1237 % w.count : i));
+        for (ptrdiff_t i = 0; i < w.count; i += 5) assert_int_equal(dem_remove(&w, i), DEM_OK);
+        check_sections(&w);
+        size_t size;
+        unsigned char *bytes = saved(&w, &size);
+        assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
+        free(bytes);
+        run(&w, 40 * w.def.dt, DEM_LINEAR | DEM_FRICTION);
+        run(&copy, 40 * w.def.dt, DEM_LINEAR | DEM_FRICTION);
+        check_sections(&w);
+        check_sections(&copy);
+        hash[k] = dem_hash(&w);
+        assert_true(hash[k] == dem_hash(&copy));
+        dem_free(&copy);
+        dem_free(&w);
+    }
+    assert_true(hash[1] == hash[2] && hash[1] == hash[3]);
+}
+
 /* Many contacts lie in sections, for threads: nothing outside shows where, and particles taken out in between do not change it. */
 static void test_sections_of_contacts(void **state) {
     (void)state;
@@ -2170,6 +2227,7 @@ int main(void) {
         cmocka_unit_test(test_no_contact_is_missed),
         cmocka_unit_test(test_round_walls_are_not_missed),
         cmocka_unit_test(test_sections_of_contacts),
+        cmocka_unit_test(test_order_by_place),
         cmocka_unit_test(test_more_kinds_than_the_table_holds),
         cmocka_unit_test(test_save_and_load),
         cmocka_unit_test(test_save_after_changes),

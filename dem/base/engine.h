@@ -157,8 +157,8 @@ typedef struct dem__run {
     int running;      /* a run or a removal is in progress: functions of the caller may not change the world */
     int ending;       /* the law's hook ended is being called: it may not add links either */
     int keeps_wrenches;
-    int turns;           /* whether spins may change in this step: without friction and loads only those of rigid bodies */
-    double stiffest;     /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
+    int turns;       /* whether spins may change in this step: without friction and loads only those of rigid bodies */
+    double stiffest; /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
     int has_unset_pairs; /* some pair of different materials was never set */
     int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
@@ -186,13 +186,13 @@ typedef struct dem__bodies {
     dem__wrench *load;     /* constant within a step: external loads and links */
     dem__wrench *external; /* the external part */
     dem__bound *bound;
-    dem_vec *impact;            /* change of velocity from the beginning to the middle of an impact [m/s] */
-    double *shifted;            /* distance by which edge steps have shifted it from its bound [m] */
-    double *wall_speed;         /* speed that its wall timers rely on [m/s] */
-    double *mass_share;         /* 1 / contacts [-] */
-    int32_t *activity;          /* DEM__FLYING .. */
-    int32_t *number;            /* number of particles present before it: its number without gaps */
-    int32_t *rank, *by_rank;    /* place in the order in which contacts lie; the particle of a rank. Every particle has a
+    dem_vec *impact;         /* change of velocity from the beginning to the middle of an impact [m/s] */
+    double *shifted;         /* distance by which edge steps have shifted it from its bound [m] */
+    double *wall_speed;      /* speed that its wall timers rely on [m/s] */
+    double *mass_share;      /* 1 / contacts [-] */
+    int32_t *activity;       /* DEM__FLYING .. */
+    int32_t *number;         /* number of particles present before it: its number without gaps */
+    int32_t *rank, *by_rank; /* place in the order in which contacts lie; the particle of a rank. Every particle has a
                                    rank, those that are gone too, until arrays are made without them */
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     int32_t *active_at;         /* where it is in the first list */
@@ -255,9 +255,9 @@ typedef struct dem__contacts {
     dem__wall_force *wall_force;     /* [chunk][wall], walls.capacity apart */
     int force_chunks;                /* for so many chunks */
     dem__postponed *postponed;       /* with threads */
-    int states, constants;       /* number of arrays of each */
-    int has_history;             /* whether states can be other than zero */
-    uint64_t law;                /* dem__law_mark of the law that made them; 0: unknown */
+    int states, constants;           /* number of arrays of each */
+    int has_history;                 /* whether states can be other than zero */
+    uint64_t law;                    /* dem__law_mark of the law that made them; 0: unknown */
     void *block;
     size_t bytes;
     int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the near pair; -1: none; below -1: a
@@ -368,28 +368,28 @@ typedef struct dem__engine {
 #define DEM__TELL(w, member, arguments)                                                                                \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
-            if ((w)->engine->feature[f_].member) (w)->engine->feature[f_].member arguments;                          \
+            if ((w)->engine->feature[f_].member) (w)->engine->feature[f_].member arguments;                            \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns 0 after a failure: does nothing from then on. ok: an int, 1 at first. */
 #define DEM__ASK(w, ok, member, arguments)                                                                             \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (ok); f_++) {                                                   \
-            if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                   \
+            if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                     \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns a number to be added to a sum. */
 #define DEM__ADD_UP(w, sum, member, arguments)                                                                         \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
-            if ((w)->engine->feature[f_].member) (sum) += (w)->engine->feature[f_].member arguments;                 \
+            if ((w)->engine->feature[f_].member) (sum) += (w)->engine->feature[f_].member arguments;                   \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns a status: nothing after the first that is not DEM_OK. */
 #define DEM__CHECK(w, status, member, arguments)                                                                       \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (status) == DEM_OK; f_++) {                                     \
-            if ((w)->engine->feature[f_].member) (status) = (w)->engine->feature[f_].member arguments;               \
+            if ((w)->engine->feature[f_].member) (status) = (w)->engine->feature[f_].member arguments;                 \
         }                                                                                                              \
     } while (0)
 

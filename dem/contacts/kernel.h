@@ -12,7 +12,7 @@ struct dem__work {
         past[DEM_STATE_MAX]; /* of the step before: force, gap; whether it ended; history at the start */
     dem__wall_row wall[DEM__BLOCK];
     int walls;
-    dem__timer_batch batch; /* for tests of pairs */
+    dem__timer_batch batch;                       /* for tests of pairs */
     int32_t head[DEM__CHUNKS], tail[DEM__CHUNKS]; /* lists of postponed forces for each share: see dem__postponed */
 };
 

@@ -296,8 +296,7 @@ DEM_INLINE ptrdiff_t dem__reset_timers_of(dem_world *w, const int32_t *reset, pt
 DEM__AVX2_CLONE(dem__reset_timers_part,
                 (dem_world * w, const int32_t *reset, ptrdiff_t n, int64_t step, int32_t *list, ptrdiff_t room,
                  ptrdiff_t *listed),
-                (w, reset, n, step, list, room, listed),
-                *listed = dem__reset_timers_of(w, reset, n, step, list, room))
+                (w, reset, n, step, list, room, listed), *listed = dem__reset_timers_of(w, reset, n, step, list, room))
 
 /* Lists the timers of the pairs of particles first .. end-1 of the list, in this thread's part of timers.list, which is
    free between two searches for what is due. */

@@ -49,7 +49,7 @@ static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int books =
         w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 2), n, /* n / 2: little work for each particle */
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 2), n,    /* n / 2: little work for each particle */
                   w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range, &h);
 }
 
@@ -332,7 +332,8 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     ptrdiff_t marked = 0;
     for (int q = 0; q < chunks; q++) marked += contacts->chunk[q].marked;
     if (marked == 0) return;
-    if (chunks > 1) dem__in_parts(w, dem__parts_of(w, 8 * marked, chunks), chunks, dem__correct_inner_range, &has_friction);
+    if (chunks > 1)
+        dem__in_parts(w, dem__parts_of(w, 8 * marked, chunks), chunks, dem__correct_inner_range, &has_friction);
     dem__correct_others(w, has_friction);
     for (int q = 0; w->engine->bodies.rigid && q < contacts->chunk_count; q++) {
         const dem__chunk *in = &contacts->chunk[q];
