@@ -1080,8 +1080,14 @@ typedef struct dem_advice {
     double rayleigh; /* pi R sqrt(rho/G)/(0.1631 nu + 0.8766) of the smallest sphere (materials with moduli) */
     double dashpot;  /* m_eff/gamma of the strongest dashpot */
     double advised;  /* min(t_c/20, 0.2 rayleigh for DEM_HERTZ, dashpot/2) */
+    /* For hits at the given speed v, of each body with all of its mass m on what does not give way: */
+    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m]: with it in all pairs no overlap is
+                         deeper than d, the rounding of a polyhedron or a tenth of a sphere's radius */
+    double depth;     /* overlap over d with the pairs as they are, of the body that gets deepest; above 1 they are too
+                         soft */
 } dem_advice;
-/* Advises on the time step. speed: expected impact speed [m/s] > 0; used by DEM_HERTZ only. */
+/* Advises on the time step and the stiffness. speed: expected impact speed [m/s] > 0; the time step needs it with
+   DEM_HERTZ only. 0: stiffness and depth are 0. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed);
 
 /* ---- links: forces between bodies that need not touch, smooth enough for a larger step; a liquid bridge ---- */
@@ -1221,6 +1227,18 @@ typedef struct dem_field {
    rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
 
+/* How rigid bodies lie. */
+typedef struct dem_order {
+    ptrdiff_t bodies;    /* in the region */
+    double tensor[3][3]; /* mean of (3 u u - 1)/2, u an axis of a body; NaN without bodies */
+    double parameter;    /* its largest eigenvalue: 1 all axes are parallel, 0 they have no common direction [-] */
+    dem_vec director;    /* the common direction: of unit length, its sign means nothing */
+} dem_order;
+/* Measures the order tensor of the clumps and polyhedra whose centres lie in a region (NULL: of all). axis: 0, 1, 2 for
+   x, y, z of the frame in which their shapes were given. Of bodies without a common direction the parameter is about
+   1/sqrt(bodies). DEM_BAD_ARGUMENT. */
+DEM_API dem_status dem_measure_order(const dem_world *world, const dem_region *region, int axis, dem_order *order);
+
 /* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force
    [N]; contacts without overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
 typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP, DEM_CONTACT_TANGENTIAL_FORCE } dem_quantity;
@@ -1345,6 +1363,9 @@ DEM_API const dem_convex *dem_get_shape(const dem_world *world,
 /* Counts the overlaps that are too deep, in the last step: pairs of polyhedra whose cores overlapped, spheres whose
    centre was in a core, and walls that cut a core. 0 is right. */
 DEM_API int64_t dem_core_overlaps(const dem_world *world);
+/* Counts them in all steps since the world was made: two pairs for three steps are 6. A run says with it whether its
+   contacts were too soft at any time; a save keeps it. */
+DEM_API int64_t dem_core_overlap_steps(const dem_world *world);
 
 /* ---------------------------------------------------------------------------------------------- >>base/triangles.h */
 /* The triangles of a mesh, in a tree of boxes. walls/mesh_tree.h makes it, walls/mesh_touch.h searches it. */
@@ -2147,7 +2168,8 @@ typedef struct dem__convex_state {
     ptrdiff_t pairs, of_particles, pair_capacity;
     dem__convex_point *point;
     ptrdiff_t point_capacity;
-    int64_t overlaps; /* of cores, in the last step */
+    int64_t overlaps;      /* of cores, in the last step */
+    int64_t overlap_steps; /* of cores, and cores that walls cut, sum over all steps */
 } dem__convex_state;
 
 /* ------------------------------------------------------------------------------------------------- >>base/engine.h */
@@ -17148,7 +17170,7 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
         if (dem__dot(*normal, q->outward) < 0.0) *normal = dem__scale(-1.0, *normal), *distance = -*distance;
         return dem__dot(*normal, p->outward) < 0.0;
     }
-    return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
+    return apart || *distance > 0.0 || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
 }
 
 /* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the
@@ -17899,12 +17921,14 @@ DEM_INLINE int dem__corners_at(const dem_wall *wall) {
     return wall->kind__->corners ? wall->kind__->corners(wall) : DEM__CORNERS_SOME;
 }
 
-/* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number. */
+/* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number; may_cut: whether a
+   sheet may cut its core. */
 static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
-                                             dem__convex_point *out) {
+                                             dem__convex_point *out, int *may_cut) {
     dem__touch touch[DEM__TOUCHES];
     dem__at_wall q;
     double least;
+    *may_cut = 0;
     dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
     if (!(least < 0.0)) return 0;
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
@@ -17916,6 +17940,7 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     if (dem__corners_at(wall) != DEM__CORNERS_NONE) dem__touch_with_corners(&q);
     if (dem__has(wall, DEM__CURVED_SHEET)) dem__touch_sheet_with_edges(&q);
     if (wall->kind__->edges) wall->kind__->edges(wall, place->x, s->reach, &q.visitor);
+    *may_cut = q.is_cut;
     return q.n;
 }
 
@@ -18018,6 +18043,71 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
     if (!dem__has(w, DEM__TRIANGULATED)) return 0;
     for (int k = 0; k < s->corners; k++) corner[k] = dem__to_frame(w, corner[k]);
     return dem__core_passes_mesh(w->tree, s, corner, dem__to_frame(w, dem__sub(place->x, w->position)));
+}
+
+/* ------------------------------------------------------------------------------------------- >>polyhedra/entered.h */
+/* Two cores that are in each other: they are pushed apart along the direction of least overlap. Reads shapes, places
+   and the points of a pair; adds one point and lowers the weights of the others. Promises: forces stay the gradient of a
+   potential (of a linear law); nothing changes where cores begin to overlap; deep cores have one way only, apart. */
+
+#define DEM__DEEP_SPRINGS 4.0 /* springs of a pair whose cores are deep in each other: as many as a face has corners */
+#define DEM__DEEP 1.0         /* overlap of cores over the radii of the roundings from which on nothing else acts */
+
+/* The corners of a core that are farthest along a direction: how many, their mean, and two of them. */
+typedef struct dem__farthest_part {
+    int n;
+    dem_vec mean, end[2];
+} dem__farthest_part;
+static inline dem__farthest_part dem__find_part(const dem_convex *s, const dem__placed *p, dem_vec along) {
+    const dem_vec u = dem__into_core(p, along);
+    const double limit = dem__dot(u, dem__point(s->corner[dem__farthest(s, u)])) - 1e-6 * s->reach;
+    dem__farthest_part part;
+    part.n = 0, part.mean = part.end[0] = part.end[1] = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < s->corners; k++) {
+        if (!(dem__dot(u, dem__point(s->corner[k])) >= limit)) continue;
+        const dem_vec x = dem__corner_at(s, p, k);
+        part.end[part.n > 0] = x, part.mean = dem__add(part.mean, x), part.n++;
+    }
+    part.mean = dem__scale(1.0 / (double)part.n, part.mean);
+    return part;
+}
+
+/* Returns the point at which two cores touch that have moved apart along n: of a's part. */
+static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem__farthest_part *b) {
+    if (a->n == 2 && b->n == 2) {
+        const dem_vec u = dem__sub(a->end[1], a->end[0]), v = dem__sub(b->end[1], b->end[0]),
+                      d = dem__sub(b->end[0], a->end[0]);
+        const double uu = dem__dot(u, u), vv = dem__dot(v, v), uv = dem__dot(u, v), square = uu * vv - uv * uv;
+        if (square > 1e-6 * uu * vv)
+            return dem__plus(a->end[0], dem__clamp((dem__dot(d, u) * vv - dem__dot(d, v) * uv) / square, 0.0, 1.0), u);
+    }
+    return a->n <= b->n ? a->mean : b->mean;
+}
+
+/* Adds the point at which two overlapping cores are pushed apart to the n points of a pair. With U, the energy of these
+   over the stiffness, and that of the point, V = c (radii + depth)^2/2, the energy of the pair is (1 - s) U + s V, where
+   s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. */
+static inline int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                  const dem__placed *pb, const dem__gap_of_cores *gap, dem__convex_point *out, int n) {
+    const double radii = a->radius + b->radius, depth = -gap->separation, overlap = radii + depth,
+                 over = depth / (DEM__DEEP * radii);
+    const double x = dem__clamp(over, 0.0, 1.0), s = x * x * (3.0 - 2.0 * x),
+                 slope = 6.0 * x * (1.0 - x) / (DEM__DEEP * radii);
+    double energy = 0.0;
+    if (!(depth > 0.0)) return n;
+    if (n == DEM__POINTS_MAX) n--;
+    for (int k = 0; k < n; k++) {
+        energy += 0.5 * out[k].weight * out[k].gap * out[k].gap;
+        out[k].weight *= 1.0 - s;
+    }
+    const dem__farthest_part of_a = dem__find_part(a, pa, dem__scale(-1.0, gap->normal)),
+                             of_b = dem__find_part(b, pb, gap->normal);
+    dem__convex_point *point = &out[n];
+    point->key = 2 * DEM_CORNERS_MAX + 5 * DEM_EDGES_MAX * DEM_EDGES_MAX, point->taken = 0;
+    point->normal = gap->normal, point->gap = -overlap;
+    point->at = dem__meeting_point(&of_a, &of_b);
+    point->weight = s * DEM__DEEP_SPRINGS + slope * (0.5 * DEM__DEEP_SPRINGS * overlap - energy / overlap);
+    return n + 1;
 }
 
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/idle.h */
@@ -18301,23 +18391,30 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
        nearly as far apart along it. */
     double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
     if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
+    dem__gap_of_cores gap;
+    gap.overlap = 0;
     if (!(apart > good)) {
-        dem__gap_of_cores gap;
         dem__find_gap(a, &pa, b, &pb, DEM__WINDOW * radii, &p->cache, &gap);
         *overlaps += gap.overlap;
         apart = gap.separation, p->axis = gap.normal;
     }
-    const int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, out, n);
     if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
     return n;
 }
 
-/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. */
-static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out) {
+/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. cuts: one more if the
+   wall cuts the core. */
+static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
+                                      int64_t *cuts) {
     const dem_wall *wall = &w->wall[-1 - p->j];
     const dem_convex *s = dem__shape_of(w, p->i);
     const dem__placed *place = &w->engine->convex.place[p->i];
-    const int n = dem__touch_with_polyhedron(wall, s, place, out);
+    int may_cut, is_cut = 0;
+    const int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
+    for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
+    *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
     if (n == 0 && dem__may_rest_at_wall(w, p->i))
         dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
     return n;
@@ -18325,7 +18422,7 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
 
 /* A test of all pairs by several threads, each of which has a share of the points. */
 typedef struct dem__convex_look {
-    int64_t step, overlaps[DEM__PARTS_MAX];
+    int64_t step, overlaps[DEM__PARTS_MAX], cuts[DEM__PARTS_MAX];
     ptrdiff_t share;
     int full[DEM__PARTS_MAX];
 } dem__convex_look;
@@ -18335,7 +18432,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
     dem__convex_state *convex = &w->engine->convex;
     ptrdiff_t at = look->share * part;
     const ptrdiff_t limit = at + look->share;
-    look->overlaps[part] = look->full[part] = 0;
+    look->overlaps[part] = look->cuts[part] = look->full[part] = 0;
     for (ptrdiff_t q = first; q < end; q++) {
         dem__convex_pair *p = &convex->pair[q];
         if (!p->is_close) continue;
@@ -18344,7 +18441,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
             look->full[part] = 1;
             return;
         }
-        if (p->j < 0) p->count = dem__points_at_wall(w, p, look->step, convex->point + at);
+        if (p->j < 0) p->count = dem__points_at_wall(w, p, look->step, convex->point + at, &look->cuts[part]);
         else p->count = dem__points_of_pair(w, p, look->step, convex->point + at, &look->overlaps[part]);
         at += p->count;
     }
@@ -18380,7 +18477,10 @@ static inline int dem__find_convex_points(dem_world *w, int64_t step) {
         if (full && !dem__grow_points(w, 2 * convex->point_capacity)) return 0;
     }
     convex->overlaps = 0;
-    for (int q = 0; q < parts; q++) convex->overlaps += look.overlaps[q];
+    for (int q = 0; q < parts; q++) {
+        convex->overlaps += look.overlaps[q];
+        convex->overlap_steps += look.overlaps[q] + look.cuts[q];
+    }
     return 1;
 }
 
@@ -18690,6 +18790,10 @@ static inline dem_status dem__relist_polyhedra(dem_world *w) {
     return dem__list_convex_pairs(w) ? DEM_OK : DEM_OUT_OF_MEMORY;
 }
 
+static inline void dem__world_fields_of_polyhedra(dem_world *w, dem__group *g) {
+    const dem__saved_field fields[] = {DEM__INTEGER("convex.overlap_steps", w->engine->convex.overlap_steps, 0)};
+    dem__add_optional(g, fields, sizeof fields);
+}
 static inline void dem__particle_fields_of_polyhedra(dem_world *w, dem__group *g) {
     const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
     dem__add_optional(g, shape, sizeof shape);
@@ -18744,6 +18848,7 @@ static inline dem__feature dem__feature_polyhedra(void) {
     f.check_run = dem__check_polyhedra;
     f.listed = dem__relist_polyhedra;
     f.detect = dem__follow_polyhedra;
+    f.world_fields = dem__world_fields_of_polyhedra;
     f.particle_fields = dem__particle_fields_of_polyhedra;
     f.save = dem__save_shapes;
     f.is_used = dem__has_shapes;
@@ -18842,6 +18947,9 @@ DEM_API int64_t dem_core_overlaps(const dem_world *world) {
     for (ptrdiff_t q = convex ? convex->of_particles : 0; convex && q < convex->pairs; q++)
         n += dem__is_cut(world, &convex->pair[q]);
     return n;
+}
+DEM_API int64_t dem_core_overlap_steps(const dem_world *world) {
+    return world && world->engine ? world->engine->convex.overlap_steps : 0;
 }
 
 /* --------------------------------------------------------------------------------------------------- >>save/load.h */
@@ -19155,6 +19263,53 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
     return status;
 }
 
+/* ------------------------------------------------------------------------------------------ >>contacts/stiffness.h */
+/* Advice on the stiffness: how deep bodies get into each other at a speed, and how stiff contacts must be for it. A
+   reader. */
+
+#define DEM__DEEP_SPHERE 0.1 /* overlap of a sphere over its radius that is deep */
+
+/* Returns the overlap from which on a contact of particle i is deep [m]. */
+DEM_INLINE double dem__deep_overlap(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? s->radius : DEM__DEEP_SPHERE * w->particle[i].radius;
+}
+
+/* Returns the overlap at which particle i comes to rest that hits, with all of its mass, what has a material [m]. */
+static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int material, int features, double speed) {
+    const int m = w->material[i];
+    const dem_convex *s = dem__shape_of(w, i);
+    double constants[DEM_CONSTANTS_MAX];
+    dem_birth b;
+    memset(&b, 0, sizeof b);
+    b.def = &w->def, b.features = features, b.material_i = m, b.material_j = material;
+    b.pair = m < material ? &w->def.pair[m][material] : &w->def.pair[material][m];
+    b.radius_i = s ? s->radius : w->particle[i].radius, b.mass = w->particle[i].mass;
+    if (!(features & DEM_HERTZ)) return speed * sqrt(b.mass / b.pair->stiffness);
+    dem_prepare_hertz(&b, constants);
+    return speed / 2.943275175395 *
+           dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K], constants[DEM__HERTZ_RADIUS], b.mass, speed);
+}
+
+/* Sets the advised stiffness, and how deep bodies get with the present one. A pair of bodies, whose mass is less and
+   whose roundings are more, needs no more than the one of them that needs more. */
+static inline void dem__advise_stiffness(const dem_world *w, int features, double speed, dem_advice *a) {
+    int present[DEM_MATERIALS_MAX] = {0};
+    a->stiffness = a->depth = 0.0;
+    if (!(speed > 0.0)) return;
+    for (ptrdiff_t i = 0; i < w->count; i++) present[w->material[i]] |= w->alive[i] != 0;
+    for (int k = 0; k < w->walls; k++) present[w->wall[k].material] |= dem__has_surface(&w->wall[k]);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const double deep = dem__deep_overlap(w, i), needed = w->particle[i].mass * (speed / deep) * (speed / deep);
+        if (!w->alive[i] || dem__is_fixed(w, i)) continue;
+        a->stiffness = needed > a->stiffness ? needed : a->stiffness;
+        for (int m = 0; m < w->def.materials; m++) {
+            const double depth = present[m] ? dem__overlap_at(w, i, m, features, speed) / deep : 0.0;
+            a->depth = depth > a->depth ? depth : a->depth;
+        }
+    }
+}
+
 /* ------------------------------------------------------------------------------------------ >>contacts/time_step.h */
 /* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. */
 
@@ -19266,7 +19421,7 @@ static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice
 
 /* Takes the smallest step over all pairs of materials that are present, each with its smallest sphere. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed) {
-    dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN};
+    dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN, 0.0, 0.0};
     dem__present of[DEM_MATERIALS_MAX];
     const dem_world *w = world;
     if (!w || !w->def.allocator.fn || ((features & DEM_HERTZ) && !(speed > 0.0))) return a;
@@ -19295,6 +19450,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
             }
         }
     }
+    dem__advise_stiffness(w, features, speed, &a);
     a.advised = a.contact / 20.0;
     if (0.5 * a.dashpot < a.advised) a.advised = 0.5 * a.dashpot;
     if ((features & DEM_HERTZ) && 0.2 * a.rayleigh < a.advised) a.advised = 0.2 * a.rayleigh;

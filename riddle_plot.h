@@ -81,6 +81,9 @@ RIDDLE_PLOT_API void riddle_plot_heat(riddle_plot *p, const char *label, const d
 /* Sets the range of the colours of the heat map just added; default: that of its values. To compare panels. */
 RIDDLE_PLOT_API void riddle_plot_heat_range(riddle_plot *p, double low, double high);
 
+/* Says that the values of the heat map just added are the classes 0, 1 .. n-1 with these names: the bar shows one colour each. */
+RIDDLE_PLOT_API void riddle_plot_heat_classes(riddle_plot *p, const char *const *names, int n);
+
 /* The appearance of the series just added. */
 enum {
     RIDDLE_PLOT_DASHED = 1,
@@ -129,7 +132,8 @@ typedef struct {
     char *label;
     double *x, *y, *z; /* z: upper edge of a band, half-length of an error bar, the two ends of a heat map's colours */
     int n;
-    char **names;      /* of the groups of bars */
+    char **names;      /* of the groups of bars, or of the classes of a heat map */
+    int named;         /* number of names */
     int columns, rows; /* of a heat map in y, its corners in x[4] */
     int colour, flags;
 } riddle_plot__series;
@@ -228,7 +232,7 @@ static inline void riddle_plot__free_series(riddle_plot__series *s) {
     riddle_io__release(s->x);
     riddle_io__release(s->y);
     riddle_io__release(s->z);
-    for (int i = 0; s->names && i < s->n; i++) riddle_io__release(s->names[i]);
+    for (int i = 0; s->names && i < s->named; i++) riddle_io__release(s->names[i]);
     riddle_io__release(s->names);
 }
 
@@ -363,6 +367,13 @@ RIDDLE_PLOT_API void riddle_plot_discs(riddle_plot *p, const char *label, const 
     riddle_plot__add_coloured(p, RIDDLE_PLOT__DISCS, label, x, y, radius, n);
 }
 
+static inline void riddle_plot__name(riddle_plot *p, riddle_plot__series *s, const char *const *names, int n) {
+    s->names = (char **)riddle_io__zeroed((size_t)n * sizeof *s->names);
+    s->named = s->names ? n : 0;
+    if (!s->names) p->failed = true;
+    for (int i = 0; i < s->named; i++) s->names[i] = riddle_plot__copy_text(p, names[i]);
+}
+
 RIDDLE_PLOT_API void riddle_plot_bars(riddle_plot *p, const char *label, const char *const *names, const double *values, int n) {
     riddle_plot__series *s = riddle_plot__add_coloured(p, RIDDLE_PLOT__BARS, label, NULL, values, NULL, n);
     if (!s || !names) {
@@ -370,9 +381,7 @@ RIDDLE_PLOT_API void riddle_plot_bars(riddle_plot *p, const char *label, const c
         return;
     }
     if (s->n == 0) return;
-    s->names = (char **)riddle_io__zeroed((size_t)s->n * sizeof *s->names);
-    if (!s->names) p->failed = true;
-    for (int i = 0; s->names && i < s->n; i++) s->names[i] = riddle_plot__copy_text(p, names[i]);
+    riddle_plot__name(p, s, names, s->n);
 }
 
 RIDDLE_PLOT_API void riddle_plot_heat(riddle_plot *p, const char *label, const double *values, int columns, int rows, double x0, double x1,
@@ -394,6 +403,13 @@ RIDDLE_PLOT_API void riddle_plot_heat_range(riddle_plot *p, double low, double h
     if (!a || a->n == 0 || a->all[a->n - 1].kind != RIDDLE_PLOT__HEAT || !(low < high) || !(high - low < HUGE_VAL)) return;
     riddle_io__release(a->all[a->n - 1].z);
     a->all[a->n - 1].z = riddle_plot__copy_numbers(p, ends, 2);
+}
+
+RIDDLE_PLOT_API void riddle_plot_heat_classes(riddle_plot *p, const char *const *names, int n) {
+    riddle_plot__panel *a = riddle_plot__current(p);
+    if (!a || a->n == 0 || a->all[a->n - 1].kind != RIDDLE_PLOT__HEAT || a->all[a->n - 1].names || !names || n < 1 || n > 64) return;
+    riddle_plot_heat_range(p, -0.5, n - 0.5);
+    riddle_plot__name(p, &a->all[a->n - 1], names, n);
 }
 
 RIDDLE_PLOT_API void riddle_plot_style(riddle_plot *p, int flags, int colour) {
@@ -853,22 +869,27 @@ static inline void riddle_plot__draw_colour_bar(riddle_io_file *f, const riddle_
     riddle_plot__tick ticks[RIDDLE_PLOT__MOST_TICKS];
     int exponent, n = riddle_plot__make_ticks(&scale, 5, ticks, &exponent);
     double x = a->at.x + a->at.width + 16.0, y = a->at.y, height = a->at.height, widest = 0.0;
+    const int parts = s->named ? s->named : 64;
     riddle_io_print(f, "<g shape-rendering=\"crispEdges\">\n");
-    for (int i = 0; i < 64; i++) {
+    for (int i = 0; i < parts; i++) {
         int rgb[3];
-        riddle_plot__heat_colour((i + 0.5) / 64.0, rgb);
+        riddle_plot__heat_colour((i + 0.5) / parts, rgb);
         riddle_io_print(f, "<rect x=\"%.1f\" y=\"%.2f\" width=\"14\" height=\"%.2f\" fill=\"#%02x%02x%02x\"/>\n", x,
-                        y + height * (63 - i) / 64.0, height / 64.0 + 0.4, (unsigned)rgb[0], (unsigned)rgb[1], (unsigned)rgb[2]);
+                        y + height * (parts - 1 - i) / parts, height / parts + 0.4, (unsigned)rgb[0], (unsigned)rgb[1], (unsigned)rgb[2]);
     }
     riddle_io_print(f, "</g>\n");
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < s->named; i++) {
+        riddle_plot__text_at(f, x + 23.0, y + height * (s->named - i - 0.5) / s->named + 5.0, "start", "tick", s->names[i]);
+        widest = fmax(widest, riddle_plot__text_width(s->names[i], RIDDLE_PLOT__TICK_SIZE));
+    }
+    for (int i = 0; i < n && !s->named; i++) {
         if (!ticks[i].major) continue;
         double at = y + height * (1.0 - riddle_plot__share(&scale, ticks[i].at));
         riddle_io_print(f, "<path d=\"M%.1f %.1fh5\" stroke=\"#333\"/><text x=\"%.1f\" y=\"%.1f\" class=\"tick\">%s</text>\n", x + 14.0, at,
                         x + 23.0, at + 5.0, ticks[i].text);
         widest = fmax(widest, 0.58 * RIDDLE_PLOT__TICK_SIZE * ticks[i].letters);
     }
-    riddle_plot__power_of_ten(f, x, y - 7.0, "start", exponent);
+    if (!s->named) riddle_plot__power_of_ten(f, x, y - 7.0, "start", exponent);
     if (s->label && *s->label) {
         double lx = x + 23.0 + widest + 16.0, ly = y + 0.5 * height;
         riddle_plot__upright_label(f, lx, ly, height + 24.0, s->label);
@@ -891,7 +912,13 @@ static inline void riddle_plot__draw_reference(riddle_io_file *f, const riddle_p
         bool right = x + width + 8.0 < a->at.x + a->at.width;
         riddle_io_print(f, "<path d=\"M%.2f %.1fv%.1f\" stroke=\"%s\" stroke-width=\"1.5\" stroke-dasharray=\"%s\"/>\n", x, a->at.y,
                         a->at.height, riddle_plot__colour_of(s), dash);
-        riddle_plot__text_at(f, right ? x + 5.0 : x - 5.0, a->at.y + 16.0, right ? "start" : "end", "note", s->label);
+        if (right || x - width - 8.0 > a->at.x)
+            riddle_plot__text_at(f, right ? x + 5.0 : x - 5.0, a->at.y + 16.0, right ? "start" : "end", "note", s->label);
+        else if (s->label) { /* along the line */
+            riddle_io_print(f, "<text transform=\"translate(%.2f %.1f) rotate(90)\" class=\"note\">", x + 5.0, a->at.y + 6.0);
+            riddle_plot__escaped(f, s->label);
+            riddle_io_print(f, "</text>\n");
+        }
     }
 }
 
@@ -1157,6 +1184,7 @@ static inline void riddle_plot__lay_out(const riddle_plot *p, riddle_plot__panel
         n = riddle_plot__make_ticks(&scale, 5, ticks, &exponent);
         for (int i = 0; i < n; i++)
             if (ticks[i].major) digits = fmax(digits, 0.58 * RIDDLE_PLOT__TICK_SIZE * ticks[i].letters);
+        for (int i = 0; i < heat->named; i++) digits = fmax(digits, riddle_plot__text_width(heat->names[i], RIDDLE_PLOT__TICK_SIZE));
         a->at.right += 16.0 + 23.0 + digits + (heat->label && *heat->label ? 26.0 : 0.0);
     }
     double in_a_row = 0.0;

@@ -3500,10 +3500,8 @@ SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, 
         screen_status one = screen_predict(def, model, sets + s * SCREEN_MAX_PARAMETERS, operation, times, time, curve, NULL, NULL);
         if (one == SCREEN_NO_MEMORY || one == SCREEN_BAD_MODEL) status = one;
         if (one && one != SCREEN_OUTSIDE) continue;
-        for (size_t k = 0; k < points; k++) {
-            double y = curve[k] + (scatter > 0.0 ? scatter * screen__normal(&seed) : 0.0);
-            value[k * rows + (size_t)good] = screen__clip(y, 0.0, 1.0);
-        }
+        const double error = scatter > 0.0 ? scatter * screen__normal(&seed) : 0.0; /* at all times the same: quantiles are smooth */
+        for (size_t k = 0; k < points; k++) value[k * rows + (size_t)good] = screen__clip(curve[k] + error, 0.0, 1.0);
         good++;
     }
     if (!status && good < 2) status = SCREEN_NOT_FINITE;

@@ -104,13 +104,15 @@ static void ode(const program *self, json *report, riddle_plot *figure) {
     deck d;
     make_deck(&d);
     const double exact = adaptive(&d, 1e-14);
-    riddle_io_file *file = csv_open(self->out, "blocking_ode.csv", "method,level,error,run_time_s");
-    riddle_io_table t = riddle_io_table_begin("blocking ODE, 600 s|error|run time [us]");
+    static const result_column columns[] = {{"method", "blocking ODE, 600 s", "%s"},
+                                            {"|level"},
+                                            {"error", "error", "%.2e"},
+                                            {"run_time_s", "run time [us]", "%.1f", 1e6}};
+    result_table *t = RESULTS(columns);
     riddle_plot_panel(figure, 0, 0, "run time [s]", "error of f after 600 s [-]");
     riddle_plot_title(figure, "Changing rates");
     riddle_plot_log_x(figure);
     riddle_plot_log_y(figure);
-    json_array_begin(report, "ode");
     for (int m = 0; m < METHODS; m++) {
         double error[LEVELS], seconds[LEVELS];
         int n = 0;
@@ -123,33 +125,17 @@ static void ode(const program *self, json *report, riddle_plot *figure) {
             } while (machine_seconds() - start < least);
             seconds[n] = (machine_seconds() - start) / repeats;
             error[n] = fmax(fabs(f - exact), 1e-16);
-            csv_line(file, "%s,%d,%.17g,%.17g", methods[m], level, error[n], seconds[n]);
-            riddle_io_table_cell(&t, "%s", methods[m]);
-            riddle_io_table_cell(&t, "%.2e", error[n]);
-            riddle_io_table_cell(&t, "%.1f", 1e6 * seconds[n]);
-            json_object_begin(report, NULL);
-            json_string(report, "method", methods[m]);
-            json_number(report, "error", error[n]);
-            json_number(report, "run_time_s", seconds[n]);
-            json_object_end(report);
+            results_row(t, TEXTS(methods[m]), level, error[n], seconds[n]);
             n++;
         }
         riddle_plot_line(figure, methods[m], seconds, error, n);
         riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     }
-    json_array_end(report);
-    table_end(&t);
-    riddle_io_close(file);
+    results_write(t, report, "ode", self->out, "blocking_ode.csv");
+    results_free(t);
 }
 
 /* ---- 2: the estimators ---- */
-
-static double next_random(uint64_t *s) { /* 0 <= u < 1, splitmix64 */
-    uint64_t x = *s += 0x9e3779b97f4a7c15u;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return (double)((x ^ x >> 31) >> 11) * 0x1p-53;
-}
 
 static int ascending(const void *a, const void *b) {
     return (*(const double *)a > *(const double *)b) - (*(const double *)a < *(const double *)b);
@@ -165,10 +151,12 @@ static void estimators(const program *self, json *report, riddle_plot *figure) {
     const int trials = self->quick ? 200 : MOST;
     uint64_t seed = self->seed;
     blocking_fit_def def = blocking_default_fit_def();
-    riddle_io_table table_ =
-        riddle_io_table_begin("holes counted|least squares: median error of k|failed|three readings: median error of k|failed");
-    riddle_io_file *file = csv_open(self->out, "blocking_estimators.csv",
-                                    "holes,least_squares_error,least_squares_failed,three_point_error,three_point_failed");
+    static const result_column columns[] = {{"holes", "holes counted", "%.0f"},
+                                            {"least_squares_error", "least squares: median error of k", "%.2e"},
+                                            {"least_squares_failed", "failed [%]", "%.1f", 100.0},
+                                            {"three_point_error", "three readings: median error of k", "%.2e"},
+                                            {"three_point_failed", "failed [%]", "%.1f", 100.0}};
+    result_table *table = RESULTS(columns);
     for (int s = 0; s < SIZES && !common_interrupted(); s++) {
         holes[s] = 100.0 * (1 << 2 * s);
         failed[0][s] = failed[1][s] = 0.0;
@@ -176,7 +164,7 @@ static void estimators(const program *self, json *report, riddle_plot *figure) {
             double f[TIMES], sigma[TIMES];
             for (int i = 0; i < TIMES; i++) { /* a normal deviate stands for the binomial one */
                 double exact = blocking_curve(.949, .714, .0101, t[i]), normal = -6.0;
-                for (int j = 0; j < 12; j++) normal += next_random(&seed);
+                for (int j = 0; j < 12; j++) normal += random_share(&seed);
                 sigma[i] = sqrt(exact * (1.0 - exact) / holes[s]);
                 f[i] = fmin(1.0, exact + sigma[i] * normal);
             }
@@ -193,16 +181,11 @@ static void estimators(const program *self, json *report, riddle_plot *figure) {
             qsort(error[m], (size_t)trials, sizeof(double), ascending);
             median[m][s] = error[m][trials / 2];
         }
-        riddle_io_table_cell(&table_, "%.0f", holes[s]);
-        for (int m = 0; m < 2; m++) {
-            riddle_io_table_cell(&table_, "%.2e", median[m][s]);
-            riddle_io_table_cell(&table_, "%.1f %%", 100.0 * failed[m][s]);
-        }
-        double line[5] = {holes[s], median[0][s], failed[0][s], median[1][s], failed[1][s]};
-        riddle_io_row(file, line, 5);
+        results_row(table, NULL, holes[s], median[0][s], failed[0][s], median[1][s], failed[1][s]);
     }
-    riddle_io_close(file);
-    table_end(&table_);
+    results_print(table);
+    results_csv(table, self->out, "blocking_estimators.csv");
+    results_free(table);
     json_array(report, "holes", holes, SIZES);
     json_array(report, "least_squares_median_error", median[0], SIZES);
     json_array(report, "three_point_median_error", median[1], SIZES);
@@ -265,7 +248,8 @@ static double one_call(int which, double u) {
 }
 
 static void times(const program *self, json *report) {
-    riddle_io_table t = riddle_io_table_begin("call|ns");
+    result_value values[CALLS];
+    int n_values = 0;
     volatile double sink = 0.0;
     json_object_begin(report, "ns_per_call");
     for (int c = 0; c < CALLS && !common_interrupted(); c++) {
@@ -277,12 +261,11 @@ static void times(const program *self, json *report) {
             sink = sink + sum;
             n += 100;
         } while ((spent = machine_seconds() - start) < least);
-        riddle_io_table_cell(&t, "%s", calls[c]);
-        riddle_io_table_cell(&t, "%.1f", 1e9 * spent / (double)n);
-        json_number(report, calls[c], 1e9 * spent / (double)n);
+        const result_value value = {calls[c], 1e9 * spent / (double)n, calls[c], "%.1f ns"};
+        values[n_values++] = value;
     }
+    results_say(report, values, n_values);
     json_object_end(report);
-    table_end(&t);
 }
 
 int main(int argc, char **argv) {

@@ -49,49 +49,38 @@ static void separation(const program *self, json *report) {
     progress bar_on_screen;
     if (one(4, self->quick ? 1 << 18 : 1 << 20, 12345, &truth, &bar, &seconds)) return; /* Sobol: not the method it is to judge first */
     common_print("T(66.85 um) = %.6f +- %.6f\n\n", truth, bar);
-    riddle_io_table out = riddle_io_table_begin("points|method|rms error|time [ms]|bars that hold [%]");
-    riddle_io_file *file = csv_open(self->out, "separation.csv", "method,points,rms_error,seconds,covered");
+    static const result_column columns[] = {{"method", NULL, "%s"},
+                                            {NULL, "method", "%s"},
+                                            {"points", "points", "%.0f"},
+                                            {"rms_error", "rms error", "%.1e"},
+                                            {"seconds", "time [ms]", "%.2f", 1e3},
+                                            {"covered", "bars that hold [%]", "%.0f", 100.0}};
+    result_table *t = RESULTS(columns);
     progress_begin(&bar_on_screen, "separation curve", levels * METHODS);
     json_number(report, "t_reference", truth);
-    json_array_begin(report, "separation");
     for (int level = 0; level < levels; level++) {
         int points = 256 << (2 * level);
         for (int method = 0; method < METHODS && !common_interrupted(); method++) {
             double squares = 0.0, spent = HUGE_VAL;
             int covered = 0, n = level > 3 ? seeds / 4 : seeds;
             for (int seed = 0; seed < n; seed++) {
-                double t;
-                if (one(method, points, self->seed + (uint64_t)seed, &t, &bar, &seconds)) return;
-                squares += (t - truth) * (t - truth) / n;
-                covered += fabs(t - truth) <= bar;
+                double share;
+                if (one(method, points, self->seed + (uint64_t)seed, &share, &bar, &seconds)) return;
+                squares += (share - truth) * (share - truth) / n;
+                covered += fabs(share - truth) <= bar;
                 if (seconds < spent) spent = seconds; /* the least disturbed one */
             }
             error[method][level] = sqrt(squares);
             time[method][level] = spent;
-            riddle_io_table_cell(&out, "%d", points);
-            riddle_io_table_cell(&out, "%s", method_names[method]);
-            riddle_io_table_cell(&out, "%.1e", sqrt(squares));
-            riddle_io_table_cell(&out, "%.2f", 1e3 * spent);
-            riddle_io_table_cell(&out, "%.0f", 100.0 * covered / n);
-            csv_line(file, "%s,%d,%.6g,%.6g,%.4g", method_keys[method], points, sqrt(squares), spent, (double)covered / n);
-            json_object_begin(report, NULL);
-            json_string(report, "method", method_keys[method]);
-            json_integer(report, "points", points);
-            json_number(report, "rms_error", sqrt(squares));
-            json_number(report, "seconds", spent);
-            json_number(report, "covered", (double)covered / n);
-            json_object_end(report);
+            results_row(t, TEXTS(method_keys[method], method_names[method]), points, sqrt(squares), spent,
+                        (double)covered / n);
             progress_add(&bar_on_screen, 1.0);
         }
     }
-    json_array_end(report);
-    riddle_io_close(file);
     progress_end(&bar_on_screen);
-    if (common_interrupted()) {
-        table_end(&out);
-        return;
-    }
-    table_end(&out);
+    results_write(t, report, "separation", self->out, "separation.csv");
+    results_free(t);
+    if (common_interrupted()) return;
     riddle_plot *figure = riddle_plot_new("Separation curve: error against run time", 1, 1);
     riddle_plot_panel_size(figure, 560, 380);
     riddle_plot_panel(figure, 0, 0, "processor time for T at one size, set-up included [ms]", "root mean square error of T [-]");
@@ -163,11 +152,9 @@ static void solver(const program *self, json *report) {
     }
     common_print("\nCut size at Re 5 .. 90: %.0f ns; Picard %.0f ns, damped %.0f ns. At most %d steps over all Re.\n\n", ns[0], ns[1],
                  ns[2], worst);
-    json_integer(report, "solver_most_steps", worst);
-    json_number(report, "solver_ns", ns[0]);
-    json_number(report, "picard_ns", ns[1]);
-    json_number(report, "damped_picard_ns", ns[2]);
-    json_number(report, "picard_steps_at_re_50", picard(drag, 50.0 / classifier_drag_coefficient(drag, 50.0), 1.0, MOST));
+    results_values(report, {"solver_most_steps", worst}, {"solver_ns", ns[0]}, {"picard_ns", ns[1]},
+                   {"damped_picard_ns", ns[2]},
+                   {"picard_steps_at_re_50", picard(drag, 50.0 / classifier_drag_coefficient(drag, 50.0), 1.0, MOST)});
     riddle_plot *figure = riddle_plot_new("Cut size: steps to 12 digits, sphericity 0.85", 1, 1);
     riddle_plot_panel(figure, 0, 0, "Reynolds number at the cut [-]", "steps [-]");
     riddle_plot_log_x(figure);
@@ -213,17 +200,16 @@ static void laws(const program *self, json *report) {
                                  "stopping distance"};
     const char *const keys[] = {"stokes_ns",    "hoelzer_sommerfeld_ns", "schiller_naumann_ns", "hoelzer_sommerfeld_shape_ns",
                                 "di_felice_ns", "terminal_velocity_ns",  "stopping_distance_ns"};
-    riddle_io_table out = riddle_io_table_begin("law|ns a call");
-    riddle_io_file *file = csv_open(self->out, "laws.csv", "law,ns");
+    static const result_column columns[] = {{"law", "law", "%s"}, {"ns", "ns a call", "%.1f"}};
+    result_table *t = RESULTS(columns);
     for (int law = 0; law < 7; law++) {
         double ns = time_law(law, self->quick ? 2 : 7);
-        riddle_io_table_cell(&out, "%s", names[law]);
-        riddle_io_table_cell(&out, "%.1f", ns);
-        csv_line(file, "%s,%.3f", names[law], ns);
+        results_row(t, TEXTS(names[law]), ns);
         json_number(report, keys[law], ns);
     }
-    table_end(&out);
-    riddle_io_close(file);
+    results_print(t);
+    results_csv(t, self->out, "laws.csv");
+    results_free(t);
 }
 
 int main(int argc, char **argv) {

@@ -117,9 +117,12 @@ static int array_drag(const variant *v, int n, const double place[3], double *dr
 static void drag_errors(const program *self, json *report) {
     double error[VARIANTS][SIZES], time[VARIANTS][SIZES];
     const int count = self->quick ? 2 : SIZES, last = self->quick ? 1 : 4;
-    riddle_io_table out = riddle_io_table_begin("method|cells a diameter|largest error [%]|time [s]");
-    riddle_io_file *file = csv_open(self->out, "drag.csv", "method,cells_per_diameter,largest_error,seconds");
-    json_array_begin(report, "drag");
+    static const result_column columns[] = {{"method", NULL, "%s"},
+                                            {NULL, "method", "%s"},
+                                            {"cells_per_diameter", "cells a diameter", "%.1f"},
+                                            {"largest_error", "largest error [%]", "%.3f", 100.0},
+                                            {"processor_s|seconds", "time [s]", "%.3f"}};
+    result_table *t = RESULTS(columns);
     for (int s = 0; s < count; s++)
         for (int v = 0; v < VARIANTS && !common_interrupted(); v++) {
             const double cells = 2.0 * cbrt(3.0 * 0.125 / (4.0 * 3.14159265358979323846)) * sizes[s];
@@ -132,21 +135,10 @@ static void drag_errors(const program *self, json *report) {
             }
             error[v][s] = worst;
             time[v][s] = least;
-            riddle_io_table_cell(&out, "%s", variants[v].name);
-            riddle_io_table_cell(&out, "%.1f", cells);
-            riddle_io_table_cell(&out, "%.3f", 100.0 * worst);
-            riddle_io_table_cell(&out, "%.3f", least);
-            csv_line(file, "%s,%.4g,%.6g,%.6g", variants[v].key, cells, worst, least);
-            json_object_begin(report, NULL);
-            json_string(report, "method", variants[v].key);
-            json_number(report, "cells_per_diameter", cells);
-            json_number(report, "largest_error", worst);
-            json_number(report, "processor_s", least);
-            json_object_end(report);
+            results_row(t, TEXTS(variants[v].key, variants[v].name), cells, worst, least);
         }
-    json_array_end(report);
-    table_end(&out);
-    riddle_io_close(file);
+    results_write(t, report, "drag", self->out, "drag.csv");
+    results_free(t);
     if (common_interrupted()) return;
     riddle_plot *figure = riddle_plot_new("Simple cubic array, solid fraction 0.125: error of the drag against run time", 1, 1);
     riddle_plot_panel_size(figure, 560, 380);
@@ -216,25 +208,25 @@ static double rate(int n, int single, int bulk, int sphere) {
 
 static void rates(const program *self, json *report) {
     const int n = self->quick ? 64 : 128;
-    riddle_io_table out = riddle_io_table_begin("precision|limit [MLUPS]|bare|bulk viscosity|one moving sphere|bare over limit [%]");
-    riddle_io_file *file = csv_open(self->out, "rates.csv", "precision,limit_mlups,bare_mlups,bulk_mlups,sphere_mlups");
+    static const result_column columns[] = {{"precision", "precision", "%s"},
+                                            {"limit_mlups", "limit [MLUPS]", "%.0f"},
+                                            {"bare_mlups", "bare", "%.0f"},
+                                            {"bulk_mlups", "bulk viscosity", "%.0f"},
+                                            {"sphere_mlups", "one moving sphere", "%.0f"},
+                                            {NULL, "bare over limit [%]", "%.0f", 100.0}};
+    result_table *t = RESULTS(columns);
     for (int single = 0; single < 2 && !common_interrupted(); single++) {
         const double limit = memory_limit(n, single), bare = rate(n, single, 0, 0), bulk = rate(n, single, 1, 0),
                      sphere = rate(n, single, 0, 1);
-        riddle_io_table_cell(&out, single ? "float" : "double");
-        riddle_io_table_cell(&out, "%.0f", limit);
-        riddle_io_table_cell(&out, "%.0f", bare);
-        riddle_io_table_cell(&out, "%.0f", bulk);
-        riddle_io_table_cell(&out, "%.0f", sphere);
-        riddle_io_table_cell(&out, "%.0f", 100.0 * bare / limit);
-        csv_line(file, "%s,%.4g,%.4g,%.4g,%.4g", single ? "float" : "double", limit, bare, bulk, sphere);
+        results_row(t, TEXTS(single ? "float" : "double"), limit, bare, bulk, sphere, bare / limit);
         json_number(report, single ? "float_limit_mlups" : "double_limit_mlups", limit);
         json_number(report, single ? "float_mlups" : "double_mlups", bare);
         json_number(report, single ? "float_bulk_mlups" : "double_bulk_mlups", bulk);
         json_number(report, single ? "float_sphere_mlups" : "double_sphere_mlups", sphere);
     }
-    table_end(&out);
-    riddle_io_close(file);
+    results_print(t);
+    results_csv(t, self->out, "rates.csv");
+    results_free(t);
 }
 
 /* ---- a sphere that moves ---- */
@@ -286,9 +278,12 @@ static void noise(const program *self, json *report) {
     static const double taus[] = {0.6, 1.0}, bulks[] = {2.0 / 3.0, 10.0, 100.0};
     static double drag[SPAN], pressure[SPAN];
     const int n = self->quick ? 24 : 40, lead = self->quick ? 100 : 2000;
-    riddle_io_table out = riddle_io_table_begin("relaxation time|bulk viscosity / nu|drag flickers by [%]|pressure by [rho u^2]");
-    riddle_io_file *file = csv_open(self->out, "noise.csv", "tau,bulk_ratio,drag_flicker,pressure_flicker");
-    json_array_begin(report, "noise");
+    static const result_column columns[] = {
+        {"tau", "relaxation time", "%.1f"},
+        {"bulk_ratio", "bulk viscosity / nu", "%.3g"},
+        {"drag_flicker", "drag flickers by [%]", "%.3f", 100.0},
+        {"pressure_flicker_over_rho_u2|pressure_flicker", "pressure by [rho u^2]", "%.3f"}};
+    result_table *r = RESULTS(columns);
     for (int t = 0; t < 2; t++)
         for (int b = 0; b < 3 && !common_interrupted(); b++) {
             crossing c;
@@ -310,21 +305,10 @@ static void noise(const program *self, json *report) {
                 common_fail("noise: %s", filtration_status_text(status));
                 continue;
             }
-            riddle_io_table_cell(&out, "%.1f", taus[t]);
-            riddle_io_table_cell(&out, "%.3g", bulks[b]);
-            riddle_io_table_cell(&out, "%.3f", 100.0 * of_drag);
-            riddle_io_table_cell(&out, "%.3f", of_pressure);
-            csv_line(file, "%g,%.4g,%.4g,%.4g", taus[t], bulks[b], of_drag, of_pressure);
-            json_object_begin(report, NULL);
-            json_number(report, "tau", taus[t]);
-            json_number(report, "bulk_ratio", bulks[b]);
-            json_number(report, "drag_flicker", of_drag);
-            json_number(report, "pressure_flicker_over_rho_u2", of_pressure);
-            json_object_end(report);
+            results_row(r, NULL, taus[t], bulks[b], of_drag, of_pressure);
         }
-    json_array_end(report);
-    table_end(&out);
-    riddle_io_close(file);
+    results_write(r, report, "noise", self->out, "noise.csv");
+    results_free(r);
 }
 
 /* Mass of the liquid in a closed box in which a sphere goes to and fro, over what the box and the sphere leave room for. */
@@ -350,19 +334,22 @@ static void masses(const program *self, json *report) {
     }
     common_print("Mass of the liquid after %d steps: off by %.2e (largest %.2e); kept every %d steps: %.1e, %.2e were added in all\n",
                  steps, last[0], worst[0], every, worst[1], added);
-    json_integer(report, "mass_steps", steps);
-    json_number(report, "mass_drift", last[0]);
-    json_number(report, "mass_drift_largest", worst[0]);
-    json_number(report, "mass_kept_largest", worst[1]);
-    json_number(report, "mass_added", added);
+    results_values(report, {"mass_steps", steps}, {"mass_drift", last[0]}, {"mass_drift_largest", worst[0]},
+                   {"mass_kept_largest", worst[1]}, {"mass_added", added});
 }
 
 /* Ten diameters at a Mach number and a cell Reynolds number: how it ends. */
 static void speeds(const program *self, json *report) {
     static const double machs[] = {0.1, 0.2, 0.3}, cells[] = {5.0, 20.0, 40.0};
     const double diameter = self->quick ? 6.0 : 15.0;
-    riddle_io_table out = riddle_io_table_begin("Mach|u dx / nu|relaxation time|ends with|step");
-    json_array_begin(report, "speeds");
+    static const result_column columns[] = {{"mach", "Mach", "%.1f"},
+                                            {"cell_reynolds", "u dx / nu", "%.0f"},
+                                            {"tau", "relaxation time", "%.4f"},
+                                            {NULL, "ends with", "%s"},
+                                            {"end", NULL, "%s"},
+                                            {"steps", "step", "%.0f"},
+                                            {"of_steps", "of", "%.0f"}};
+    result_table *t = RESULTS(columns);
     for (int m = 0; m < 3; m++)
         for (int r = 0; r < 3 && !common_interrupted(); r++) {
             crossing c;
@@ -376,26 +363,13 @@ static void speeds(const program *self, json *report) {
                 status = crossing_step(&c);
             }
             const char *end = status == FILTRATION_OK ? "ok" : filtration_status_text(status);
-            riddle_io_table_cell(&out, "%.1f", machs[m]);
-            riddle_io_table_cell(&out, "%.0f", cells[r]);
-            riddle_io_table_cell(&out, "%.4f", tau);
-            riddle_io_table_cell(&out, "%s", end);
-            riddle_io_table_cell(&out, "%d of %d", done, steps);
-            json_object_begin(report, NULL);
-            json_number(report, "mach", machs[m]);
-            json_number(report, "cell_reynolds", cells[r]);
-            json_number(report, "tau", tau);
-            json_string(report, "end",
-                        status == FILTRATION_OK         ? "ok"
-                        : status == FILTRATION_DIVERGED ? "stopped, with place and cause"
-                                                        : end);
-            json_integer(report, "steps", done);
-            json_integer(report, "of_steps", steps);
-            json_object_end(report);
+            results_row(t, TEXTS(end, status == FILTRATION_DIVERGED ? "stopped, with place and cause" : end), machs[m],
+                        cells[r], tau, done, steps);
             filtration_fluid_free(&c.fluid);
         }
-    json_array_end(report);
-    table_end(&out);
+    results_print(t);
+    results_json(t, report, "speeds");
+    results_free(t);
 }
 
 int main(int argc, char **argv) {

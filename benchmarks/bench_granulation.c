@@ -93,9 +93,12 @@ static double run_montecarlo(const balance_case *c, int n, int runs, uint64_t se
 static void bench_balances(const program *self, json *report) {
     const int most = self->quick ? 160 : 320;
     riddle_plot *figure = riddle_plot_new("Population balance: error of the second moment against run time", 1, 3);
-    riddle_io_file *file = csv_open(self->out, "balance.csv", "kernel,scheme,cells_or_sample,seconds,error_m2,error_m3,error_n10");
-    riddle_io_table t = riddle_io_table_begin("kernel|scheme|cells|time [ms]|error of M2|M3|n(10)|order of M2");
-    json_array_begin(report, "balance");
+    static const result_column columns[] = {{"kernel", "kernel", "%s"},          {"scheme", "scheme", "%s"},
+                                            {"cells", "cells", "%.0f"},          {"seconds", "time [ms]", "%.2f", 1e3},
+                                            {"error_m2", "error of M2", "%.2e"}, {"error_m3", "M3", "%.2e"},
+                                            {"error_n10", "n(10)", "%.2e"},      {NULL, "order of M2", "%.2f"}};
+    result_table *t = RESULTS(columns),
+                 *all = results_of("kernel,scheme,cells_or_sample,seconds,error_m2,error_m3,error_n10");
     for (int k = 0; k < 3; k++) {
         riddle_plot_panel(figure, 0, k, "processor time [s]", k ? "" : "relative error of M2 [-]");
         riddle_plot_title(figure, cases[k].name);
@@ -108,27 +111,10 @@ static void bench_balances(const program *self, json *report) {
                 double e[3], seconds = run_balance(cases + k, (granulation_scheme)scheme, cells, e);
                 x[points] = seconds > 1e-6 ? seconds : 1e-6;
                 y[points++] = e[0];
-                riddle_io_table_cell(&t, "%s", cases[k].name);
-                riddle_io_table_cell(&t, scheme ? "fixed pivot" : "cell average");
-                riddle_io_table_cell(&t, "%d", cells);
-                riddle_io_table_cell(&t, "%.2f", 1e3 * seconds);
-                for (int i = 0; i < 3; i++)
-                    if (e[i] == e[i]) riddle_io_table_cell(&t, "%.2e", e[i]);
-                    else riddle_io_table_cell(&t, "-");
-                if (before > 0.0) riddle_io_table_cell(&t, "%.2f", log2(before / e[0]));
-                else riddle_io_table_cell(&t, "-");
+                results_row(t, TEXTS(cases[k].name, scheme ? "fixed pivot" : "cell average"), cells, seconds, e[0],
+                            e[1], e[2], before > 0.0 ? log2(before / e[0]) : (double)NAN);
+                results_row(all, NULL, k, scheme, cells, seconds, e[0], e[1], e[2]);
                 before = e[0];
-                double line[7] = {k, scheme, cells, seconds, e[0], e[1], e[2]};
-                riddle_io_row(file, line, 7);
-                json_object_begin(report, NULL);
-                json_string(report, "kernel", cases[k].name);
-                json_string(report, "scheme", scheme ? "fixed pivot" : "cell average");
-                json_integer(report, "cells", cells);
-                json_number(report, "seconds", seconds);
-                json_number(report, "error_m2", e[0]);
-                json_number(report, "error_m3", e[1]);
-                json_number(report, "error_n10", e[2]);
-                json_object_end(report);
             }
             riddle_plot_line(figure, k == 2 ? (scheme ? "fixed pivot" : "cell average") : NULL, x, y, points);
             riddle_plot_style(figure, RIDDLE_PLOT_MARKED, scheme);
@@ -137,16 +123,18 @@ static void bench_balances(const program *self, json *report) {
         int points = 0;
         for (int n = 100; n <= (self->quick ? 10000 : 100000); n *= 10) {
             x[points] = run_montecarlo(cases + k, n, n > 10000 ? 4 : self->quick ? 8 : 20, self->seed, y + points);
-            csv_line(file, "%d,2,%d,%.6g,%.6g,,", k, n, x[points], y[points]);
+            results_row(all, NULL, k, 2, n, x[points], y[points], NAN, NAN);
             points++;
         }
         riddle_plot_line(figure, k == 2 ? "Monte Carlo" : NULL, x, y, points);
         riddle_plot_style(figure, RIDDLE_PLOT_MARKED | RIDDLE_PLOT_DASHED, 2);
         if (k == 2) riddle_plot_legend_outside(figure);
     }
-    json_array_end(report);
-    table_end(&t);
-    riddle_io_close(file);
+    results_print(t);
+    results_json(t, report, "balance");
+    results_csv(all, self->out, "balance.csv");
+    results_free(t);
+    results_free(all);
     riddle_plot_write(figure, self->out, "balance.svg");
 }
 
@@ -173,8 +161,8 @@ static granulation_status fill(granulation_sim *sim, granulation_def def, int n,
 /* 2: how many replicates for which error */
 static void bench_ensembles(const program *self, json *report) {
     const int most = self->quick ? 64 : 512;
-    double *size = (double *)malloc((size_t)most * sizeof *size), *share = (double *)malloc((size_t)most * sizeof *share), x[12], y[2][12];
-    int points = 0;
+    double *size = (double *)malloc((size_t)most * sizeof *size),
+           *share = (double *)malloc((size_t)most * sizeof *share);
     double began = machine_processor_seconds();
     for (int i = 0; size && share && i < most && !common_interrupted(); i++) {
         granulation_sim sim;
@@ -187,32 +175,33 @@ static void bench_ensembles(const program *self, json *report) {
         share[i] = r.type2;
     }
     double one = (machine_processor_seconds() - began) / most;
-    riddle_io_file *file =
-        csv_open(self->out, "ensembles.csv", "replicates,seconds,d43_relative_standard_error,type2_standard_error_points");
+    result_table *t = results_of("replicates,seconds,d43_relative_standard_error,type2_standard_error_points");
     json_object_begin(report, "ensemble");
     json_number(report, "seconds_per_replicate", one);
-    for (int n = 4; n <= most; n *= 2, points++) { /* the scatter of means of n, from all groups of n */
-        double means[2][128];
+    for (int n = 4; n <= most; n *= 2) { /* the scatter of means of n, from all groups of n */
+        double means[2][128], y[2];
         int groups = most / n > 128 ? 128 : most / n;
         if (groups < 8) { /* too few groups to scatter: the deviation over root n */
-            y[0][points] = granulation_estimate_of(size, n, 1).deviation / sqrt(n) / granulation_estimate_of(size, n, 1).mean;
-            y[1][points] = granulation_estimate_of(share, n, 1).deviation / sqrt(n);
+            y[0] = granulation_estimate_of(size, n, 1).deviation / sqrt(n) / granulation_estimate_of(size, n, 1).mean;
+            y[1] = granulation_estimate_of(share, n, 1).deviation / sqrt(n);
         } else {
             for (int g = 0; g < groups; g++) {
                 means[0][g] = granulation_estimate_of(size + (size_t)g * (size_t)n, n, 1).mean;
                 means[1][g] = granulation_estimate_of(share + (size_t)g * (size_t)n, n, 1).mean;
             }
-            y[0][points] = granulation_estimate_of(means[0], groups, 1).deviation / granulation_estimate_of(means[0], groups, 1).mean;
-            y[1][points] = granulation_estimate_of(means[1], groups, 1).deviation;
+            y[0] = granulation_estimate_of(means[0], groups, 1).deviation /
+                   granulation_estimate_of(means[0], groups, 1).mean;
+            y[1] = granulation_estimate_of(means[1], groups, 1).deviation;
         }
-        x[points] = n * one;
-        double line[4] = {n, x[points], y[0][points], y[1][points]};
-        riddle_io_row(file, line, 4);
+        results_row(t, NULL, n, n * one, y[0], y[1]);
     }
-    riddle_io_close(file);
+    results_csv(t, self->out, "ensembles.csv");
+    const int points = results_rows(t);
+    const double *x = results_column(t, "seconds", 1.0), *d43 = results_column(t, "d43_relative_standard_error", 1.0),
+                 *type2 = results_column(t, "type2_standard_error_points", 1.0);
     json_array(report, "seconds", x, points);
-    json_array(report, "d43_relative_standard_error", y[0], points);
-    json_array(report, "type2_standard_error_points", y[1], points);
+    json_array(report, "d43_relative_standard_error", d43, points);
+    json_array(report, "type2_standard_error_points", type2, points);
     json_object_end(report);
     riddle_plot *figure = riddle_plot_new("Ensembles of the paper's simulation (192 granules, 100 steps)", 1, 2);
     for (int p = 0; p < 2; p++) {
@@ -220,13 +209,15 @@ static void bench_ensembles(const program *self, json *report) {
                           p ? "standard error of Type II [points]" : "relative standard error of d43 [-]");
         riddle_plot_log_x(figure);
         riddle_plot_log_y(figure);
-        riddle_plot_line(figure, "4 to 512 replicates", x, y[p], points);
+        const double *y = p ? type2 : d43;
+        riddle_plot_line(figure, "4 to 512 replicates", x, y, points);
         riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
-        double guide[2] = {y[p][0], y[p][0] * sqrt(x[0] / x[points - 1])}, ends[2] = {x[0], x[points - 1]};
+        double guide[2] = {y[0], y[0] * sqrt(x[0] / x[points - 1])}, ends[2] = {x[0], x[points - 1]};
         riddle_plot_line(figure, "one over root n", ends, guide, 2);
         riddle_plot_style(figure, RIDDLE_PLOT_DASHED | RIDDLE_PLOT_THIN, RIDDLE_PLOT_GREY);
     }
     riddle_plot_write(figure, self->out, "ensembles.svg");
+    results_free(t);
     free(size);
     free(share);
 }
@@ -236,9 +227,15 @@ static void bench_contacts(const program *self, json *report) {
     const int n = self->quick ? 1000 : 4000;
     double x[12], y[12], exact = 0.0, exact_seconds = 0.0;
     int points = 0;
-    riddle_io_file *file = csv_open(self->out, "contacts.csv", "path_of_a_step_in_mean_diameters,seconds,collisions,exact,swept_seconds");
-    riddle_io_table t = riddle_io_table_begin("contacts|path of a step [diameters]|collisions|missed [%]|time [ms]");
-    json_array_begin(report, "contacts");
+    static const result_column columns[] = {
+        {"contacts|", "contacts", "%s"},
+        {"path_in_diameters|path_of_a_step_in_mean_diameters", "path of a step [diameters]", "%.3f"},
+        {"seconds", "time [ms]", "%.1f", 1e3},
+        {"collisions", "collisions", "%.0f"},
+        {NULL, "missed [%]", "%.2f", 100.0},
+        {"|exact"},
+        {"|swept_seconds"}};
+    result_table *t = RESULTS(columns);
     for (int k = -1; k < (self->quick ? 7 : 9) && !common_interrupted(); k++) {
         granulation_def def = granulation_default_def();
         def.consolidation = 0.0; /* dry granules: they only bounce */
@@ -264,23 +261,11 @@ static void bench_contacts(const program *self, json *report) {
             x[points] = seconds;
             y[points++] = fabs(met / exact - 1.0);
         }
-        riddle_io_table_cell(&t, k < 0 ? "swept" : "end of step");
-        riddle_io_table_cell(&t, "%.3f", path);
-        riddle_io_table_cell(&t, "%.0f", met);
-        riddle_io_table_cell(&t, "%.2f", 100.0 * (1.0 - met / exact));
-        riddle_io_table_cell(&t, "%.1f", 1e3 * seconds);
-        double line[5] = {path, seconds, met, exact, exact_seconds};
-        riddle_io_row(file, line, 5);
-        json_object_begin(report, NULL);
-        json_string(report, "contacts", k < 0 ? "swept" : "end of step");
-        json_number(report, "path_in_diameters", path);
-        json_number(report, "collisions", met);
-        json_number(report, "seconds", seconds);
-        json_object_end(report);
+        results_row(t, TEXTS(k < 0 ? "swept" : "end of step"), path, seconds, met, 1.0 - met / exact, exact,
+                    exact_seconds);
     }
-    json_array_end(report);
-    table_end(&t);
-    riddle_io_close(file);
+    results_write(t, report, "contacts", self->out, "contacts.csv");
+    results_free(t);
     riddle_plot *figure = riddle_plot_new("Contacts: time-stepped against event-driven", 1, 1);
     riddle_plot_panel(figure, 0, 0, "processor time [s]", "share of the collisions missed or too many [-]");
     riddle_plot_log_x(figure);
@@ -297,10 +282,11 @@ static void bench_cost(const program *self, json *report) {
     const int numbers[5] = {200, 2000, 20000, 200000, 1000000};
     double x[5], y[2][5];
     int points = self->quick ? 3 : 5;
-    riddle_io_table t =
-        riddle_io_table_begin("granules|end of step [s a step]|ns a granule|swept [s a step]|ns a granule|collisions swept");
-    riddle_io_file *file = csv_open(self->out, "cost.csv", "granules,end_of_step_s,swept_s,swept_collisions");
-    json_array_begin(report, "cost");
+    static const result_column columns[] = {
+        {"granules", "granules", "%.0f"}, {"end_of_step_s", "end of step [s a step]", "%.3g"},
+        {NULL, "ns a granule", "%.0f"},   {"swept_s", "swept [s a step]", "%.3g"},
+        {NULL, "ns a granule", "%.0f"},   {"|swept_collisions", "collisions swept", "%.0f"}};
+    result_table *t = RESULTS(columns);
     for (int k = 0; k < points && !common_interrupted(); k++) {
         int n = numbers[k], repeats = n < 1000 ? 200 : n < 100000 ? 20 : 6;
         double best[2] = {HUGE_VAL, HUGE_VAL}, collisions = 0.0;
@@ -323,24 +309,11 @@ static void bench_cost(const program *self, json *report) {
             granulation_sim_free(&sim);
         }
         x[k] = n;
-        riddle_io_table_cell(&t, "%d", n);
-        for (int mode = 0; mode < 2; mode++) {
-            y[mode][k] = 1e9 * best[mode] / n;
-            riddle_io_table_cell(&t, "%.3g", best[mode]);
-            riddle_io_table_cell(&t, "%.0f", y[mode][k]);
-        }
-        riddle_io_table_cell(&t, "%.0f", collisions);
-        double line[4] = {n, best[0], best[1], collisions};
-        riddle_io_row(file, line, 4);
-        json_object_begin(report, NULL);
-        json_integer(report, "granules", n);
-        json_number(report, "end_of_step_s", best[0]);
-        json_number(report, "swept_s", best[1]);
-        json_object_end(report);
+        for (int mode = 0; mode < 2; mode++) y[mode][k] = 1e9 * best[mode] / n;
+        results_row(t, NULL, n, best[0], y[0][k], best[1], y[1][k], collisions);
     }
-    json_array_end(report);
-    table_end(&t);
-    riddle_io_close(file);
+    results_write(t, report, "cost", self->out, "cost.csv");
+    results_free(t);
     riddle_plot *figure = riddle_plot_new("Cost of a step at the paper's density, one core", 1, 1);
     riddle_plot_panel(figure, 0, 0, "granules [-]", "processor time a granule and step [ns]");
     riddle_plot_log_x(figure);

@@ -160,10 +160,7 @@ static void fill_samples(uint64_t seed) {
     }
     for (int k = 0; k < BRIDGES; k++) {
         double u[4];
-        for (int j = 0; j < 4; j++) {
-            state = state * 6364136223846793005u + 1442695040888963407u;
-            u[j] = (double)(state >> 11) * 0x1p-53;
-        }
+        for (int j = 0; j < 4; j++) u[j] = random_plain(&state);
         const bridge_pair *pair = &pairs[(int)(u[0] * KINDS)];
         double volume = 6e-5 * riddle_exp(riddle_log(300.0) * u[1]) * pair->radius * pair->radius * pair->radius;
         sample *s = &samples[k];

@@ -178,7 +178,7 @@ static void bench_soldinger(const program *self, riddle_plot *figure, json *repo
                     else screen_predict(&def, SCREEN_SOLDINGER, p, &initial, WHEN, when, y, NULL, NULL);
                 }
                 double t = (machine_processor_seconds() - start) / rounds, error = error_of(y, exact);
-                csv_line(file, "%s,%s,%.17g,%.17g,%.17g", set ? "slow" : "published", names[method], setting, error, t);
+                csv_line(file, "%s,\"%s\",%.17g,%.17g,%.17g", set ? "slow" : "published", names[method], setting, error, t);
                 if (!(error < 10.0)) continue; /* the explicit step has diverged */
                 seconds[n] = fmax(t, 1e-8);
                 errors[n++] = error;

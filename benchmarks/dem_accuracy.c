@@ -152,33 +152,29 @@ static int own(const impact *of, int division, int phases, const pair_state *exa
 
 static const char *mode_name(dem_restitution mode) { return mode == DEM_CLIPPED ? "clipped" : "naive"; }
 
-static void record(riddle_io_file *file, json *report, const char *scene, const impact *of, const char *method, int division,
+static void record(result_table *runs, const char *scene, const impact *of, const char *method, int division,
                    const outcome *o) {
-    char ns[40] = "";
-    if (o->cpu_ns > 0.0) snprintf(ns, sizeof ns, "%.9g", o->cpu_ns);
-    csv_line(file, "%s,%.4f,%s,\"%s\",%d,%.9g,%s,%.9g,%.9g,%.9g", scene, of->restitution, mode_name(of->mode), method, division, o->effort,
-             ns, o->bias, o->rms, o->most);
-    json_object_begin(report, NULL);
-    json_string(report, "scene", scene);
-    json_number(report, "restitution", of->restitution);
-    json_string(report, "convention", mode_name(of->mode));
-    json_string(report, "integrator", method);
-    json_integer(report, "steps_per_contact", division);
-    json_number(report, "evaluations", o->effort);
-    json_number(report, "processor_ns", o->cpu_ns);
-    json_number(report, "error_bias", o->bias);
-    json_number(report, "error_rms", o->rms);
-    json_number(report, "error_max", o->most);
-    json_object_end(report);
+    results_row(runs, TEXTS(scene, mode_name(of->mode), method), of->restitution, division, o->effort, o->cpu_ns,
+                o->bias, o->rms, o->most);
 }
 
-static void impacts(const program *self, riddle_io_file *file, json *report, riddle_plot *figure, progress *bar) {
+static void impacts(const program *self, result_table *runs, json *report, riddle_plot *figure, progress *bar) {
     const double restitutions[2] = {0.78, 0.4351}, angles[3] = {0.0, RIDDLE_PI / 6.0, RIDDLE_PI / 3.0};
     const char *const scenes[3] = {"head-on", "oblique 30 deg", "oblique 60 deg"};
     const int phases = self->quick ? 50 : PHASES_MAX;
     double x[LEVELS], summary[2][2][METHODS] = {{{0.0}}}, by_mode[2][2][2][LEVELS], steps[LEVELS];
-    riddle_io_table t = riddle_io_table_begin(
-        "impact|e|convention|t_c/dt|dem.h: evaluations|bias|rms|predicted Verlet: rms|leapfrog: rms|ns an impact|ns, without correction");
+    static const result_column columns[] = {{NULL, "impact", "%s"},
+                                            {NULL, "convention", "%s"},
+                                            {NULL, "e", "%g"},
+                                            {NULL, "t_c/dt", "%.0f"},
+                                            {NULL, "dem.h: evaluations", "%.1f"},
+                                            {NULL, "bias", "%.1e"},
+                                            {NULL, "rms", "%.1e"},
+                                            {NULL, "predicted Verlet: rms", "%.1e"},
+                                            {NULL, "leapfrog: rms", "%.1e"},
+                                            {NULL, "us an impact", "%.2f", 1e-3},
+                                            {NULL, "us, without correction", "%.2f", 1e-3}};
+    result_table *t = RESULTS(columns);
     for (int k = 0; k < 3; k++) {
         for (int r = 0; r < 2; r++) {
             for (int mode = 0; mode < 2; mode++) {
@@ -190,22 +186,14 @@ static void impacts(const program *self, riddle_io_file *file, json *report, rid
                     if (own(&of, divisions[level], phases, &exact, &o[DEM][level], &o[UNRESOLVED][level]) != 0) return;
                     for (int m = VERLET; m < methods; m++) others(&of, m, divisions[level], phases, &exact, &o[m][level]);
                     for (int m = DEM; m < methods; m++)
-                        record(file, report, scenes[k], &of, method_names[m], divisions[level], &o[m][level]);
+                        record(runs, scenes[k], &of, method_names[m], divisions[level], &o[m][level]);
                     steps[level] = divisions[level];
                     if (k == 0) by_mode[0][mode][r][level] = o[DEM][level].rms, by_mode[1][mode][r][level] = o[VERLET][level].rms;
                     if (divisions[level] == 20 || divisions[level] == 100) {
                         const outcome *d = &o[DEM][level];
-                        riddle_io_table_cell(&t, "%s", scenes[k]);
-                        riddle_io_table_cell(&t, "%g", of.restitution);
-                        riddle_io_table_cell(&t, "%s", mode_name(of.mode));
-                        riddle_io_table_cell(&t, "%d", divisions[level]);
-                        riddle_io_table_cell(&t, "%.1f", d->effort);
-                        riddle_io_table_cell(&t, "%.1e", d->bias);
-                        riddle_io_table_cell(&t, "%.1e", d->rms);
-                        riddle_io_table_cell(&t, "%.1e", o[VERLET][level].rms);
-                        riddle_io_table_cell(&t, "%.1e", o[LEAPFROG][level].rms);
-                        riddle_io_table_cell(&t, "%.0f", d->cpu_ns);
-                        riddle_io_table_cell(&t, "%.0f", o[UNRESOLVED][level].cpu_ns);
+                        results_row(t, TEXTS(scenes[k], mode_name(of.mode)), of.restitution, divisions[level],
+                                    d->effort, d->bias, d->rms, o[VERLET][level].rms, o[LEAPFROG][level].rms, d->cpu_ns,
+                                    o[UNRESOLVED][level].cpu_ns);
                     }
                     progress_add(bar, 1.0);
                 }
@@ -233,7 +221,8 @@ static void impacts(const program *self, riddle_io_file *file, json *report, rid
             }
         }
     }
-    table_end(&t);
+    results_print(t);
+    results_free(t);
     common_print("\n");
     riddle_plot_panel(figure, 1, 1, "steps per contact time", "rms error of restitution [-]");
     riddle_plot_title(figure, "Head-on: convention and e");
@@ -250,7 +239,6 @@ static void impacts(const program *self, riddle_io_file *file, json *report, rid
         }
     }
     riddle_plot_text_share(figure, 0.03, 0.06, "dashed: predicted Verlet");
-    json_array_end(report);
     json_object_begin(report, "restitution_rms_at_tc_20");
     for (int m = DEM; m < METHODS; m++) json_number(report, method_names[m], summary[0][0][m]);
     json_object_end(report);
@@ -421,12 +409,21 @@ static double stack_error(const double *z, const stack *exact) {
     return sqrt(sum) / diameter;
 }
 
-static void stacks(const program *self, riddle_io_file *file, json *report, riddle_plot *figure, progress *bar) {
+static void stacks(const program *self, result_table *runs, riddle_plot *figure, progress *bar) {
     const double restitutions[3] = {0.78, 0.4351, 1.0};
     const int phases = self->quick ? 2 : STACK_PHASES;
-    riddle_io_table t =
-        riddle_io_table_begin("stack|e|convention|t_c/dt|dem.h: evaluations|rms error [d]|predicted Verlet: rms|leapfrog: rms|us a run|us, "
-                              "without correction|ledger");
+    static const result_column columns[] = {{NULL, "stack", "%s"},
+                                            {NULL, "convention", "%s"},
+                                            {NULL, "e", "%g"},
+                                            {NULL, "t_c/dt", "%.0f"},
+                                            {NULL, "dem.h: evaluations", "%.0f"},
+                                            {NULL, "rms error [d]", "%.1e"},
+                                            {NULL, "predicted Verlet: rms", "%.1e"},
+                                            {NULL, "leapfrog: rms", "%.1e"},
+                                            {NULL, "us a run", "%.0f", 1e-3},
+                                            {NULL, "us, without correction", "%.0f", 1e-3},
+                                            {NULL, "ledger", "%.1e"}};
+    result_table *t = RESULTS(columns);
     for (int r = 0; r < 3; r++) {
         for (int mode = 0; mode < (restitutions[r] < 1.0 ? 2 : 1); mode++) { /* without a dashpot both conventions are one */
             const stack_law law = stack_law_of(restitutions[r], mode ? DEM_NAIVE : DEM_CLIPPED);
@@ -479,19 +476,12 @@ static void stacks(const program *self, riddle_io_file *file, json *report, ridd
                 }
                 for (int m = DEM; m < METHODS; m++) o[m][level].rms = sqrt(o[m][level].rms);
                 for (int m = DEM; m < METHODS; m++) o[m][level].cpu_ns = m <= UNRESOLVED ? middle_of(ns[m], phases) : (double)NAN;
-                for (int m = DEM; m < METHODS; m++) record(file, report, "stack", &as, method_names[m], divisions[level], &o[m][level]);
+                for (int m = DEM; m < METHODS; m++)
+                    record(runs, "stack", &as, method_names[m], divisions[level], &o[m][level]);
                 if (divisions[level] == 20 || divisions[level] == 100) {
-                    riddle_io_table_cell(&t, "10 spheres");
-                    riddle_io_table_cell(&t, "%g", restitutions[r]);
-                    riddle_io_table_cell(&t, "%s", mode_name(as.mode));
-                    riddle_io_table_cell(&t, "%d", divisions[level]);
-                    riddle_io_table_cell(&t, "%.0f", o[DEM][level].effort);
-                    riddle_io_table_cell(&t, "%.1e", o[DEM][level].rms);
-                    riddle_io_table_cell(&t, "%.1e", o[VERLET][level].rms);
-                    riddle_io_table_cell(&t, "%.1e", o[LEAPFROG][level].rms);
-                    riddle_io_table_cell(&t, "%.0f", 1e-3 * o[DEM][level].cpu_ns);
-                    riddle_io_table_cell(&t, "%.0f", 1e-3 * o[UNRESOLVED][level].cpu_ns);
-                    riddle_io_table_cell(&t, "%.1e", worst_ledger);
+                    results_row(t, TEXTS("10 spheres", mode_name(as.mode)), restitutions[r], divisions[level],
+                                o[DEM][level].effort, o[DEM][level].rms, o[VERLET][level].rms, o[LEAPFROG][level].rms,
+                                o[DEM][level].cpu_ns, o[UNRESOLVED][level].cpu_ns, worst_ledger);
                 }
                 progress_add(bar, 2.0);
             }
@@ -510,21 +500,25 @@ static void stacks(const program *self, riddle_io_file *file, json *report, ridd
             }
         }
     }
-    table_end(&t);
+    results_print(t);
+    results_free(t);
     common_print("\n");
 }
 
 /* ---- 3: layers of skipping ---- */
 
-static void layers(const program *self, json *report) {
+static void layers(json *report) {
     enum { REPEATS = 9 };
     const char *const names[4] = {"nothing", "pairs", "space", "pairs and space"};
     const int skips[4] = {0, DEM_SKIP_PAIRS, DEM_SKIP_SPACE, DEM_SKIP_ALL};
     const stack start = stack_start(0.0);
     uint64_t hash[4];
-    riddle_io_table t = riddle_io_table_begin("the stack, t_c/20, skipping|us a run|looks a particle-step|hash");
-    (void)self;
-    json_array_begin(report, "skipping");
+    static const result_column columns[] = {{"skip", "the stack, t_c/20, skipping", "%s"},
+                                            {"processor_ns", "us a run", "%.0f", 1e-3},
+                                            {"looks_per_particle_step", "looks a particle-step", "%.4f"},
+                                            {NULL, "hash", "%s"},
+                                            {"same_hash", NULL, "yes|no"}};
+    result_table *t = RESULTS(columns);
     for (int k = 0; k < 4; k++) {
         double ns[REPEATS], looks = 0.0;
         for (int repeat = 0; repeat < REPEATS; repeat++) {
@@ -539,44 +533,40 @@ static void layers(const program *self, json *report) {
                 return;
             }
         }
-        const double typical = middle_of(ns, REPEATS);
-        riddle_io_table_cell(&t, "%s", names[k]);
-        riddle_io_table_cell(&t, "%.0f", 1e-3 * typical);
-        riddle_io_table_cell(&t, "%.4f", looks);
-        riddle_io_table_cell(&t, "%016llx", (unsigned long long)hash[k]);
-        json_object_begin(report, NULL);
-        json_string(report, "skip", names[k]);
-        json_number(report, "processor_ns", typical);
-        json_number(report, "looks_per_particle_step", looks);
-        json_bool(report, "same_hash", hash[k] == hash[0]);
-        json_object_end(report);
+        char text[20];
+        snprintf(text, sizeof text, "%016llx", (unsigned long long)hash[k]);
+        results_row(t, TEXTS(names[k], text), middle_of(ns, REPEATS), looks, hash[k] == hash[0]);
         if (hash[k] != hash[0]) common_fail("skipping %s changes the result", names[k]);
     }
-    json_array_end(report);
-    table_end(&t);
+    results_print(t);
+    results_json(t, report, "skipping");
+    results_free(t);
 }
 
 int main(int argc, char **argv) {
     program self = program_start("dem_accuracy", "dem.h: error against run time on impacts and a stack; plain integrators beside it.", NULL,
                                  0, argc, argv);
     json *report = json_open(self.json);
-    riddle_io_file *file =
-        csv_open(self.out, "dem_accuracy.csv",
-                 "scene,restitution,convention,integrator,steps_per_contact,evaluations,processor_ns,error_bias,error_rms,error_max");
+    static const result_column columns[] = {
+        {"scene", NULL, "%s"}, {"restitution"}, {"convention", NULL, "%s"}, {"integrator", NULL, "%s"},
+        {"steps_per_contact"}, {"evaluations"}, {"processor_ns"},           {"error_bias"},
+        {"error_rms"},         {"error_max"}};
+    result_table *runs = RESULTS(columns);
     riddle_plot *figure = riddle_plot_new("dem.h: error against effort", 2, 2);
     progress bar;
     progress_begin(&bar, "accuracy", LEVELS * (12.0 + 10.0));
-    json_array_begin(report, "runs");
-    stacks(&self, file, report, figure, &bar);
-    if (!common_interrupted()) impacts(&self, file, report, figure, &bar);
+    stacks(&self, runs, figure, &bar);
+    if (!common_interrupted()) impacts(&self, runs, report, figure, &bar);
     progress_end(&bar);
     if (!common_interrupted()) {
-        layers(&self, report);
-        riddle_io_close(file);
+        results_json(runs, report, "runs");
+        layers(report);
+        results_csv(runs, self.out, "dem_accuracy.csv");
         riddle_plot_write(figure, self.out, "dem_accuracy.svg");
         json_bool(report, "deterministic_build", dem_build_is_deterministic() != 0);
         json_program(report, &self);
         json_close(report);
     }
+    results_free(runs);
     return common_exit_status();
 }

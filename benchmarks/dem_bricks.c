@@ -122,24 +122,27 @@ static dem_status rebound(double restitution, int hits, uint64_t *seed, double *
 static int tell_rebounds(const program *self, int hits) {
     static const double e[5] = {0.29, 0.50, 0.65, 0.75, 0.90};
     uint64_t seed = self->seed;
-    double means[5], scatters[5];
-    riddle_io_file *file = csv_open(self->out, "rebound.csv", "restitution,mean,scatter,angle_deg");
+    static const result_column columns[] = {{"restitution", "restitution", "%.2f"},
+                                            {"mean", "mean", "%.3f"},
+                                            {"scatter", "scatter", "%.3f"},
+                                            {"angle_deg", "angle [degrees]", "%.1f"}};
+    result_table *t = RESULTS(columns);
     for (int k = 0; k < 5; k++) {
         double mean, scatter, angle;
         const dem_status status = rebound(e[k], hits, &seed, &mean, &scatter, &angle);
         if (status != DEM_OK) return common_fail("%s", dem_status_text(status));
-        csv_line(file, "%.2f,%.5g,%.5g,%.5g", e[k], mean, scatter, angle);
-        means[k] = mean, scatters[k] = scatter;
-        common_print("restitution %.2f: %.3f +- %.3f, angle %.1f degrees\n", e[k], mean, scatter, angle);
+        results_row(t, NULL, e[k], mean, scatter, angle);
     }
-    riddle_io_close(file);
+    results_print(t);
+    results_csv(t, self->out, "rebound.csv");
     riddle_plot *figure = riddle_plot_new("Bricks that hit a plane: speed after over before", 1, 1);
     riddle_plot_panel(figure, 0, 0, "restitution of the contact [-]", "coefficient of restitution of the brick [-]");
-    riddle_plot_line(figure, "mean", e, means, 5);
+    riddle_plot_line(figure, "mean", e, results_column(t, "mean", 1.0), 5);
     riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
-    riddle_plot_line(figure, "standard deviation over orientations", e, scatters, 5);
+    riddle_plot_line(figure, "standard deviation over orientations", e, results_column(t, "scatter", 1.0), 5);
     riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     riddle_plot_write(figure, self->out, "rebound.svg");
+    results_free(t);
     return common_exit_status();
 }
 
@@ -232,28 +235,35 @@ static dem_status time_pairs(int n, int on_face, uint64_t random, double ns[3], 
 /* The table of pairs, pairs.csv. */
 static int tell_pairs(const program *self, int n) {
     static const char *const kinds[2] = {"turned at random", "face on face"};
-    double number[2] = {1, 2}, ns[3][2], points[2];
+    static const result_column columns[] = {{"pair", "pair", "%s"},
+                                            {"points", "points", "%.2f"},
+                                            {"known_ns", "its points [ns]", "%.0f"},
+                                            {"new_ns", "without the step before [ns]", "%.0f"},
+                                            {"step_ns", "all of a step [ns]", "%.0f"}};
+    const double number[2] = {1, 2};
+    result_table *t = RESULTS(columns);
     for (int k = 0; k < 2; k++) {
-        double own[3];
-        const dem_status status = time_pairs(n, k, self->seed, own, &points[k]);
+        double ns[3], points;
+        const dem_status status = time_pairs(n, k, self->seed, ns, &points);
         if (status != DEM_OK) return common_fail("%s", dem_status_text(status));
-        for (int m = 0; m < 3; m++) ns[m][k] = own[m];
-        common_print("%s: %.2f points, %.0f ns for them, %.0f ns without the step before, %.0f ns of a step\n", kinds[k], points[k], own[0],
-                     own[1], own[2]);
+        results_row(t, TEXTS(kinds[k]), points, ns[0], ns[1], ns[2]);
     }
-    riddle_io_file *file = csv_open(self->out, "pairs.csv", "pair,points,known_ns,new_ns,step_ns");
-    for (int k = 0; k < 2; k++) csv_line(file, "%s,%.3g,%.4g,%.4g,%.4g", kinds[k], points[k], ns[0][k], ns[1][k], ns[2][k]);
-    riddle_io_close(file);
+    results_print(t);
+    results_csv(t, self->out, "pairs.csv");
+    const double *known = results_column(t, "known_ns", 1.0), *fresh = results_column(t, "new_ns", 1.0),
+                 *step = results_column(t, "step_ns", 1.0);
     riddle_plot *figure = riddle_plot_new("A touching pair of bricks", 1, 1);
     riddle_plot_panel(figure, 0, 0, "1: turned at random, 2: face on face", "processor time [ns]");
-    riddle_plot_points(figure, "its points", number, ns[0], 2);
-    riddle_plot_points(figure, "without the step before", number, ns[1], 2);
-    riddle_plot_points(figure, "all of a step", number, ns[2], 2);
+    riddle_plot_points(figure, "its points", number, known, 2);
+    riddle_plot_points(figure, "without the step before", number, fresh, 2);
+    riddle_plot_points(figure, "all of a step", number, step, 2);
     riddle_plot_write(figure, self->out, "pairs.svg");
     json *report = json_open(self->json);
-    json_array(report, "points_ns", ns[0], 2), json_array(report, "points_new_ns", ns[1], 2), json_array(report, "step_ns", ns[2], 2);
+    json_array(report, "points_ns", known, 2), json_array(report, "points_new_ns", fresh, 2),
+        json_array(report, "step_ns", step, 2);
     json_program(report, self);
     json_close(report);
+    results_free(t);
     return common_exit_status();
 }
 
@@ -328,10 +338,8 @@ static dem_status time_steps(dem_world *w, const char *shape, int bodies, int st
         "%s: %d bodies, %.0f contacts, %d steps, %.3g s, %.4g particle-steps/s, %.0f ns a contact, %lld lists, %lld cores overlap\n", shape,
         bodies, touching, steps, taken, rate, 1e9 * taken / (touching * steps), (long long)(w->rebuilds - lists),
         (long long)dem_core_overlaps(w));
-    json_number(report, "contacts", touching);
-    json_number(report, "cpu_s", taken);
-    json_number(report, "particle_steps_per_s", rate);
-    json_number(report, "kinetic_energy_J", energy.kinetic + energy.rotational);
+    results_values(report, {"contacts", touching}, {"cpu_s", taken}, {"particle_steps_per_s", rate},
+                   {"kinetic_energy_J", energy.kinetic + energy.rotational});
     return status;
 }
 

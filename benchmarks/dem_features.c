@@ -40,14 +40,11 @@ static const feature features[FEATURES] = {
 
 /* ---- scenes ---- */
 
-/* The settled bed four times as high, with speeds of up to 0.3 m/s along each axis (splitmix64). */
+/* The settled bed four times as high, with speeds of up to 0.3 m/s along each axis. */
 static void dilute(bed *b) {
     uint64_t state = 1;
     for (int k = 0; k < 3 * b->n; k++) {
-        uint64_t z = (state += 0x9e3779b97f4a7c15u);
-        z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-        z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-        b->velocities[k] = 0.6 * ((double)((z ^ (z >> 31)) >> 11) * 0x1p-53 - 0.5);
+        b->velocities[k] = 0.6 * (random_share(&state) - 0.5);
         if (k % 3 == 2) b->centres[k] *= 4.0;
     }
 }
@@ -170,15 +167,22 @@ int main(int argc, char **argv) {
                                (feature_choice == 0 ? k != THREADS || self.threads > 1 : feature_choice == k + 1);
 
     json *report = json_open(self.json);
-    riddle_io_file *file =
-        csv_open(self.out, "dem_features.csv",
-                 "spheres,scene,feature,threads,cpu_ns_per_particle_step,wall_ns_per_particle_step,instructions_per_particle_step,"
-                 "contacts_per_sphere,looks_per_particle_step");
-    riddle_io_table t =
-        riddle_io_table_begin("scene|feature|ns a particle-step|over friction|wall ns|instructions|contacts a sphere|looks a step");
+    static const result_column columns[] = {{"spheres"},
+                                            {"scene", "scene", "%s"},
+                                            {"feature", NULL, "%s"},
+                                            {NULL, "feature", "%s"},
+                                            {"threads"},
+                                            {"|cpu_ns_per_particle_step", "ns a particle-step", "%.1f"},
+                                            {NULL, "over friction", "%.2f"},
+                                            {"|wall_ns_per_particle_step", "wall ns", "%.1f"},
+                                            {"cpu_s_per_particle_step|"},
+                                            {"wall_s_per_particle_step|"},
+                                            {"instructions_per_particle_step", "instructions", "%.1f"},
+                                            {"contacts_per_sphere", "contacts a sphere", "%.3f"},
+                                            {"looks_per_particle_step", "looks a step", "%.3f"}};
+    result_table *t = RESULTS(columns);
     progress bar;
     progress_begin(&bar, "features", (double)SCENES * repeats * FEATURES);
-    json_array_begin(report, "features");
     int changed = 0;
     for (int scene = 0; scene < SCENES; scene++) {
         bed b;
@@ -208,46 +212,22 @@ int main(int argc, char **argv) {
             if (!wanted[scene][k]) continue;
             const outcome *o = &outcomes[scene][k];
             const double wall_ns = median(wall[k], repeats);
-            const int threads = features[k].threaded ? self.threads : 1;
-            riddle_io_table_cell(&t, "%s", scene_names[scene]);
-            riddle_io_table_cell(&t, "%s", features[k].name);
-            riddle_io_table_cell(&t, "%.1f", ns[scene][k]);
-            if (wanted[scene][FRICTION]) riddle_io_table_cell(&t, "%.2f", ns[scene][k] / ns[scene][FRICTION]);
-            else riddle_io_table_cell(&t, "-");
-            riddle_io_table_cell(&t, "%.1f", wall_ns);
-            if (counts[scene][k] > 0.0) riddle_io_table_cell(&t, "%.1f", counts[scene][k]);
-            else riddle_io_table_cell(&t, "-");
-            riddle_io_table_cell(&t, "%.3f", o->contacts);
-            riddle_io_table_cell(&t, "%.3f", o->looks);
-            char instructions[40] = "";
-            if (counts[scene][k] > 0.0) snprintf(instructions, sizeof instructions, "%.6g", counts[scene][k]);
-            csv_line(file, "%d,%s,%s,%d,%.6g,%.6g,%s,%.6g,%.6g", sizes[size_choice], scene_names[scene], features[k].key, threads,
-                     ns[scene][k], wall_ns, instructions, o->contacts, o->looks);
-            json_object_begin(report, NULL);
-            json_integer(report, "spheres", sizes[size_choice]);
-            json_string(report, "scene", scene_names[scene]);
-            json_string(report, "feature", features[k].key);
-            json_integer(report, "threads", threads);
-            json_number(report, "cpu_s_per_particle_step", 1e-9 * ns[scene][k]);
-            json_number(report, "wall_s_per_particle_step", 1e-9 * wall_ns);
-            json_number(report, "instructions_per_particle_step", counts[scene][k]);
-            json_number(report, "contacts_per_sphere", o->contacts);
-            json_number(report, "looks_per_particle_step", o->looks);
-            json_object_end(report);
+            results_row(t, TEXTS(scene_names[scene], features[k].key, features[k].name), sizes[size_choice],
+                        features[k].threaded ? self.threads : 1, ns[scene][k], ns[scene][k] / ns[scene][FRICTION],
+                        wall_ns, 1e-9 * ns[scene][k], 1e-9 * wall_ns, counts[scene][k], o->contacts, o->looks);
         }
     }
     progress_end(&bar);
-    json_array_end(report);
+    results_write(t, report, "features", self.out, "dem_features.csv");
+    results_free(t);
     json_bool(report, "same_bits", !changed);
-    table_end(&t);
-    riddle_io_close(file);
-    const int columns = counted ? 2 : 1, shown = THREADS; /* processor time of threads that wait says nothing */
+    const int panels = counted ? 2 : 1, shown = THREADS; /* processor time of threads that wait says nothing */
     const char *names[FEATURES];
     for (int k = 0; k < shown; k++) names[k] = features[k].key;
-    riddle_plot *figure = riddle_plot_new("dem.h: what each feature costs", SCENES, columns);
+    riddle_plot *figure = riddle_plot_new("dem.h: what each feature costs", SCENES, panels);
     riddle_plot_panel_size(figure, 760.0, 260.0);
     for (int scene = 0; scene < SCENES; scene++) {
-        for (int column = 0; column < columns && (scene_choice == 0 || scene_choice == scene + 1); column++) {
+        for (int column = 0; column < panels && (scene_choice == 0 || scene_choice == scene + 1); column++) {
             riddle_plot_panel(figure, scene, column, "", column ? "instructions a particle-step" : "ns a particle-step");
             riddle_plot_title(figure, scene ? "Dilute, vibrated" : "Dense bed at rest");
             riddle_plot_bars(figure, NULL, names, column ? counts[scene] : ns[scene], shown);

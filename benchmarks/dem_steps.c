@@ -88,13 +88,6 @@ static const char *const scene_names[SCENES] = {
     "elastic bed", "elastic bed, predicted Verlet", "bed at rest, e 0.78", "bed at rest, e 0.44", "bed, vibrated", "drum", "screen"};
 static const double durations[SCENES] = {0.04, 0.04, 0.02, 0.02, 0.04, 0.3, 0.5}; /* [s] */
 
-static double random_share(uint64_t *state) { /* splitmix64 */
-    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
 /* n spheres on a grid of 10.5 mm, in layers upwards from z, within a cylinder around the axis z, or around y if it has a half width. */
 static dem_status pile(dem_world *world, int n, double z, double radius, double half_width, uint64_t random) {
     static const double sizes[7] = {0.005, 0.005, 0.005, 0.005, 0.007, 0.007, 0.010};
@@ -240,11 +233,22 @@ int main(int argc, char **argv) {
     pooled of_impact[2][LEVELS][METHODS];
     balance of_scene[SCENES][LEVELS];
     json *report = json_open(self.json);
-    riddle_io_file *file =
-        csv_open(self.out, "dem_steps.csv", "scene,integrator,steps_per_contact,cpu_s,error_rms,energy_error_rel,energy_error_max");
+    static const result_column columns[] = {{"scene|", NULL, "%s"},
+                                            {"|scene", NULL, "%s"},
+                                            {"?restitution|"},
+                                            {"integrator", NULL, "%s"},
+                                            {"steps_per_contact"},
+                                            {"|cpu_s"},
+                                            {"?cpu_s|"},
+                                            {"?error_rms"},
+                                            {"energy_error_rel"},
+                                            {"?energy_error_max"},
+                                            {"?kinetic_energy_J|"},
+                                            {"?status|", NULL, "%s"}};
+    const double none = (double)NAN;
+    result_table *runs = RESULTS(columns);
     progress bar;
     progress_begin(&bar, "steps", LEVELS * (2.0 + SCENES));
-    json_array_begin(report, "runs");
     riddle_io_table t =
         riddle_io_table_begin("impacts, e|t_c/dt|dem.h: rms|energy|largest|Verlet: rms|energy|largest|leapfrog: rms|energy|largest");
     for (int r = 0; r < 2; r++) {
@@ -254,6 +258,7 @@ int main(int argc, char **argv) {
             exact[a] = exact_outcome(&of);
         }
         for (int level = 0; level < LEVELS && !common_interrupted(); level++) {
+            char name[40];
             double cpu_s;
             pooled *o = of_impact[r][level];
             if (impacts(restitutions[r], (int)divisions[level], phases, exact, o, &cpu_s) != 0) return common_exit_status();
@@ -263,19 +268,9 @@ int main(int argc, char **argv) {
                 riddle_io_table_cell(&t, "%.1e", o[m].rms);
                 riddle_io_table_cell(&t, "%+.1e", o[m].bias);
                 riddle_io_table_cell(&t, "%.1e", o[m].most);
-                char cost[40] = "";
-                if (m == DEM) snprintf(cost, sizeof cost, "%.6g", cpu_s);
-                csv_line(file, "impact e %g,\"%s\",%g,%s,%.9g,%.9g,%.9g", restitutions[r], method_names[m], divisions[level], cost,
-                         o[m].rms, o[m].bias, o[m].most);
-                json_object_begin(report, NULL);
-                json_string(report, "scene", "impact");
-                json_number(report, "restitution", restitutions[r]);
-                json_string(report, "integrator", method_names[m]);
-                json_number(report, "steps_per_contact", divisions[level]);
-                json_number(report, "error_rms", o[m].rms);
-                json_number(report, "energy_error_rel", o[m].bias);
-                json_number(report, "energy_error_max", o[m].most);
-                json_object_end(report);
+                snprintf(name, sizeof name, "impact e %g", restitutions[r]);
+                results_row(runs, TEXTS("impact", name, method_names[m], NULL), restitutions[r], divisions[level],
+                            m == DEM ? cpu_s : none, none, o[m].rms, o[m].bias, o[m].most, none);
             }
             progress_add(&bar, 1.0);
         }
@@ -287,25 +282,19 @@ int main(int argc, char **argv) {
             const char *name = scene_names[scene == ELASTIC_VERLET ? ELASTIC : scene];
             const char *method = method_names[scene == ELASTIC_VERLET ? VERLET : DEM];
             *r = run_scene(scene, &b, divisions[level], share * durations[scene]);
-            csv_line(file, "\"%s\",\"%s\",%g,%.6g,,%.9g,", name, method, divisions[level], r->cpu_s, r->error);
-            json_object_begin(report, NULL);
-            json_string(report, "scene", name);
-            json_string(report, "integrator", method);
-            json_number(report, "steps_per_contact", divisions[level]);
-            json_number(report, "cpu_s", r->cpu_s);
-            json_number(report, "energy_error_rel", r->error);
-            json_number(report, "kinetic_energy_J", r->kinetic);
-            json_string(report, "status", dem_status_text(r->status));
-            json_object_end(report);
+            results_row(runs, TEXTS(name, name, method, dem_status_text(r->status)), none, divisions[level], r->cpu_s,
+                        r->cpu_s, none, r->error, none, r->kinetic);
             if (level == LEVELS - 1 && r->status != DEM_OK && !common_interrupted())
                 common_fail("%s, t_c/%g: %s", scene_names[scene], divisions[level], dem_status_text(r->status));
             progress_add(&bar, 1.0);
         }
     }
     progress_end(&bar);
-    json_array_end(report);
     bed_free(&b);
     if (common_interrupted()) return common_exit_status();
+    results_json(runs, report, "runs");
+    results_csv(runs, self.out, "dem_steps.csv");
+    results_free(runs);
     common_print("\nenergy error over the energy turned over\n");
     t = riddle_io_table_begin("t_c/dt|elastic bed|the same, Verlet|at rest, e 0.78|at rest, e 0.44|vibrated|drum|screen|all, processor s");
     for (int level = 0; level < LEVELS; level++) {
@@ -353,7 +342,6 @@ int main(int argc, char **argv) {
         riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     }
     riddle_plot_write(figure, self.out, "dem_steps.svg");
-    riddle_io_close(file);
     json_bool(report, "deterministic_build", dem_build_is_deterministic() != 0);
     json_program(report, &self);
     json_close(report);

@@ -259,11 +259,13 @@ static void explain(const heap *all, int n, int heaps) {
 
 static void report(const program *self, const heap *all, int n, int heaps, const dem_stl_report *stl) {
     const double degree = 180.0 / RIDDLE_PI;
-    double friction[CASES], angle[CASES], error[CASES];
-    riddle_io_table t = riddle_io_table_begin(
-        "friction [-]|angle of repose [deg]|its standard error [deg]|on the plate|largest speed [mm/s]");
-    riddle_io_file *rows = csv_open(self->out, "angle_of_repose.csv",
-                                    "friction,angle_deg,standard_error_deg,heaps,on_plate,largest_speed_m_s");
+    static const result_column columns[] = {{"friction", "friction [-]", "%.3g"},
+                                            {"angle_deg", "angle of repose [deg]", "%.1f"},
+                                            {"standard_error_deg", "its standard error [deg]", "%.1f"},
+                                            {"heaps"},
+                                            {"on_plate", "on the plate", "%.0f"},
+                                            {"largest_speed_m_s", "largest speed [mm/s]", "%.2g", 1e3}};
+    result_table *t = RESULTS(columns);
     riddle_plot *figure = riddle_plot_new("Heaps poured through a funnel", 1, 2);
     riddle_plot_panel(figure, 0, 0, "distance from the axis [mm]", "height of the surface's centres [mm]");
     riddle_plot_equal(figure);
@@ -275,16 +277,14 @@ static void report(const program *self, const heap *all, int n, int heaps, const
         snprintf(label, sizeof label, "friction %.3g", h->friction);
         riddle_plot_line(figure, label, x, y, RINGS);
         riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
-        const int with_angle = average(h, heaps, &angle[k], &error[k]);
-        friction[k] = h->friction, angle[k] *= degree, error[k] *= degree;
-        riddle_io_table_cell(&t, "%.3g", h->friction), riddle_io_table_cell(&t, with_angle ? "%.1f" : "-", angle[k]);
-        if (with_angle > 1) riddle_io_table_cell(&t, "%.1f", error[k]);
-        else riddle_io_table_cell(&t, "-");
-        riddle_io_table_cell(&t, "%d", h->on_plate), riddle_io_table_cell(&t, "%.2g", 1e3 * h->speed);
-        const double row[6] = {h->friction, angle[k], error[k], with_angle, h->on_plate, h->speed};
-        riddle_io_row(rows, row, 6);
+        double mean, of_mean;
+        const int with_angle = average(h, heaps, &mean, &of_mean);
+        results_row(t, NULL, h->friction, mean * degree, of_mean * degree, with_angle, h->on_plate, h->speed);
     }
-    table_end(&t), riddle_io_close(rows);
+    results_print(t);
+    results_csv(t, self->out, "angle_of_repose.csv");
+    const double *friction = results_column(t, "friction", 1.0), *angle = results_column(t, "angle_deg", 1.0),
+                 *error = results_column(t, "standard_error_deg", 1.0);
     explain(all, n, heaps);
     if (heaps > 1)
         common_print(
@@ -304,20 +304,17 @@ static void report(const program *self, const heap *all, int n, int heaps, const
     json_array(j, "friction", friction, n);
     json_array(j, "angle_of_repose_deg", angle, n);
     json_array(j, "standard_error_deg", error, n); /* null of one heap */
-    json_integer(j, "heaps", heaps);
-    json_number(j, "diameter_m", all[0].diameter);
-    json_number(j, "rolling_lever_arm_m", all[0].rolling * all[0].diameter);
-    json_integer(j, "spheres", all[0].spheres);
-    json_number(j, "simulated_s", all[0].time);
-    json_number(j, "outlet_m", all[0].outlet);
+    results_values(j, {"heaps", heaps}, {"diameter_m", all[0].diameter},
+                   {"rolling_lever_arm_m", all[0].rolling * all[0].diameter}, {"spheres", all[0].spheres},
+                   {"simulated_s", all[0].time}, {"outlet_m", all[0].outlet});
     json_array_begin(j, "why_no_angle"); /* of each heap; null: it has one */
     for (int k = 0; k < n * heaps; k++) json_string(j, NULL, all[k].why);
     json_array_end(j);
-    json_integer(j, "stl_facets", stl->facets);
-    json_integer(j, "stl_open_edges", stl->open_edges);
-    json_integer(j, "stl_wrong_normals", stl->wrong_normals);
+    results_values(j, {"stl_facets", stl->facets}, {"stl_open_edges", stl->open_edges},
+                   {"stl_wrong_normals", stl->wrong_normals});
     json_bool(j, "deterministic_build", dem_build_is_deterministic());
     json_close(j);
+    results_free(t);
 }
 
 int main(int argc, char **argv) {

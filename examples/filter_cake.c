@@ -128,15 +128,8 @@ typedef struct run {
 
 static double area(const run *r) { return r->d.width * r->d.width; }
 
-static double uniform(uint64_t *s) { /* 0 < u < 1, splitmix64 */
-    uint64_t x = *s += 0x9e3779b97f4a7c15u;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return ((double)((x ^ x >> 31) >> 11) + 0.5) * 0x1p-53;
-}
-
 /* Filtrate until the next sphere: arrivals at random, concentration times the filtrate on average. */
-static double next_due(cake *c, const duty *d) { return -riddle_log(uniform(&c->random)) / d->concentration; }
+static double next_due(cake *c, const duty *d) { return -riddle_log(random_inner(&c->random)) / d->concentration; }
 
 static filtration_fluid_def fluid_def(run *r, int threads) {
     const duty *d = &r->d;
@@ -186,13 +179,14 @@ static double gap_of(const run *r, int i, int j) {
 /* Puts a sphere of a random class below the inlet where it overlaps none. 0: no place. */
 static int insert(run *r, double velocity) {
     cake *c = r->c;
-    double place = uniform(&c->random);
+    double place = random_inner(&c->random);
     int class = 0;
     while (class + 1 < r->d.classes && place >= r->d.share[class]) place -= r->d.share[class ++];
     const int i = c->n;
     c->radius[i] = 0.5 * r->d.diameter[class];
     for (int attempt = 0; attempt < INSERT_TRIES; attempt++) {
-        c->centre[3 * i] = r->d.width * uniform(&c->random), c->centre[3 * i + 1] = r->d.width * uniform(&c->random);
+        c->centre[3 * i] = r->d.width * random_inner(&c->random),
+                      c->centre[3 * i + 1] = r->d.width * random_inner(&c->random);
         c->centre[3 * i + 2] = r->d.height - c->radius[i] - 2.0 * r->d.voxel;
         int free_place = 1;
         for (int j = 0; j < i && free_place; j++) free_place = !(c->radius[j] > 0.0 && gap_of(r, i, j) < r->d.voxel);
@@ -455,37 +449,25 @@ static findings evaluate(const run *r) {
 static void report_run(json *report, const run *r, const findings *f) {
     const cake *c = r->c;
     const int *n = r->fluid.def.nodes;
-    json_number(report, "r_m0_per_m", f->clean);
-    json_number(report, "r_m_per_m", f->evaluated == FILTRATION_OK ? f->curve.medium.value : (double)NAN);
-    json_number(report, "r_k_k_s_per_m2", f->product);
-    json_number(report, "r_k_k_s_low_per_m2", f->evaluated == FILTRATION_OK ? f->curve.product.low : (double)NAN);
-    json_number(report, "r_k_k_s_high_per_m2", f->evaluated == FILTRATION_OK ? f->curve.product.high : (double)NAN);
-    json_number(report, "r_k_per_m2", f->specific);
-    json_number(report, "r_k_end_per_m2", f->by_end);
-    json_number(report, "k_s_filtrate", f->by_filtrate);
-    json_number(report, "k_s_height", f->by_height);
-    json_number(report, "r_k_kozeny_per_m2", f->kozeny);
-    json_integer(report, "particles_generated", c->n);
-    json_integer(report, "particles_deposited", f->shape.deposited);
-    json_integer(report, "particles_settling", f->shape.settling);
-    json_integer(report, "particles_passed", c->passed);
-    json_number(report, "t_first_particle_s", c->first_touch >= 0.0 ? c->first_touch : (double)NAN);
-    json_number(report, "cake_height_m", f->shape.height);
-    json_number(report, "cake_top_m", f->shape.top);
-    json_number(report, "cake_porosity", f->shape.porosity);
-    json_number(report, "sauter_diameter_m", f->shape.sauter);
-    json_number(report, "force_noise_n", f->noise);
+    results_values(
+        report, {"r_m0_per_m", f->clean},
+        {"r_m_per_m", f->evaluated == FILTRATION_OK ? f->curve.medium.value : (double)NAN},
+        {"r_k_k_s_per_m2", f->product},
+        {"r_k_k_s_low_per_m2", f->evaluated == FILTRATION_OK ? f->curve.product.low : (double)NAN},
+        {"r_k_k_s_high_per_m2", f->evaluated == FILTRATION_OK ? f->curve.product.high : (double)NAN},
+        {"r_k_per_m2", f->specific}, {"r_k_end_per_m2", f->by_end}, {"k_s_filtrate", f->by_filtrate},
+        {"k_s_height", f->by_height}, {"r_k_kozeny_per_m2", f->kozeny}, {"particles_generated", c->n},
+        {"particles_deposited", f->shape.deposited}, {"particles_settling", f->shape.settling},
+        {"particles_passed", c->passed}, {"t_first_particle_s", c->first_touch >= 0.0 ? c->first_touch : (double)NAN},
+        {"cake_height_m", f->shape.height}, {"cake_top_m", f->shape.top}, {"cake_porosity", f->shape.porosity},
+        {"sauter_diameter_m", f->shape.sauter}, {"force_noise_n", f->noise});
     json_array(report, "time_s", c->time, c->samples);
     json_array(report, "filtrate_velocity_m_per_s", c->velocity, c->samples);
     json_array(report, "filtrate_m3", c->volume, c->samples);
-    json_number(report, "voxel_m", r->d.voxel);
-    json_number(report, "box_m", r->d.width);
-    json_number(report, "tau", r->fluid.def.tau);
-    json_number(report, "bulk_ratio", r->d.bulk_ratio);
-    json_number(report, "nodes", (double)n[0] * n[1] * n[2]);
-    json_integer(report, "steps", (long long)r->fluid.steps);
-    json_number(report, "run_s", r->seconds);
-    json_number(report, "mlups", r->seconds > 0.0 ? 1e-6 * (double)r->fluid.updates / r->seconds : 0.0);
+    results_values(report, {"voxel_m", r->d.voxel}, {"box_m", r->d.width}, {"tau", r->fluid.def.tau},
+                   {"bulk_ratio", r->d.bulk_ratio}, {"nodes", (double)n[0] * n[1] * n[2]},
+                   {"steps", (double)r->fluid.steps}, {"run_s", r->seconds},
+                   {"mlups", r->seconds > 0.0 ? 1e-6 * (double)r->fluid.updates / r->seconds : 0.0});
 }
 
 static void print_run(const run *r, const findings *f) {

@@ -124,13 +124,6 @@ static runs read_runs(const program *self, const settings *s) {
     return all;
 }
 
-static double next_random(uint64_t *s) { /* 0 < u < 1, splitmix64 */
-    uint64_t x = *s += 0x9e3779b97f4a7c15u;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return ((double)((x ^ x >> 31) >> 11) + 0.5) * 0x1p-53;
-}
-
 /* The paper's shape: the clean medium up to 1 mm of suspension (2 mL), from 3 mm (6 mL) on the line of the cake. */
 static runs draw_readings(const settings *s, uint64_t seed) {
     const double slope = filtration_slope(4.14e9, s->def.pressure, s->def.viscosity, s->def.area);
@@ -142,7 +135,7 @@ static runs draw_readings(const settings *s, uint64_t seed) {
     for (int i = 0; i < DRAWN; i++) {
         const double V = r.volume[i] = 7e-3 * s->def.area * (i + 1) / DRAWN;
         const double x = fmin(fmax((V / s->def.area - 1e-3) / 2e-3, 0.0), 1.0), share = x * x * (3.0 - 2.0 * x);
-        const double normal = sqrt(-2.0 * log(next_random(&seed))) * cos(6.283185307179586 * next_random(&seed));
+        const double normal = sqrt(-2.0 * log(random_inner(&seed))) * cos(6.283185307179586 * random_inner(&seed));
         r.time[i] = V * (clean + share * (slope * V + blocked - clean)) * (1.0 + 0.005 * normal);
         if (i > 0) r.time[i] = fmax(r.time[i], r.time[i - 1]);
     }

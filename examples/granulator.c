@@ -701,6 +701,7 @@ static int study_map(const program *self, json *report, granulation_def def, int
     enum { MOST = 200000, SIDE = 140 };
     events all = {(granulation_event *)malloc(MOST * sizeof(granulation_event)), 0, MOST};
     static const char *const names[4] = {"rebound", "Type II", "Type I", "Type I, eq 21 met, too"};
+    static const char *const outcomes[3] = {"rebound", "Type I", "Type II"};
     double(*xy)[2][MOST] = (double(*)[2][MOST])malloc(4 * sizeof *xy);
     if (!all.list || !xy) {
         free(all.list);
@@ -711,7 +712,7 @@ static int study_map(const program *self, json *report, granulation_def def, int
     c.def.contact = GRANULATION_CONTACT_SMALLER; /* the reading that gives figure 10 its 320 events */
     c.def.on_collision = keep;
     c.def.collision_user = &all;
-    riddle_plot *map = riddle_plot_new("Coalescence boundaries of the population as it is: 0 rebound, 1 Type I, 2 Type II", 1, 3);
+    riddle_plot *map = riddle_plot_new("Coalescence boundaries of the population as it is", 1, 3);
     const int when[3] = {steps / 4, steps / 2, steps};
     granulation_status status = GRANULATION_OK;
     for (int run = 0; run < runs && status == GRANULATION_OK; run++) {
@@ -737,7 +738,8 @@ static int study_map(const program *self, json *report, granulation_def def, int
             snprintf(title, sizeof title, "step %d, h₀/hₐ = %.1f", when[k], film / ha);
             riddle_plot_panel(map, 0, k, "log₁₀ St_def", "log₁₀ St_v");
             riddle_plot_title(map, title);
-            riddle_plot_heat(map, k == 2 ? "outcome" : "", cells, SIDE, SIDE, -7.0, 0.0, -1.0, 2.0);
+            riddle_plot_heat(map, "", cells, SIDE, SIDE, -7.0, 0.0, -1.0, 2.0);
+            riddle_plot_heat_classes(map, outcomes, 3);
         }
         granulation_sim_free(&sim);
     }

@@ -298,53 +298,40 @@ static beverloo fit(const study *st, double k) {
 }
 
 static void report(study *st, double k) {
-    static const char *const keys[] = {"orifice_m",          "height_m", "rate_kg_s", "standard_error_kg_s",
-                                       "bulk_density_kg_m3", "spheres",  "passed",    "duration_s"};
+    static const result_column columns[] = {{"orifice_m", "orifice [mm]", "%.3g", 1e3},
+                                            {"height_m", "fill [mm]", "%.3g", 1e3},
+                                            {"rate_kg_s", "rate [kg/s]", "%.4g"},
+                                            {"standard_error_kg_s", "standard error", "%.2g"},
+                                            {"bulk_density_kg_m3", "bulk density [kg/m3]", "%.0f"},
+                                            {"spheres", "spheres", "%.0f"},
+                                            {"passed", "passed", "%.0f"},
+                                            {"duration_s"},
+                                            {"why_no_rate|", NULL, "%s"}};
     static const char *const answers[] = {"exponent", "exponent_of_free_k", "free_k", "k_of_exponent_2_5",
                                           "C_of_exponent_2_5"};
     const silo *s = &st->s;
     const int n_orifices = st->orifices;
     double x[RUNS_MAX] = {0.0}, y[RUNS_MAX] = {0.0}, error[RUNS_MAX], fine[60], law[60];
     json *j = json_open(st->self->json);
-    riddle_io_file *rates =
-        csv_open(st->self->out, "rates.csv",
-                 "orifice_m,height_m,rate_kg_s,standard_error_kg_s,bulk_density_kg_m3,spheres,passed,duration_s");
-    riddle_io_file *curves = csv_open(st->self->out, "curves.csv", "orifice_m,height_m,time_s,mass_kg");
-    riddle_io_table t =
-        riddle_io_table_begin("orifice [mm]|fill [mm]|spheres|passed|rate [kg/s]|standard error|bulk density [kg/m3]");
+    result_table *t = RESULTS(columns), *curves = results_of("orifice_m,height_m,time_s,mass_kg");
     riddle_plot *figure = riddle_plot_new(
         s->dosta ? "Silo of Dosta et al." : "Discharge of silos with a fill of constant height", s->dosta ? 1 : 2, 1);
     riddle_plot_panel(figure, 0, 0, "time [s]", s->dosta ? "number left [-]" : "mass passed [kg]");
-    json_array_begin(j, "runs");
     for (int r = 0; r < st->runs; r++) {
         const discharge *d = &st->run[r];
         char name[80];
-        const double row[] = {d->orifice,      d->height,  d->rate,   d->error,
-                              d->bulk_density, d->spheres, d->passed, d->ended};
-        riddle_io_row(rates, row, 8);
-        json_object_begin(j, NULL);
-        for (size_t c = 0; c < 8; c++) json_number(j, keys[c], row[c]);
-        json_string(j, "why_no_rate", d->why);
-        json_object_end(j);
-        for (int q = 0; q < d->passed; q++)
-            csv_line(curves, "%.9g,%.9g,%.9g,%.9g", d->orifice, d->height, d->time[q], d->mass[q]);
-        riddle_io_table_cell(&t, "%.3g", 1e3 * d->orifice);
-        riddle_io_table_cell(&t, "%.3g", 1e3 * d->height);
-        riddle_io_table_cell(&t, "%d", d->spheres);
-        riddle_io_table_cell(&t, "%d", d->passed);
-        riddle_io_table_cell(&t, d->why ? "-" : "%.4g", d->rate);
-        riddle_io_table_cell(&t, d->why ? "-" : "%.2g", d->error);
-        riddle_io_table_cell(&t, "%.0f", d->bulk_density);
+        results_row(t, TEXTS(d->why), d->orifice, d->height, d->rate, d->error, d->bulk_density, d->spheres, d->passed,
+                    d->ended);
+        for (int q = 0; q < d->passed; q++) results_row(curves, NULL, d->orifice, d->height, d->time[q], d->mass[q]);
         snprintf(name, sizeof name, "D = %.3g mm, fill %.3g mm", 1e3 * d->orifice, 1e3 * d->height);
         for (int q = 0; q < d->passed && s->dosta; q++) d->mass[q] = d->spheres - 1 - q;
         riddle_plot_line(figure, name, d->time, d->mass, d->passed);
         if (r >= n_orifices) riddle_plot_style(figure, RIDDLE_PLOT_DASHED, RIDDLE_PLOT_NEXT);
         x[r] = d->orifice / s->diameter - k, y[r] = d->rate, error[r] = d->error;
     }
-    json_array_end(j);
-    table_end(&t);
-    riddle_io_close(rates);
-    riddle_io_close(curves);
+    results_write(t, j, "runs", st->self->out, "rates.csv");
+    results_csv(curves, st->self->out, "curves.csv");
+    results_free(t), results_free(curves);
     for (int r = 0; r < st->runs; r++) {
         const discharge *d = &st->run[r];
         if (d->why)

@@ -364,11 +364,6 @@ static dem_status build(dem_world *w, gap *g) {
 /* Angle of the paddle behind now [rad]. */
 static double angle_of(const dem_world *w) { return atan2(w->wall[0].axis[0].y, w->wall[0].axis[0].x); }
 
-static double uniform(uint64_t *random) {
-    *random = *random * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*random >> 11) * 0x1p-53;
-}
-
 /* Is a place free of particles near the rim? */
 static int is_free(const dem_world *w, const double *x, double r, double depth) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -387,7 +382,7 @@ static dem_status add_particle(dem_world *w, const gap *g, int shape, const doub
     double q[4], square;
     if (shape == SPHERE) return dem_add_spheres(w, 1, x, d, 0, 0);
     do {
-        for (int a = 0; a < 4; a++) q[a] = 2.0 * uniform(random) - 1.0;
+        for (int a = 0; a < 4; a++) q[a] = 2.0 * random_plain(random) - 1.0;
         square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     } while (!(square <= 1.0 && square > 1e-3));
     if (shape == CLUMP) return dem_add_clumps(w, 1, &g->clump, x, d, q, 0, 0);
@@ -414,14 +409,14 @@ static history *new_history(record *r, double d, double time) {
 static dem_status enter(dem_world *w, record *r, double d, uint64_t *random) {
     const gap *g = r->g;
     const classifier_wheel *wheel = &g->machine.wheel;
-    const int shape = g->shape == BOTH ? (uniform(random) < 0.5 ? BRICK : SPHERE) : g->shape;
+    const int shape = g->shape == BOTH ? (random_plain(random) < 0.5 ? BRICK : SPHERE) : g->shape;
     const double around = reach(g, shape, d);
     const double face = asin((0.5 * wheel->thickness + around) / wheel->outer_radius), arc = pitch(g) - 2.0 * face;
-    const double v = classifier_distribution_at(&g->machine.radial_velocity, uniform(random));
-    const double against = classifier_distribution_at(&g->machine.tangential_velocity, uniform(random));
+    const double v = classifier_distribution_at(&g->machine.radial_velocity, random_plain(random));
+    const double against = classifier_distribution_at(&g->machine.tangential_velocity, random_plain(random));
     for (int tries = 0; tries < 100; tries++) {
-        const double a = angle_of(w) + face + arc * uniform(random), in = wheel->outer_radius - v * interval * uniform(random);
-        const double c = cos(a), s = sin(a), x[3] = {in * c, in * s, g->depth * uniform(random)};
+        const double a = angle_of(w) + face + arc * random_plain(random), in = wheel->outer_radius - v * interval * random_plain(random);
+        const double c = cos(a), s = sin(a), x[3] = {in * c, in * s, g->depth * random_plain(random)};
         if (!is_free(w, x, around, g->depth)) continue;
         const dem_status status = add_particle(w, g, shape, x, &d, random);
         if (status != DEM_OK) return status;
@@ -513,8 +508,8 @@ static void separate(const gap *g, json *j, const double *share, int n, double r
     else {
         common_print("separation with these contacts: x25 %.2f, x50 %.2f, x75 %.2f um, sharpness %.3f\n", 1e6 * result.x25,
                      1e6 * result.x50, 1e6 * result.x75, result.sharpness);
-        json_number(j, "x25_m", result.x25), json_number(j, "x50_m", result.x50), json_number(j, "x75_m", result.x75);
-        json_number(j, "sharpness", result.sharpness);
+        results_values(j, {"x25_m", result.x25}, {"x50_m", result.x50}, {"x75_m", result.x75},
+                       {"sharpness", result.sharpness});
     }
     classifier_free(&model);
 }
@@ -551,32 +546,25 @@ static void report(const gap *g, const dem_world *w, const record *r) {
     for (int k = 0; k < BINS; k++) bin[k] = k, count[k] /= n > 0 ? n : 1;
     for (int k = 0; k < CLASSIFIER_BINS; k++) mates[k] /= n > 0 ? n : 1;
     json *j = json_open(g->self->json);
-    json_number(j, "rpm", g->rpm);
     json_string(j, "shape", shapes[g->shape]);
     json_bool(j, "drag", g->drag == 0);
-    json_number(j, "cor", g->restitution);
-    json_integer(j, "particles", n);
-    json_integer(j, "unfinished", unfinished);
-    json_number(j, "contacts_mean", contacts.mean), json_number(j, "contacts_sd", deviation(&contacts));
-    json_number(j, "contacts_standard_error", deviation(&contacts) / sqrt(contacts.n));
-    json_number(j, "paddle_contacts_mean", paddles.mean), json_number(j, "particle_contacts_mean", contacts.mean - paddles.mean);
+    json_bool(j, "one_rate", g->one_rate);
     json_array(j, "contacts_histogram", count, BINS);
+    json_array(j, "impact_radius_m", hits, hits ? of_hits : 0);
     json_object_begin(j, "residence_time_s");
     json_number(j, "mean", stay.mean), json_number(j, "sd", deviation(&stay));
     json_object_end(j);
-    json_array(j, "impact_radius_m", hits, hits ? of_hits : 0);
-    json_number(j, "impact_radius_mean_m", radius.mean), json_number(j, "impact_radius_sd_m", deviation(&radius));
-    json_number(j, "impact_speed_mean_m_s", speed.mean),
-        json_number(j, "impact_speed_over_rim", speed.mean / (omega(g) * g->machine.wheel.outer_radius));
-    json_number(j, "cor_mean", cor), json_number(j, "cor_sd", cor_sd);
-    json_number(j, "rebound_angle_sd_deg", turned_sd), json_integer(j, "rebounds", r->rebounds);
-    json_number(j, "contact_time_s", g->contact_time);
-    json_number(j, "outward_share", n > 0 ? outward / n : (double)NAN);
-    json_number(j, "present", (double)w->count);
-    json_integer(j, "steps", w->step), json_integer(j, "particle_steps", w->particle_steps),
-        json_integer(j, "contact_steps", w->contact_steps);
-    json_bool(j, "one_rate", g->one_rate);
-    json_integer(j, "core_overlaps", r->overlaps);
+    results_values(
+        j, {"rpm", g->rpm}, {"cor", g->restitution}, {"particles", n}, {"unfinished", unfinished},
+        {"contacts_mean", contacts.mean}, {"contacts_sd", deviation(&contacts)},
+        {"contacts_standard_error", deviation(&contacts) / sqrt(contacts.n)}, {"paddle_contacts_mean", paddles.mean},
+        {"particle_contacts_mean", contacts.mean - paddles.mean}, {"impact_radius_mean_m", radius.mean},
+        {"impact_radius_sd_m", deviation(&radius)}, {"impact_speed_mean_m_s", speed.mean},
+        {"impact_speed_over_rim", speed.mean / (omega(g) * g->machine.wheel.outer_radius)}, {"cor_mean", cor},
+        {"cor_sd", cor_sd}, {"rebound_angle_sd_deg", turned_sd}, {"rebounds", r->rebounds},
+        {"contact_time_s", g->contact_time}, {"outward_share", n > 0 ? outward / n : (double)NAN},
+        {"present", (double)w->count}, {"steps", w->step}, {"particle_steps", w->particle_steps},
+        {"contact_steps", w->contact_steps}, {"core_overlaps", r->overlaps});
     if (r->overlaps > 0)
         common_print("bricks overlap deeper than their rounding, in one another or in a paddle (%d at a time): shorten --contact-ns\n",
                      (int)r->overlaps);

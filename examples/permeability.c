@@ -328,10 +328,8 @@ static void report(const program *self, const settings *s, const geometry *g, co
     riddle_io_table t =
         riddle_io_table_begin("along|permeability [m2]|error|[darcy]|fine grid|coarse grid|resistance [1/m]");
     json_string(j, "source", s->file ? s->file : "plain weave, wires half of the pitch");
-    json_number(j, "porosity_image", g->porosity);
-    json_number(j, "porosity", f[0].fine.porosity);
-    json_number(j, "spacing_m", g->spacing[0]);
-    json_number(j, "coarse_spacing_m", g->spacing[1]);
+    results_values(j, {"porosity_image", g->porosity}, {"porosity", f[0].fine.porosity}, {"spacing_m", g->spacing[0]},
+                   {"coarse_spacing_m", g->spacing[1]});
     for (int a = 0; a < 3; a++) {
         char key[40];
         const double length = g->box[a];
@@ -344,12 +342,9 @@ static void report(const program *self, const settings *s, const geometry *g, co
         riddle_io_table_cell(&t, f[a].k > 0.0 ? "%.4g" : "closed", length / f[a].k);
         snprintf(key, sizeof key, "along_%c", "xyz"[a]);
         json_object_begin(j, key);
-        json_number(j, "permeability_m2", f[a].k);
-        json_number(j, "error_m2", f[a].error);
-        json_number(j, "fine_m2", f[a].fine.permeability);
-        json_number(j, "coarse_m2", f[a].coarse.permeability);
-        json_integer(j, "closed", f[a].closed);
-        json_integer(j, "steps", (long long)f[a].fine.steps);
+        results_values(j, {"permeability_m2", f[a].k}, {"error_m2", f[a].error}, {"fine_m2", f[a].fine.permeability},
+                       {"coarse_m2", f[a].coarse.permeability}, {"closed", f[a].closed},
+                       {"steps", (double)f[a].fine.steps});
         json_object_end(j);
     }
     common_print("Nodes %.4g um apart, beside %.4g um; porosity of the fine grid %.4f\n\n", 1e6 * g->spacing[0],

@@ -290,24 +290,19 @@ static void write_curves(const curves *c, const char *out) {
 
 static void write_json(const program *self, const drum *d, const dem_world *world, const curves *c, const means *m) {
     json *j = json_open(self->json);
-    json_integer(j, "small_spheres", d->count[SMALL]);
-    json_integer(j, "large_spheres", d->count[LARGE]);
-    json_number(j, "angle_of_repose_deg", m->why ? (double)NAN : m->angle.mean);
-    json_number(j, "angle_standard_error_deg", m->why ? (double)NAN : m->angle.error);
-    json_number(j, "angle_scatter_deg", m->scatter);
+    results_values(j, {"small_spheres", d->count[SMALL]}, {"large_spheres", d->count[LARGE]},
+                   {"angle_of_repose_deg", m->why ? (double)NAN : m->angle.mean},
+                   {"angle_standard_error_deg", m->why ? (double)NAN : m->angle.error},
+                   {"angle_scatter_deg", m->scatter}, {"lacey_start", c->lacey[0]}, {"lacey_end", m->lacey.mean},
+                   {"unlike_contacts_start", c->unlike[0]}, {"unlike_contacts_end", m->unlike.mean},
+                   {"radial_segregation_start", c->radial[0]}, {"radial_segregation_end", m->radial.mean},
+                   {"dt_s", world->def.dt});
     json_string(j, "why_no_angle", m->why);
-    json_number(j, "lacey_start", c->lacey[0]);
-    json_number(j, "lacey_end", m->lacey.mean);
     json_bool(j, "lacey_steady", m->lacey.is_steady);
-    json_number(j, "unlike_contacts_start", c->unlike[0]);
-    json_number(j, "unlike_contacts_end", m->unlike.mean);
     json_bool(j, "unlike_contacts_steady", m->unlike.is_steady);
-    json_number(j, "radial_segregation_start", c->radial[0]);
-    json_number(j, "radial_segregation_end", m->radial.mean);
     json_bool(j, "radial_segregation_steady", m->radial.is_steady);
     json_array(j, "time_s", c->time, c->n);
     json_array(j, "lacey", c->lacey, c->n);
-    json_number(j, "dt_s", world->def.dt);
     json_program(j, self);
     json_close(j);
 }

@@ -409,13 +409,11 @@ static void report_run(json *report, const run *r, const track *t) {
     double fastest = 0.0, values[LONGEST_TRACK];
     for (int k = 0; k < t->n; k++) fastest = fmax(fastest, t->velocity[0][k]);
     json_string(report, "case", s->name);
-    json_number(report, "voxel_m", def->voxel);
-    json_number(report, "tau", def->tau);
-    json_number(report, "cells_per_diameter", s->diameter / def->voxel);
+    results_values(report, {"voxel_m", def->voxel}, {"tau", def->tau},
+                   {"cells_per_diameter", s->diameter / def->voxel});
     json_bool(report, "quarter", r->choice.quarter != 0);
-    json_number(report, "re_max", reynolds(s, fastest));
-    json_number(report, "v_max_m_per_s", fastest);
-    json_number(report, "v_terminal_m_per_s", t->terminal);
+    results_values(report, {"re_max", reynolds(s, fastest)}, {"v_max_m_per_s", fastest},
+                   {"v_terminal_m_per_s", t->terminal});
     report_references(report, s);
     json_array(report, "time_s", t->time, t->n);
     static const char *const keys[] = {"height_m", "re", "x_over_d", "v_over_vt"};
@@ -430,10 +428,8 @@ static void report_run(json *report, const run *r, const track *t) {
         }
         json_array_end(report);
     }
-    json_number(report, "nodes", nodes);
-    json_integer(report, "steps", (long long)r->fluid.steps);
-    json_number(report, "run_s", r->seconds);
-    json_number(report, "mlups", r->seconds > 0.0 ? 1e-6 * (double)r->fluid.updates / r->seconds : 0.0);
+    results_values(report, {"nodes", nodes}, {"steps", (double)r->fluid.steps}, {"run_s", r->seconds},
+                   {"mlups", r->seconds > 0.0 ? 1e-6 * (double)r->fluid.updates / r->seconds : 0.0});
 }
 
 static void print_run(const run *r, const track *t) {

@@ -96,7 +96,10 @@ static const char *solids(const bridge_pair_def *def, char *text, size_t size) {
 static void draw_laws(const program *self, const scene *s, const bridge_pair *pair, json *report) {
     bridge b = formed(pair, s->volume);
     double gap[GAPS], mm[GAPS], share[GAPS], exact[GAPS], force[LAWS][GAPS], off[LAWS][GAPS], worst[LAWS] = {0};
-    riddle_io_file *file = csv_open(self->out, "force.csv", "gap_m,young_laplace_N,table_N,energy_form_N,willett_N,corrected_N,printed_N");
+    static const result_column columns[] = {
+        {NULL, "law", "%s"}, {NULL, "in contact [mN]", "%.4f"}, {NULL, "off, gaps to 0.9 of rupture [%]", "%.3g"}};
+    result_table *t = RESULTS(columns),
+                 *file = results_of("gap_m,young_laplace_N,table_N,energy_form_N,willett_N,corrected_N,printed_N");
     char text[200];
     for (int k = 0; k < GAPS; k++) {
         double x = (k + 0.0) / (GAPS - 1);
@@ -114,9 +117,10 @@ static void draw_laws(const program *self, const scene *s, const bridge_pair *pa
             if (share[k] <= 0.9 && off[law][k] > worst[law]) worst[law] = off[law][k];
             off[law][k] = fmax(off[law][k], 1e-4);
         }
-        riddle_io_row(file, row, 7);
+        results_add(file, NULL, row, 7);
     }
-    riddle_io_close(file);
+    results_csv(file, self->out, "force.csv");
+    results_free(file);
     riddle_plot *figure = riddle_plot_new(solids(&pair->def, text, sizeof text), 1, 2);
     riddle_plot_panel(figure, 0, 0, "gap [mm]", "attraction [mN]");
     riddle_plot_title(figure, "eqs of Elskamp & Kruggel-Emden");
@@ -139,22 +143,14 @@ static void draw_laws(const program *self, const scene *s, const bridge_pair *pa
     for (int law = LAWS - 1; law >= 0; law--) riddle_plot_line(figure, law_names[law], share, off[law], GAPS);
     riddle_plot_write(figure, self->out, "force.svg");
 
-    riddle_io_table t = riddle_io_table_begin("law|in contact [mN]|off, gaps to 0.9 of rupture [%]");
-    for (int law = 0; law < LAWS; law++) {
-        riddle_io_table_cell(&t, "%s", law_names[law]);
-        riddle_io_table_cell(&t, "%.4f", force[law][0]);
-        riddle_io_table_cell(&t, "%.3g", worst[law]);
-    }
-    table_end(&t);
+    for (int law = 0; law < LAWS; law++) results_row(t, TEXTS(law_names[law]), force[law][0], worst[law]);
+    results_print(t);
+    results_free(t);
     for (unsigned flag = 1; flag <= BRIDGE_OUTSIDE_PENDULAR; flag *= 2)
         if (outside & flag) common_print("Outside its range, %s.\n", bridge_outside_text(flag));
-    json_integer(report, "outside_flags", outside);
-    json_number(report, "bridge_volume_m3", b.volume);
-    json_number(report, "rupture_gap_m", b.rupture_gap);
-    json_number(report, "force_contact_N", bridge_attraction(&b, 0.0));
-    json_number(report, "share_to_i_at_rupture", b.split);
-    json_number(report, "table_off_percent", worst[0]);
-    json_number(report, "printed_off_percent", worst[LAWS - 1]);
+    results_values(report, {"outside_flags", outside}, {"bridge_volume_m3", b.volume}, {"rupture_gap_m", b.rupture_gap},
+                   {"force_contact_N", bridge_attraction(&b, 0.0)}, {"share_to_i_at_rupture", b.split},
+                   {"table_off_percent", worst[0]}, {"printed_off_percent", worst[LAWS - 1]});
 }
 
 /* The table for a range of volumes and of angles, with Young-Laplace as points. */
@@ -304,32 +300,31 @@ static double sticking_velocity(const scene *s, const bridge_pair *pair, double 
 static void draw_sticking(const program *self, const scene *s, const bridge_pair *pair, json *report, progress *bar) {
     enum { VOLUMES = 13 };
     const int volumes = self->quick ? 5 : VOLUMES;
-    double ul[VOLUMES], simulated[VOLUMES], closed[VOLUMES], printed[VOLUMES];
     char text[200];
-    riddle_io_file *file = csv_open(self->out, "sticking.csv", "volume_m3,work_J,sticking_velocity_m_s,closed_form_m_s,printed_laws_m_s");
+    result_table *t = results_of("volume_m3,work_J,sticking_velocity_m_s,closed_form_m_s,printed_laws_m_s");
     for (int k = 0; k < volumes && !common_interrupted(); k++) {
         double R = pair->radius, volume = 1e-5 * riddle_exp(riddle_log(4e3) * k / (volumes - 1.0)) * R * R * R;
         bridge b = formed(pair, volume);
         double work = bridge_work(&b, 0.0, b.rupture_gap);
-        ul[k] = 1e9 * volume;
-        simulated[k] = sticking_velocity(s, pair, volume, false);
-        printed[k] = sticking_velocity(s, pair, volume, true);
-        closed[k] = bridge_sticking_velocity(work, reduced_mass(s), s->restitution);
-        double row[5] = {volume, work, simulated[k], closed[k], printed[k]};
-        riddle_io_row(file, row, 5);
+        results_row(t, NULL, volume, work, sticking_velocity(s, pair, volume, false),
+                    bridge_sticking_velocity(work, reduced_mass(s), s->restitution),
+                    sticking_velocity(s, pair, volume, true));
         progress_add(bar, 2.0);
     }
-    riddle_io_close(file);
+    results_csv(t, self->out, "sticking.csv");
+    const double *ul = results_column(t, "volume_m3", 1e9);
     riddle_plot *figure = riddle_plot_new(solids(&pair->def, text, sizeof text), 1, 1);
     riddle_plot_panel(figure, 0, 0, "bridge volume [µl]", "sticking velocity [m/s]");
     riddle_plot_log_x(figure);
     riddle_plot_log_y(figure);
-    riddle_plot_points(figure, "simulated", ul, simulated, volumes);
-    riddle_plot_line(figure, "sqrt(2 W/m)/e", ul, closed, volumes);
+    riddle_plot_points(figure, "simulated", ul, results_column(t, "sticking_velocity_m_s", 1.0), results_rows(t));
+    riddle_plot_line(figure, "sqrt(2 W/m)/e", ul, results_column(t, "closed_form_m_s", 1.0), results_rows(t));
     riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
-    riddle_plot_line(figure, "simulated, laws as printed", ul, printed, volumes);
+    riddle_plot_line(figure, "simulated, laws as printed", ul, results_column(t, "printed_laws_m_s", 1.0),
+                     results_rows(t));
     riddle_plot_style(figure, RIDDLE_PLOT_DASHED | RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     riddle_plot_write(figure, self->out, "sticking.svg");
+    results_free(t);
 
     bridge b = formed(pair, s->volume);
     double work = bridge_work(&b, 0.0, b.rupture_gap), m = reduced_mass(s);
@@ -339,12 +334,10 @@ static void draw_sticking(const program *self, const scene *s, const bridge_pair
         "V = %.3g µl: work to rupture %.4g J; sticks below %.4f m/s (closed form %.4f, laws as printed %.4f)%s; dry restitution %.4f\n",
         1e9 * s->volume, work, stick, bridge_sticking_velocity(work, m, s->restitution), as_printed,
         isinf(stick) ? ": at every speed to 10 m/s" : "", dry);
-    json_number(report, "work_to_rupture_J", work);
-    json_number(report, "reduced_mass_kg", m);
-    json_number(report, "restitution_dry", dry);
-    json_number(report, "sticking_velocity_m_s", stick);
-    json_number(report, "sticking_velocity_closed_form_m_s", bridge_sticking_velocity(work, m, s->restitution));
-    json_number(report, "sticking_velocity_printed_laws_m_s", as_printed);
+    results_values(report, {"work_to_rupture_J", work}, {"reduced_mass_kg", m}, {"restitution_dry", dry},
+                   {"sticking_velocity_m_s", stick},
+                   {"sticking_velocity_closed_form_m_s", bridge_sticking_velocity(work, m, s->restitution)},
+                   {"sticking_velocity_printed_laws_m_s", as_printed});
 }
 
 /* ---- the picture ---- */

@@ -109,13 +109,7 @@ static double run(const plan *p, int model, const holes *h, double wanted, doubl
 
 /* ---- uncertainty ---- */
 
-static double next_random(uint64_t *s) { /* 0 < u < 1, splitmix64 */
-    uint64_t x = *s += 0x9e3779b97f4a7c15u;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return ((double)((x ^ x >> 31) >> 11) + 0.5) * 0x1p-53;
-}
-static double normal(uint64_t *s) { return sqrt(-2.0 * log(next_random(s))) * cos(2.0 * pi * next_random(s)); }
+static double normal(uint64_t *s) { return sqrt(-2.0 * log(random_inner(s))) * cos(2.0 * pi * random_inner(s)); }
 
 static int ascending(const void *a, const void *b) {
     return (*(const double *)a > *(const double *)b) - (*(const double *)a < *(const double *)b);

@@ -5,18 +5,13 @@
 #include <string.h>
 
 #include "dem.h"
+#include "../examples/common/random.h"
 
-/* splitmix64 -> [0, 1) */
 typedef struct scene_random {
     uint64_t state;
 } scene_random;
 
-static inline double scene_uniform(scene_random *r) {
-    uint64_t z = r->state += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
+static inline double scene_uniform(scene_random *r) { return random_share(&r->state); }
 static inline double scene_between(scene_random *r, double low, double high) { return low + (high - low) * scene_uniform(r); }
 static inline dem_vec scene_vector(scene_random *r, double size) {
     dem_vec v;

@@ -8,14 +8,10 @@
 #include <stdlib.h>
 
 #include "filtration.h"
+#include "../examples/common/random.h"
 
 static uint64_t stream = 1;
-static double uniform(void) {
-    uint64_t x = stream += 0x9e3779b97f4a7c15u;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return ((double)((x ^ x >> 31) >> 11) + 0.5) * 0x1p-53;
-}
+static double uniform(void) { return random_inner(&stream); }
 static double normal(void) { return sqrt(-2.0 * log(uniform())) * cos(6.283185307179586 * uniform()); }
 
 enum { LARGEST = 200, KINDS = 9 };

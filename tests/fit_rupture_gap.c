@@ -8,15 +8,9 @@
 #include <stdlib.h>
 
 #include "liquid_bridge.h"
+#include "../examples/common/random.h"
 
 enum { TERMS = 35, ROUNDS = 80 }; /* of a cubic in four variables */
-
-static double uniform(uint64_t *random) {
-    uint64_t z = *random += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
 
 typedef struct bridge_case {
     double ratio, volume, small, large, gap; /* radii [-], V/R_h^3 [-], angles [rad], rupture gap over R_h [-] */
@@ -41,14 +35,14 @@ static bridge_case draw(uint64_t *random) {
     for (;;) {
         bridge_case c;
         double angle[2];
-        const double kind = uniform(random);
-        c.ratio = kind < 0.2 ? 0.0 : kind < 0.4 ? 1.0 : uniform(random);
-        c.volume = exp(log(1e-6) + uniform(random) * log(1e5));
+        const double kind = random_share(random);
+        c.ratio = kind < 0.2 ? 0.0 : kind < 0.4 ? 1.0 : random_share(random);
+        c.volume = exp(log(1e-6) + random_share(random) * log(1e5));
         for (int k = 0; k < 2; k++) {
-            angle[k] = 50.0 * uniform(random);
-            if (uniform(random) < 0.25) angle[k] = 15.0 * floor(angle[k] / 15.0 + 0.5);
+            angle[k] = 50.0 * random_share(random);
+            if (random_share(random) < 0.25) angle[k] = 15.0 * floor(angle[k] / 15.0 + 0.5);
         }
-        if (uniform(random) < 0.15) angle[1] = angle[0];
+        if (random_share(random) < 0.15) angle[1] = angle[0];
         c.small = angle[0] * RIDDLE_PI / 180.0, c.large = angle[1] * RIDDLE_PI / 180.0;
         if (c.ratio == 1.0 && c.small > c.large) { /* equal spheres: the smaller angle is called that of the smaller one */
             const double swapped = c.small;

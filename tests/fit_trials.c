@@ -11,12 +11,10 @@
 #include "blocking.h"
 #include "classifier.h"
 #include "screen_models.h"
+#include "../examples/common/random.h"
 
 static uint64_t state = 20261126;
-static double share(void) {
-    state = state * 6364136223846793005u + 1442695040888963407u;
-    return (double)(state >> 11) * 0x1p-53;
-}
+static double share(void) { return random_plain(&state); }
 static double between(double low, double high) { return low + (high - low) * share(); }
 static double normal(void) {
     const double u = share(), v = share();

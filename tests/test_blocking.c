@@ -11,24 +11,17 @@
 
 #include <cmocka.h>
 
+#include "near.h"
+
 #include "blocking.h"
+#include "../examples/common/random.h"
 
 #define LENGTH(array) (sizeof(array) / sizeof((array)[0]))
 
 static const double nan_ = (double)NAN;
 
-/* |got - wanted| <= tolerance * max(1, |wanted|), and NaN fails */
-#define near(got, wanted, tolerance) near_at(got, wanted, tolerance, __LINE__)
-static void near_at(double got, double wanted, double tolerance, int line) {
-    if (!(fabs(got - wanted) <= tolerance * (fabs(wanted) > 1.0 ? fabs(wanted) : 1.0)))
-        fail_msg("line %d: %.17g, wanted %.17g, off by %.3g", line, got, wanted, got - wanted);
-}
-/* |got - wanted| <= tolerance * |wanted| */
-#define close_to(got, wanted, tolerance) close_at(got, wanted, tolerance, __LINE__)
-static void close_at(double got, double wanted, double tolerance, int line) {
-    if (!(fabs(got - wanted) <= tolerance * fabs(wanted)))
-        fail_msg("line %d: %.17g, wanted %.17g, relative %.3g", line, got, wanted, (got - wanted) / wanted);
-}
+#undef near
+#define near(got, wanted, tolerance) near_absolute(got, wanted, (tolerance) * fmax(fabs((double)(wanted)), 1.0), NEAR_PLACE)
 
 /* Table 2: f = f_inf + A exp(-k t), and what section 4 of the specification says of it; the row 8b experimental is the paper's */
 static const struct {
@@ -227,17 +220,12 @@ static void curves_to_the_last_digits(void **state) {
     assert_int_equal(rows, 137);
 }
 
-static double next_random(uint64_t *s) { /* 0 <= u < 1 */
-    *s = *s * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*s >> 11) * 0x1p-53;
-}
-
 static void invariants(void **state) {
     (void)state;
     uint64_t seed = 7;
     for (int i = 0; i < 200000; i++) {
-        double f0 = next_random(&seed), k1 = exp(20 * next_random(&seed) - 14), k2 = exp(20 * next_random(&seed) - 14);
-        double t = exp(24 * next_random(&seed) - 12), s = exp(24 * next_random(&seed) - 12);
+        double f0 = random_plain(&seed), k1 = exp(20 * random_plain(&seed) - 14), k2 = exp(20 * random_plain(&seed) - 14);
+        double t = exp(24 * random_plain(&seed) - 12), s = exp(24 * random_plain(&seed) - 12);
         if (i % 17 == 0) k1 = 0.0;
         if (i % 13 == 0) k2 = 0.0;
         if (i % 11 == 0) f0 = i % 2;
@@ -615,9 +603,9 @@ static void three_points(void **state) {
     uint64_t seed = 3; /* any times, rising and falling curves, against the parameters */
     int solved = 0;
     for (int i = 0; i < 100000; i++) {
-        double f0 = next_random(&seed), fi = next_random(&seed), kk = exp(12 * next_random(&seed) - 8),
-               ta = i % 3 ? next_random(&seed) / kk : 0.0;
-        double h = 3 * next_random(&seed) / kk + 1e-3 / kk, rho = 1.05 + 8 * next_random(&seed);
+        double f0 = random_plain(&seed), fi = random_plain(&seed), kk = exp(12 * random_plain(&seed) - 8),
+               ta = i % 3 ? random_plain(&seed) / kk : 0.0;
+        double h = 3 * random_plain(&seed) / kk + 1e-3 / kk, rho = 1.05 + 8 * random_plain(&seed);
         if (i % 5 == 0) rho = 2;
         if (i % 5 == 1) rho = 3;
         double t[3] = {ta, ta + h, ta + rho * h}, f[3], noise = 4e-16;
@@ -834,7 +822,7 @@ static void fit_statuses(void **state) {
 /* A normal deviate (sum of twelve uniforms) */
 static double deviate(uint64_t *seed) {
     double sum = -6.0;
-    for (int i = 0; i < 12; i++) sum += next_random(seed);
+    for (int i = 0; i < 12; i++) sum += random_plain(seed);
     return sum;
 }
 
@@ -944,10 +932,7 @@ static void fits_of_counted_holes(void **state) {
         for (int j = 0; j < N; j++) {
             const double p = blocking_curve(0.985, 0.8, 0.02, t[j]);
             free_holes[j] = 0, holes[j] = 200;
-            for (int k = 0; k < 200; k++) {
-                seed = seed * 6364136223846793005u + 1442695040888963407u;
-                free_holes[j] += (double)(seed >> 11) * 0x1p-53 < p;
-            }
+            for (int k = 0; k < 200; k++) free_holes[j] += random_plain(&seed) < p;
         }
         assert_true(blocking_fit_holes(&def, t, free_holes, holes, N, f, sigma, &fit) <= BLOCKING_NOT_RESOLVED);
         held[0] += fit.f0_lowest <= 0.985 && 0.985 <= fit.f0_highest, held[1] += fit.f_inf_lowest <= 0.8 && 0.8 <= fit.f_inf_highest;
@@ -1065,7 +1050,7 @@ static void equal_readings_with_sigma(void **state) {
         double counted[5], error[5];
         for (int j = 0; j < 5; j++) {
             int free_holes = 0;
-            for (int hole = 0; hole < 100; hole++) free_holes += next_random(&seed) < .998;
+            for (int hole = 0; hole < 100; hole++) free_holes += random_plain(&seed) < .998;
             const double share = (free_holes + 1.0) / 102.0; /* as examples/sieve_blocking/blocking_tests.h */
             counted[j] = free_holes / 100.0;
             error[j] = sqrt(share * (1.0 - share) / 100.0);
@@ -1133,12 +1118,12 @@ static void noisy_sets(void **state) {
     uint64_t seed = 8;
     blocking_fit_def def = blocking_default_fit_def();
     for (int i = 0; i < 2000; i++) {
-        double t[9], f[9], now = 0.0, f0 = next_random(&seed), f_inf = i % 3 ? next_random(&seed) : i % 2,
-                           k = exp(-6.0 * next_random(&seed)), noise = i % 4 ? 0.03 : 0.3;
+        double t[9], f[9], now = 0.0, f0 = random_plain(&seed), f_inf = i % 3 ? random_plain(&seed) : i % 2,
+                           k = exp(-6.0 * random_plain(&seed)), noise = i % 4 ? 0.03 : 0.3;
         int n = 4 + i % 6;
         for (int j = 0; j < n; j++) {
             t[j] = now;
-            now += 0.1 + 20.0 * next_random(&seed);
+            now += 0.1 + 20.0 * random_plain(&seed);
             f[j] = fmin(1.0, fmax(0.0, blocking_curve(f0, f_inf, k, t[j]) + noise * deviate(&seed)));
             if (i % 50 == 0 && j == 2) f[j] = i % 100 ? 1.0 : 0.0; /* an outlier */
         }
@@ -1633,15 +1618,15 @@ static void deck_area(void **state) {
 /* Zeros, denormals, the largest, infinities, NaN, percents, negatives and, mostly, fractions */
 static double any(uint64_t *s) {
     static const double odd[] = {0, -0.0, 1, 0.5, 4.9e-324, 1e-300, 1e300, DBL_MAX, -1, -1e-300, 95, 1e-9, 1e9, HUGE_VAL, -HUGE_VAL};
-    size_t pick = (size_t)(40.0 * next_random(s));
+    size_t pick = (size_t)(40.0 * random_plain(s));
     if (pick < LENGTH(odd)) return odd[pick];
     if (pick == LENGTH(odd)) return nan_;
-    return pick < 32 ? next_random(s) : 100.0 * next_random(s);
+    return pick < 32 ? random_plain(s) : 100.0 * random_plain(s);
 }
 
 static void any_rates(void *user, double t, double *k1, double *k2) {
     uint64_t *s = (uint64_t *)user;
-    int wild = next_random(s) < 0.1;
+    int wild = random_plain(s) < 0.1;
     *k1 = wild ? any(s) : 0.01 * (1.0 + sin(t));
     *k2 = wild ? any(s) : 0.2;
 }
@@ -1666,12 +1651,12 @@ static void any_numbers(void **state) {
         assert_true(isnan(f) || (f >= 0.0 && f <= 1.0));
 
         double t[8], g[8], sigma[8], mean[8], now = 0.0;
-        size_t n = (size_t)(9.0 * next_random(&s));
+        size_t n = (size_t)(9.0 * random_plain(&s));
         for (int j = 0; j < 8; j++) {
-            now += next_random(&s) < 0.05 ? any(&s) : 10.0 * next_random(&s);
+            now += random_plain(&s) < 0.05 ? any(&s) : 10.0 * random_plain(&s);
             t[j] = now;
-            g[j] = next_random(&s) < 0.05 ? any(&s) : next_random(&s);
-            sigma[j] = next_random(&s) < 0.02 ? any(&s) : 0.01;
+            g[j] = random_plain(&s) < 0.05 ? any(&s) : random_plain(&s);
+            sigma[j] = random_plain(&s) < 0.02 ? any(&s) : 0.01;
         }
         blocking_estimate estimate;
         blocking_status status = blocking_three_point(t, g, i % 10 ? 0.01 : a, i % 7 ? 1e-9 : b, &estimate);
@@ -1695,7 +1680,7 @@ static void any_numbers(void **state) {
             double out[8];
             def.rates = any_rates;
             def.user = &s;
-            def.f0 = i % 100 < 50 ? next_random(&s) : a;
+            def.f0 = i % 100 < 50 ? random_plain(&s) : a;
             def.tolerance = 1e-3;
             def.max_steps = 200;
             def.breaks = sigma;

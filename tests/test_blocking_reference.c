@@ -9,13 +9,9 @@
 #include <cmocka.h>
 
 #include "blocking.h"
+#include "../examples/common/random.h"
 
-static double next_random(uint64_t *s) { /* 0 <= u < 1 */
-    *s = *s * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*s >> 11) * 0x1p-53;
-}
-
-static double between(uint64_t *s, double low, double high) { return low + (high - low) * next_random(s); }
+static double between(uint64_t *s, double low, double high) { return low + (high - low) * random_plain(s); }
 
 /* ---- the ODE by classical Runge-Kutta with very small steps ---- */
 
@@ -39,11 +35,11 @@ static void integration(void **state) {
     (void)state;
     uint64_t seed = 5;
     for (int i = 0; i < 40; i++) {
-        waves w = {{between(&seed, 0.0, 0.3), next_random(&seed), between(&seed, 0.0, 3.0)},
-                   {between(&seed, 0.0, 0.3), next_random(&seed), between(&seed, 0.0, 3.0)}};
+        waves w = {{between(&seed, 0.0, 0.3), random_plain(&seed), between(&seed, 0.0, 3.0)},
+                   {between(&seed, 0.0, 0.3), random_plain(&seed), between(&seed, 0.0, 3.0)}};
         const double start = between(&seed, -5.0, 5.0), length = between(&seed, 0.1, 40.0);
         blocking_ode_def def = blocking_default_ode_def();
-        def.f0 = next_random(&seed);
+        def.f0 = random_plain(&seed);
         def.start = start;
         def.rates = wave_rates;
         def.user = &w;
@@ -96,7 +92,7 @@ static void least_squares(void **state) {
     blocking_fit_def def = blocking_default_fit_def();
     for (int trial = 0; trial < 300; trial++) {
         double t[9], f[9], sigma[9], now = trial % 2 ? 0.0 : between(&seed, 0.0, 5.0);
-        double f0 = next_random(&seed), f_inf = next_random(&seed), k = exp(between(&seed, -5.0, 0.5)), noise = trial % 3 ? 0.02 : 0.2;
+        double f0 = random_plain(&seed), f_inf = random_plain(&seed), k = exp(between(&seed, -5.0, 0.5)), noise = trial % 3 ? 0.02 : 0.2;
         int n = 4 + trial % 6;
         for (int i = 0; i < n; i++) {
             t[i] = now;
@@ -163,7 +159,7 @@ static void three_readings(void **state) {
     for (int i = 0; i < 20000; i++) {
         double t[3] = {0.0, between(&seed, 0.1, 10.0), 0.0}, rho = between(&seed, 1.1, 9.0);
         t[2] = rho * t[1];
-        double f[3] = {next_random(&seed), next_random(&seed), next_random(&seed)}, q = (f[2] - f[0]) / (f[1] - f[0]);
+        double f[3] = {random_plain(&seed), random_plain(&seed), random_plain(&seed)}, q = (f[2] - f[0]) / (f[1] - f[0]);
         blocking_estimate e;
         blocking_status status = blocking_three_point(t, f, 0.01, 1e-9, &e);
         rho = t[2] / t[1];
@@ -264,11 +260,11 @@ static void bits(void **state) {
     uint64_t hash = 14695981039346656037u, seed = 31;
     blocking_fit_def fit_def = blocking_default_fit_def();
     for (int i = 0; i < 300; i++) {
-        double f0 = next_random(&seed), f_inf = next_random(&seed), k = 0.3 * next_random(&seed), t[6], f[6], now = 0.0;
+        double f0 = random_plain(&seed), f_inf = random_plain(&seed), k = 0.3 * random_plain(&seed), t[6], f[6], now = 0.0;
         for (int j = 0; j < 6; j++) {
             t[j] = now;
-            now += 0.1 + 10.0 * next_random(&seed);
-            f[j] = 0.9 * blocking_curve(f0, f_inf, k, t[j]) + 0.1 * next_random(&seed);
+            now += 0.1 + 10.0 * random_plain(&seed);
+            f[j] = 0.9 * blocking_curve(f0, f_inf, k, t[j]) + 0.1 * random_plain(&seed);
         }
         mix(&hash, blocking_time_mean(f0, f_inf, k, t[5]));
         mix(&hash, blocking_time_to(f[2], f0, f_inf, k));

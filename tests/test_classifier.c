@@ -10,23 +10,17 @@
 
 #include <cmocka.h>
 
+#include "near.h"
+
 #include "classifier.h"
 #include "failing_allocator.h"
+#include "../examples/common/random.h"
 
 #define LENGTH(array) ((int)(sizeof(array) / sizeof((array)[0])))
 
 static const double nan_ = (double)NAN;
 
 /* relative */
-#define close_to(got, wanted, tolerance) close_at(got, wanted, tolerance, __LINE__)
-static void close_at(double got, double wanted, double tolerance, int line) {
-    if (!(fabs(got - wanted) <= tolerance * fabs(wanted)))
-        fail_msg("line %d: %.17g, wanted %.17g, relative %.3g", line, got, wanted, (got - wanted) / wanted);
-}
-#define near(got, wanted, tolerance) near_at(got, wanted, tolerance, __LINE__)
-static void near_at(double got, double wanted, double tolerance, int line) {
-    if (!(fabs(got - wanted) <= tolerance)) fail_msg("line %d: %.17g, wanted %.17g, off by %.3g", line, got, wanted, got - wanted);
-}
 static double degrees(double angle) { return angle * RIDDLE_PI / 180.0; }
 
 /* the paper's wheel with the undisturbed gas velocity */
@@ -1390,10 +1384,7 @@ static void test_fits_whose_best_value_lies_on_a_border(void **state) {
     (void)state;
     for (int k = 0; k < 100; k++) {
         double uniform[64], x[20], t[20];
-        for (int i = 0; i < 64; i++) {
-            random = random * 6364136223846793005u + 1442695040888963407u;
-            uniform[i] = (double)(random >> 11) * 0x1p-53;
-        }
+        for (int i = 0; i < 64; i++) uniform[i] = random_plain(&random);
         const double slope = 1.2 + 1.8 * uniform[0], scatter = 0.01 + 0.02 * uniform[1];
         const int n = 6 + (int)(14.0 * uniform[2]);
         for (int i = 0; i < n; i++) {

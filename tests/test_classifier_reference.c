@@ -11,17 +11,13 @@
 
 #include <cmocka.h>
 
+#include "near.h"
+
 #include "classifier.h"
 #include "examples/common/csv.h"
 
 #define LENGTH(array) ((int)(sizeof(array) / sizeof((array)[0])))
 #define PI 3.14159265358979323846
-
-#define close_to(got, wanted, tolerance) close_at(got, wanted, tolerance, __LINE__, "")
-static void close_at(double got, double wanted, double tolerance, int line, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance * fabs(wanted)))
-        fail_msg("line %d: %s %.17g, wanted %.17g, relative %.3g", line, what, got, wanted, (got - wanted) / wanted);
-}
 
 /* ---- 40-digit laws ---- */
 
@@ -59,7 +55,7 @@ static void laws_to_forty_digits(void **state) {
     for (int i = 0; i < data.rows; i++) {
         const char *name = data.cells[i * data.columns + csv_column(&data, "law")];
         double value = csv_value(&data, i, "value");
-        close_at(law(name, csv_value(&data, i, "a"), csv_value(&data, i, "b"), csv_value(&data, i, "c")), value, 1e-12, i, name);
+        near_relative(law(name, csv_value(&data, i, "a"), csv_value(&data, i, "b"), csv_value(&data, i, "c")), value, 1e-12, name);
     }
     csv_free(&data);
 }

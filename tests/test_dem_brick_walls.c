@@ -1,5 +1,6 @@
 /* Edges and faces of polyhedra at walls that are not flat: wires, cylinders, edges and corners of meshes, rims of cones. */
 #include "dem.h"
+#include "../examples/common/random.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,26 +9,15 @@
 
 #include <cmocka.h>
 
+#include "near.h"
+
 static uint64_t seed = 1;
-static double uniform(double low, double high) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
-}
-static double bell(void) {
-    double sum = -6.0;
-    for (int k = 0; k < 12; k++) sum += uniform(0, 1);
-    return sum;
-}
+static double uniform(double low, double high) { return low + (high - low) * random_plain(&seed); }
 static dem_quaternion turned(void) {
     dem_quaternion q;
-    q.w = bell(), q.x = bell(), q.y = bell(), q.z = bell();
+    q.w = random_bell(&seed), q.x = random_bell(&seed), q.y = random_bell(&seed), q.z = random_bell(&seed);
     return q;
 }
-static void near(double a, double b, double tolerance) {
-    if (!(fabs(a - b) <= tolerance)) print_message("%.15g is not %.15g\n", a, b);
-    assert_true(fabs(a - b) <= tolerance);
-}
-
 static void make(dem_world *w, double dt, double k, double e, double friction, dem_vec gravity) {
     dem_def def = dem_default_def();
     const int m = dem_add_material(&def, 1000.0, 1e7, 0.3);
@@ -232,7 +222,7 @@ static void test_energy(void **state) {
             make(&w, 3.14159265358979 * sqrt(m / k) / 200, k, 1.0, 0.0, dem_vec3(0, 0, 0));
             add_wall(&w, kind);
             put(&w, dem_vec3(1, 1, 2.08), dem_vec3(uniform(-0.5, 0.5), uniform(-0.5, 0.5), 1.4), turned());
-            dem_set_motion(&w, 0, dem_vec3(0, 0, -1), dem_vec3(0.3 * bell(), 0.3 * bell(), 0.3 * bell()));
+            dem_set_motion(&w, 0, dem_vec3(0, 0, -1), dem_vec3(0.3 * random_bell(&seed), 0.3 * random_bell(&seed), 0.3 * random_bell(&seed)));
             const dem_energy_ledger l = dem_energy(&w);
             const double before = l.kinetic + l.rotational;
             double lowest = 2.0;

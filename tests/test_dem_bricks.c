@@ -1,5 +1,6 @@
 /* Polyhedra as particles of dem.h: at rest, sliding, tipping, rocking, in hits, rebounding; with spheres, walls, threads, saves. */
 #include "dem.h"
+#include "../examples/common/random.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,22 +9,11 @@
 
 #include <cmocka.h>
 
+#include "near.h"
+
 static const double pi = 3.14159265358979323846;
 static uint64_t seed = 1;
-static double uniform(double low, double high) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
-}
-static double bell(void) {
-    double sum = -6.0;
-    for (int k = 0; k < 12; k++) sum += uniform(0, 1);
-    return sum;
-}
-static void near(double a, double b, double tolerance) {
-    if (!(fabs(a - b) <= tolerance)) print_message("%.15g is not %.15g\n", a, b);
-    assert_true(fabs(a - b) <= tolerance);
-}
-
+static double uniform(double low, double high) { return low + (high - low) * random_plain(&seed); }
 /* A world of one material, 1000 kg/m3. */
 static void make(dem_world *w, double dt, double k, double e, double friction, double tangential_ratio, dem_vec gravity,
                  int threads) {
@@ -231,9 +221,9 @@ static double hit_error(int hits, double steps, double friction) {
         make(&w, pi * sqrt(0.5 * m / k) / steps, k, 1.0, friction, 0.8, dem_vec3(0, 0, 0), 1);
         const int shape = brick(&w, 1.0, 1.0, 2.08, 0.05);
         for (int i = 0; i < 2; i++)
-            put(&w, shape, 2.6 * i, 0.5 * i * bell(), 0.5 * i * bell(), bell(), bell(), bell(), bell());
-        dem_set_motion(&w, 0, dem_vec3(0.5, 0, 0), dem_vec3(0.3 * bell(), 0.3 * bell(), 0.3 * bell()));
-        dem_set_motion(&w, 1, dem_vec3(-0.5, 0, 0), dem_vec3(0.3 * bell(), 0.3 * bell(), 0.3 * bell()));
+            put(&w, shape, 2.6 * i, 0.5 * i * random_bell(&seed), 0.5 * i * random_bell(&seed), random_bell(&seed), random_bell(&seed), random_bell(&seed), random_bell(&seed));
+        dem_set_motion(&w, 0, dem_vec3(0.5, 0, 0), dem_vec3(0.3 * random_bell(&seed), 0.3 * random_bell(&seed), 0.3 * random_bell(&seed)));
+        dem_set_motion(&w, 1, dem_vec3(-0.5, 0, 0), dem_vec3(0.3 * random_bell(&seed), 0.3 * random_bell(&seed), 0.3 * random_bell(&seed)));
         const double before = energy(&w);
         const dem_vec turning = angular(&w);
         while (w.time < 3.0 || dem_contact_count(&w) > 0) RUN(&w, 0.1);
@@ -269,7 +259,7 @@ static void test_rebound(void **state) {
             make(&w, pi * sqrt(m / k) / 25, k, table[row][0], 0.8, 0.78, dem_vec3(0, 0, 0), 1);
             ground(&w);
             const int shape = brick(&w, 1.0, 1.0, 2.08, 0.005); /* as the spec's, whose corners are points */
-            put(&w, shape, 0, 0, 1.3, bell(), bell(), bell(), bell());
+            put(&w, shape, 0, 0, 1.3, random_bell(&seed), random_bell(&seed), random_bell(&seed), random_bell(&seed));
             dem_set_motion(&w, 0, dem_vec3(0, 0, -1), dem_vec3(0, 0, 0));
             do RUN(&w, 0.1);
             while (dem_position(&w, 0).z < 1.25 && w.time < 10.0);
@@ -300,7 +290,7 @@ static void fill_box(dem_world *w, int threads, int n) {
         const double x = (k % 5 - 2) * 3e-3, y = (k / 5 % 5 - 2) * 3e-3, z = 2e-3 + k / 25 * 2.4e-3, d = 1.5e-3,
                      at[3] = {x, y, z};
         if (k % 7 == 3) assert_int_equal(dem_add_spheres(w, 1, at, &d, 0, 0), DEM_OK);
-        else put(w, shapes[k % 2], x, y, z, bell(), bell(), bell(), bell());
+        else put(w, shapes[k % 2], x, y, z, random_bell(&seed), random_bell(&seed), random_bell(&seed), random_bell(&seed));
         dem_set_motion(w, k, dem_vec3(0, 0, -1), dem_vec3(0, 0, 0));
     }
 }
@@ -542,14 +532,8 @@ static void test_as_given(void **state) {
     for (int k = 0; k < 300; k++) {
         double corner[6][3] = {{0, 0, 0}, {3e-3, 0, 0}, {0, 1e-3, 0}, {3e-3, 1e-3, 0}, {0, 0, 2e-3}, {0, 1e-3, 2e-3}},
                v[8];
-        for (int n = 0; n < 12 && k > 0; n++) {
-            random = random * 6364136223846793005u + 1442695040888963407u;
-            corner[n / 3][n % 3] = 4e-3 * (double)(random >> 11) / 9007199254740992.0;
-        }
-        for (int n = 0; n < 8; n++) {
-            random = random * 6364136223846793005u + 1442695040888963407u;
-            v[n] = (double)(random >> 11) / 9007199254740992.0 - 0.5;
-        }
+        for (int n = 0; n < 12 && k > 0; n++) corner[n / 3][n % 3] = 4e-3 * random_plain(&random);
+        for (int n = 0; n < 8; n++) v[n] = random_plain(&random) - 0.5;
         dem_convex s;
         if (dem_make_convex(&s, k > 0 ? 4 : 6, corner[0], 0.03, NULL) != DEM_OK) continue; /* too flat */
         dem_def def = dem_default_def();

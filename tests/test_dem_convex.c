@@ -1,5 +1,6 @@
 /* Convex polyhedra of dem.h: their making, distances against a search through all features, points of contact. */
 #include "dem.h"
+#include "../examples/common/random.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,13 +9,10 @@
 
 #include <cmocka.h>
 
-static void near(double a, double b, double tolerance) { assert_true(fabs(a - b) <= tolerance); }
+#include "near.h"
 
 static uint64_t seed = 1;
-static double uniform(double low, double high) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
-}
+static double uniform(double low, double high) { return low + (high - low) * random_plain(&seed); }
 
 static dem__placed placed(dem_vec x, double w, double a, double b, double c) { /* by a quaternion of any length */
     const double f = 1.0 / sqrt(w * w + a * a + b * b + c * c);

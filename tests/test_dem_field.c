@@ -11,6 +11,7 @@
 #include "dem.h"
 
 #include "failing_allocator.h"
+#include "../examples/common/random.h"
 
 DEM_GAS(stokes, dem_drag_stokes)
 DEM_GAS(schiller, dem_drag_schiller_naumann)
@@ -735,10 +736,7 @@ static void add_bodies(dem_world *w, int bricks, int n, double d, uint64_t rando
     assert_true(shape >= 0);
     for (int k = 0; k < n; k++) {
         const double at[3] = {(k % 8 - 3.5) * 2.5e-4, 6e-4 + 1.5e-4 * (k / 8), bricks ? 2e-4 : -2e-4};
-        for (int q = 0; q < 7; q++) {
-            random = random * 6364136223846793005u + 1442695040888963407u;
-            v[q] = (double)(random >> 11) * 0x1p-52 - 1.0;
-        }
+        for (int q = 0; q < 7; q++) v[q] = 2.0 * random_plain(&random) - 1.0;
         if (bricks) assert_int_equal(dem_add_convex(w, shape, 1, at, v, 0, 0), DEM_OK);
         else assert_int_equal(dem_add_clumps(w, 1, &pair, at, &d, v, 0, 0), DEM_OK);
         assert_int_equal(dem_set_motion(w, w->count - 1, dem_vec3(2 * v[4], 2 * v[5], v[6]), dem_vec3(3e3 * v[0], 3e3 * v[1], 0)), DEM_OK);

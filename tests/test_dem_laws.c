@@ -7,6 +7,8 @@
 /* cmocka wants the four above first */
 #include <cmocka.h>
 
+#include "near.h"
+
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,13 +39,6 @@ static const use uses[] = {
 };
 enum { JKR, DMT, EPSD, EPSD_HERTZ, BONDS, USES };
 
-static void near_relative(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance * fabs(wanted)))
-        fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got / wanted - 1.0);
-}
-static void near_absolute(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got - wanted);
-}
 static dem_vec v3(double x, double y, double z) { return dem_vec3(x, y, z); }
 static const dem_vec none = {0.0, 0.0, 0.0}, up = {0.0, 0.0, 1.0};
 

@@ -6,6 +6,8 @@
 /* cmocka wants the four above first */
 #include <cmocka.h>
 
+#include "near.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -13,13 +15,6 @@
 
 static const double nan_ = (double)NAN, inf = (double)INFINITY, g = 9.81;
 
-static void near_relative(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance * fabs(wanted)))
-        fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got / wanted - 1.0);
-}
-static void near_absolute(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got - wanted);
-}
 static dem_vec v3(double x, double y, double z) { return dem_vec3(x, y, z); }
 
 static dem_def soft_def(void) {
@@ -289,6 +284,58 @@ static void test_kinetic(void **state) {
 
 /* ---- contacts ---- */
 
+/* Bricks whose long axes point where they are told: the tensor, its parameter and its direction, in a part of space, too; clumps alike. */
+static void test_order(void **state) {
+    (void)state;
+    enum { N = 400 };
+    dem_world w;
+    dem_def def = soft_def();
+    dem_convex shape;
+    dem_order order;
+    double centre[N][3], turn[N][4];
+    uint64_t random = 3;
+    start(&w, &def);
+    add(&w, v3(0, 0, -1), 5e-3, 0); /* a sphere lies nowhere */
+    assert_int_equal(dem_measure_order(&w, NULL, 2, &order), DEM_OK);
+    assert_true(order.bodies == 0 && isnan(order.parameter));
+    assert_int_equal(dem_make_brick(&shape, v3(1e-3, 2e-3, 4e-3), 0.05, NULL), DEM_OK);
+    const int number = dem_add_shape(&w, &shape);
+    for (int k = 0; k < N; k++) {
+        centre[k][0] = 0.01 * (k % 20), centre[k][1] = 0.01 * (k / 20), centre[k][2] = 0.0;
+        turn[k][0] = 1.0, turn[k][1] = k < N / 2 ? 0.0 : 1.0, turn[k][2] = turn[k][3] = 0.0; /* half along z, half along y */
+    }
+    assert_int_equal(dem_add_convex(&w, number, N, &centre[0][0], &turn[0][0], 0, 0), DEM_OK);
+    assert_int_equal(dem_measure_order(&w, NULL, 2, &order), DEM_OK);
+    assert_int_equal(order.bodies, N);
+    near_absolute(order.tensor[0][0], -0.5, 1e-12, "across"), near_absolute(order.tensor[2][2], 0.25, 1e-12, "along");
+    near_absolute(order.parameter, 0.25, 1e-12, "parameter");
+    const dem_region half = dem_box_region(v3(-1, -1, -1), v3(1, 0.095, 1));
+    assert_int_equal(dem_measure_order(&w, &half, 2, &order), DEM_OK);
+    assert_int_equal(order.bodies, N / 2);
+    near_absolute(order.parameter, 1.0, 1e-12, "parallel"), near_absolute(fabs(order.director.z), 1.0, 1e-12, "director");
+    assert_int_equal(dem_measure_order(&w, &half, 0, &order), DEM_OK);
+    near_absolute(fabs(order.director.x), 1.0, 1e-12, "director of x");
+    for (ptrdiff_t i = 1; i < w.count; i++) {
+        const dem_quaternion q = {dem__uniform(&random) - 0.5, dem__uniform(&random) - 0.5, dem__uniform(&random) - 0.5, dem__uniform(&random) - 0.5};
+        assert_int_equal(dem_set_orientation(&w, i, q), DEM_OK);
+    }
+    assert_int_equal(dem_measure_order(&w, NULL, 2, &order), DEM_OK);
+    assert_true(order.parameter > 0.0 && order.parameter < 0.2);
+    near_absolute(order.tensor[0][0] + order.tensor[1][1] + order.tensor[2][2], 0.0, 1e-12, "trace");
+    const double three[9] = {0, 0, 0, 0, 2e-3, 0, 0, 4e-3, 0}, diameter[3] = {3e-3, 3e-3, 3e-3}, at[3] = {0, 0, 0.5}, up[4] = {1, 1, 0, 0};
+    dem_clump clump;
+    assert_int_equal(dem_make_clump(3, three, diameter, &clump), DEM_OK);
+    assert_int_equal(dem_add_clumps(&w, 1, &clump, at, NULL, up, 0, 0), DEM_OK);
+    const dem_region above = dem_box_region(v3(-1, -1, 0.4), v3(1, 1, 0.6));
+    assert_int_equal(dem_measure_order(&w, &above, 1, &order), DEM_OK);
+    assert_int_equal(order.bodies, 1);
+    near_absolute(fabs(order.director.z), 1.0, 1e-12, "clump");
+    assert_int_equal(dem_measure_order(&w, NULL, 3, &order), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_measure_order(NULL, NULL, 0, &order), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_measure_order(&w, NULL, 0, NULL), DEM_BAD_ARGUMENT);
+    dem_free(&w);
+}
+
 /* A sphere that slides has the tangential force that Coulomb's law gives. */
 static void test_histogram_of_tangential_forces(void **state) {
     (void)state;
@@ -475,7 +522,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_ball_in_box), cmocka_unit_test(test_solid_fraction), cmocka_unit_test(test_column),
         cmocka_unit_test(test_bed),         cmocka_unit_test(test_kinetic),        cmocka_unit_test(test_histogram_of_tangential_forces),
-        cmocka_unit_test(test_histogram_and_unlike_contacts),
+        cmocka_unit_test(test_histogram_and_unlike_contacts), cmocka_unit_test(test_order),
         cmocka_unit_test(test_residence),   cmocka_unit_test(test_mixing),         cmocka_unit_test(test_bad_input),
     };
     return cmocka_run_group_tests_name("dem_measure", tests, NULL, NULL);

@@ -1,6 +1,7 @@
 /* Clumps and polyhedra where others are seldom: in drums, through exits, across periodic edges, thin, long, tiny and huge; and feeds of
    them from a surface. Energy, momentum, saves and threads hold as everywhere. */
 #include "dem.h"
+#include "../examples/common/random.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -9,16 +10,10 @@
 
 #include <cmocka.h>
 
-static uint64_t seed = 1;
-static double uniform(double low, double high) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    return low + (high - low) * (double)(seed >> 11) / 9007199254740992.0;
-}
-static void near(double a, double b, double tolerance) {
-    if (!(fabs(a - b) <= tolerance)) print_message("%.15g is not %.15g\n", a, b);
-    assert_true(fabs(a - b) <= tolerance);
-}
+#include "near.h"
 
+static uint64_t seed = 1;
+static double uniform(double low, double high) { return low + (high - low) * random_plain(&seed); }
 static dem_def definition(double dt, double k, double e, dem_vec gravity) {
     dem_def def = dem_default_def();
     const int m = dem_add_material(&def, 1000.0, 1e7, 0.3);

@@ -7,18 +7,12 @@
 /* cmocka wants the four above first */
 #include <cmocka.h>
 
+#include "near.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "dem_scenes.h"
-
-static void near_relative(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance * fabs(wanted)))
-        fail_msg("%s: %.12g, not %.12g (off by %.2g)", what, got, wanted, got / wanted - 1.0);
-}
-static void near_absolute(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.12g, not %.12g (off by %.2g)", what, got, wanted, got - wanted);
-}
 
 /* ---- one impact: sphere 0 comes down along z on a sphere or on a plane ---- */
 

@@ -6,18 +6,14 @@
 /* cmocka wants the four above first */
 #include <cmocka.h>
 
+#include "near.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "dem_scenes.h"
 #include "failing_allocator.h"
 
-static void near_absolute(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got - wanted);
-}
-static void near_relative(double got, double wanted, double tolerance, const char *what) {
-    near_absolute(got, wanted, tolerance * fabs(wanted), what);
-}
 static void near_vec(dem_vec got, dem_vec wanted, double tolerance, const char *what) {
     near_absolute(got.x, wanted.x, tolerance, what), near_absolute(got.y, wanted.y, tolerance, what),
         near_absolute(got.z, wanted.z, tolerance, what);

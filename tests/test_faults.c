@@ -7,6 +7,8 @@
 /* cmocka wants the four above first */
 #include <cmocka.h>
 
+#include "near.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,12 +16,6 @@
 
 #include "dem.h"
 
-static void near_absolute(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got - wanted);
-}
-static void near_relative(double got, double wanted, double tolerance, const char *what) {
-    near_absolute(got, wanted, tolerance * fabs(wanted), what);
-}
 static double length_of(dem_vec v) { return sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
 static dem_vec v3(double x, double y, double z) { return dem_vec3(x, y, z); }
 static void run(dem_world *w, double t, int features) {

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "filtration.h"
+#include "../examples/common/random.h"
 
 #define assert_close(value, expected, relative)                                                                        \
     assert_true(fabs((value) - (expected)) <= (relative)*fabs(expected) + 1e-300)
@@ -408,12 +409,7 @@ static void test_bad_operations(void **state) {
 
 static uint64_t stream;
 
-static double uniform(void) {
-    uint64_t x = stream += 0x9e3779b97f4a7c15u;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return ((double)((x ^ x >> 31) >> 11) + 0.5) * 0x1p-53;
-}
+static double uniform(void) { return random_inner(&stream); }
 
 static double normal(void) { return sqrt(-2.0 * log(uniform())) * cos(6.283185307179586 * uniform()); }
 

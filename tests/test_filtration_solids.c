@@ -7,26 +7,20 @@
 /* cmocka wants the four above first */
 #include <cmocka.h>
 
+#include "near.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "failing_allocator.h"
 #include "filtration.h"
+#include "../examples/common/random.h"
 
 static const double pi = 3.14159265358979323846, um = 1e-6;
 static uint64_t stream = 1;
 
-static double uniform(void) {
-    uint64_t x = stream += 0x9e3779b97f4a7c15u;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return ((double)((x ^ x >> 31) >> 11) + 0.5) * 0x1p-53;
-}
-
-static void near(double got, double wanted, double tolerance) {
-    if (!(fabs(got - wanted) <= tolerance)) fail_msg("%.12g, wanted %.12g, off by %.3g", got, wanted, got - wanted);
-}
+static double uniform(void) { return random_inner(&stream); }
 
 /* ---- cloth ---- */
 

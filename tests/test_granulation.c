@@ -6,12 +6,10 @@
 
 #include <cmocka.h>
 
+#include "near.h"
+
 #include "failing_allocator.h"
 #include "granulation.h"
-
-static void near_to(const char *name, double value, double expected, double tolerance) {
-    if (!(fabs(value - expected) <= tolerance * fabs(expected))) fail_msg("%s: %.17g instead of %.17g", name, value, expected);
-}
 
 static const granulation_granule nucleus = {1.04e-12, 0.66e-12, 0.30e-12};
 

@@ -6,6 +6,8 @@
 
 #include <cmocka.h>
 
+#include "near.h"
+
 #include "csv.h"
 #include "granulation.h"
 
@@ -15,10 +17,6 @@ static csv_data reference(const char *name) {
     snprintf(path, sizeof path, "tests/reference/granulation/%s", name);
     if (csv_read(path, &data, message, sizeof message)) fail_msg("%s", message);
     return data;
-}
-
-static void near_to(const char *name, double value, double expected, double tolerance) {
-    if (!(fabs(value - expected) <= tolerance * fabs(expected))) fail_msg("%s: %.17g instead of %.17g", name, value, expected);
 }
 
 static void within(const char *name, double value, double expected, double plus_minus) {

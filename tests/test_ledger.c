@@ -7,6 +7,8 @@
 /* cmocka wants the four above first */
 #include <cmocka.h>
 
+#include "near.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,9 +17,6 @@
 #include "dem.h"
 
 static dem_vec v3(double x, double y, double z) { return dem_vec3(x, y, z); }
-static void near_absolute(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got - wanted);
-}
 static void run(dem_world *w, double t, int features) {
     const dem_status status = dem_run(w, t, features);
     if (status != DEM_OK) fail_msg("%s, particle %lu, step %ld", dem_status_text(status), (unsigned long)w->failed_id, (long)w->step);

@@ -6,12 +6,15 @@
 /* cmocka wants the four above first */
 #include <cmocka.h>
 
+#include "near.h"
+
 #include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "liquid_bridge.h"
+#include "../examples/common/random.h"
 
 #define DEGREES (RIDDLE_PI / 180.0)
 #define GOLDEN 0xf90d6b2bd5e0f72du            /* of test_golden_bits */
@@ -19,19 +22,8 @@ static const double plate = (double)INFINITY; /* the radius of a plate, and infi
 static const double nan_value = (double)NAN;
 static const double sigma = 0.07275, eta = 1.002e-3;
 
-static void near_relative(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance * fabs(wanted)))
-        fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got / wanted - 1.0);
-}
-
-/* splitmix64 -> [0, 1) */
 static uint64_t random_state;
-static double uniform(void) {
-    uint64_t z = random_state += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
+static double uniform(void) { return random_share(&random_state); }
 static double between(double low, double high) { return low + (high - low) * uniform(); }
 
 static bridge_pair_def pair_of(double ri, double rj, double degrees_i, double degrees_j) {

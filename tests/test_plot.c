@@ -211,11 +211,43 @@ static void test_wrong_calls(void **state) {
     riddle_plot_heat(p, NULL, NULL, 0, 0, 0, 1, 0, 1);
     riddle_plot_heat_range(p, 0.0, 1.0); /* no heat map to colour */
     riddle_plot_heat_range(NULL, 0.0, 1.0);
+    riddle_plot_heat_classes(p, NULL, 3);
+    riddle_plot_heat_classes(NULL, NULL, 3);
     riddle_plot_panel_size(p, 1e9, -1.0);
     char *text = drawn(p);
     expect_well_formed(text);
     free(text);
     assert_int_not_equal(riddle_plot_write(riddle_plot_new("x", 1, 1), "/dev/null", "x.svg"), 0);
+}
+
+/* A heat map of classes has their names, and no number, beside its colours; the label of a vertical line that has no room on either side
+   stands along it. */
+static void test_classes_and_long_labels(void **state) {
+    (void)state;
+    const double values[4] = {0.0, 1.0, 2.0, 1.0};
+    const char *const names[3] = {"rebound", "Type <I>", "Type II"};
+    riddle_plot *p = riddle_plot_new(NULL, 1, 1);
+    riddle_plot_panel(p, 0, 0, "x", "y");
+    riddle_plot_heat(p, "", values, 2, 2, 0.0, 1.0, 0.0, 1.0);
+    riddle_plot_heat_classes(p, names, 3);
+    riddle_plot_heat_classes(p, names, 3); /* once is enough */
+    char *text = drawn(p);
+    expect_well_formed(text);
+    assert_non_null(strstr(text, ">rebound<"));
+    assert_non_null(strstr(text, "Type &lt;I&gt;"));
+    assert_null(strstr(text, ">1.5<"));
+    free(text);
+    for (int length = 1; length <= 2; length++) {
+        const double x[2] = {0.0, 1.0};
+        p = riddle_plot_new(NULL, 1, 1);
+        riddle_plot_panel(p, 0, 0, "x", "y");
+        riddle_plot_line(p, NULL, x, x, 2);
+        riddle_plot_vertical(p, length == 1 ? "short" : "a label that is much longer than half of a panel can be", 0.5);
+        text = drawn(p);
+        expect_well_formed(text);
+        assert_true((strstr(text, "rotate(90)") != NULL) == (length == 2));
+        free(text);
+    }
 }
 
 /* The white box of the legend, or false if it stands outside. */
@@ -339,6 +371,7 @@ int main(void) {
         cmocka_unit_test(test_small_numbers_share_an_exponent),
         cmocka_unit_test(test_hostile_data),
         cmocka_unit_test(test_wrong_calls),
+        cmocka_unit_test(test_classes_and_long_labels),
         cmocka_unit_test(test_legend_keeps_off_the_data),
         cmocka_unit_test(test_text_stays_in_its_panel),
         cmocka_unit_test(test_discs_are_to_scale),

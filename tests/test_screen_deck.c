@@ -9,15 +9,7 @@
 #include <stdio.h>
 
 #include "../examples/screen_deck/deck_measure.h"
-
-static double random_normal(uint64_t *state) { /* sum of twelve */
-    double sum = -6.0;
-    for (int k = 0; k < 12; k++) {
-        *state = *state * 6364136223846793005u + 1442695040888963407u;
-        sum += (double)(*state >> 11) * 0x1p-53;
-    }
-    return sum;
-}
+#include "../examples/common/random.h"
 
 /* ---- statistics ---- */
 
@@ -38,9 +30,9 @@ static void test_intervals_cover(void **state) {
     for (int t = 0; t < TRIALS; t++) {
         double x[N], upper[N], lower[N];
         for (int k = 0; k < N; k++) {
-            x[k] = 5.0 + random_normal(&random);
-            lower[k] = 10.0 + random_normal(&random);
-            upper[k] = 0.3 * lower[k] + 0.2 * random_normal(&random);
+            x[k] = 5.0 + random_bell(&random);
+            lower[k] = 10.0 + random_bell(&random);
+            upper[k] = 0.3 * lower[k] + 0.2 * random_bell(&random);
         }
         const deck_estimate m = deck_mean(N, x), r = deck_ratio(N, upper, lower);
         mean_held += fabs(m.value - 5.0) <= m.interval, ratio_held += fabs(r.value - 0.3) <= r.interval;
@@ -58,8 +50,8 @@ static int first_steady(double filling, double growth, double scatter, double to
     enum { N = 200, NEED = DECK_STEADY_WINDOWS };
     double in[N], out[N], holdup[N], held = 0.0;
     for (int k = 0; k < N; k++) {
-        in[k] = 1.0 + 0.01 * random_normal(&seed);
-        out[k] = (1.0 - growth) * (1.0 - exp(-k / filling)) + scatter * random_normal(&seed);
+        in[k] = 1.0 + 0.01 * random_bell(&seed);
+        out[k] = (1.0 - growth) * (1.0 - exp(-k / filling)) + scatter * random_bell(&seed);
         holdup[k] = held += in[k] - out[k];
     }
     for (int end = NEED; end <= N; end++)

@@ -298,8 +298,14 @@ typedef struct dem_advice {
     double rayleigh; /* pi R sqrt(rho/G)/(0.1631 nu + 0.8766) of the smallest sphere (materials with moduli) */
     double dashpot;  /* m_eff/gamma of the strongest dashpot */
     double advised;  /* min(t_c/20, 0.2 rayleigh for DEM_HERTZ, dashpot/2) */
+    /* For hits at the given speed v, of each body with all of its mass m on what does not give way: */
+    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m]: with it in all pairs no overlap is
+                         deeper than d, the rounding of a polyhedron or a tenth of a sphere's radius */
+    double depth;     /* overlap over d with the pairs as they are, of the body that gets deepest; above 1 they are too
+                         soft */
 } dem_advice;
-/* Advises on the time step. speed: expected impact speed [m/s] > 0; used by DEM_HERTZ only. */
+/* Advises on the time step and the stiffness. speed: expected impact speed [m/s] > 0; the time step needs it with
+   DEM_HERTZ only. 0: stiffness and depth are 0. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed);
 
 /* ---- links: forces between bodies that need not touch, smooth enough for a larger step; a liquid bridge ---- */
@@ -438,6 +444,18 @@ typedef struct dem_field {
    cells: their sum is that of the spheres if the block extends a width beyond them. Branches are integrated by Gauss's
    rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
+
+/* How rigid bodies lie. */
+typedef struct dem_order {
+    ptrdiff_t bodies;    /* in the region */
+    double tensor[3][3]; /* mean of (3 u u - 1)/2, u an axis of a body; NaN without bodies */
+    double parameter;    /* its largest eigenvalue: 1 all axes are parallel, 0 they have no common direction [-] */
+    dem_vec director;    /* the common direction: of unit length, its sign means nothing */
+} dem_order;
+/* Measures the order tensor of the clumps and polyhedra whose centres lie in a region (NULL: of all). axis: 0, 1, 2 for
+   x, y, z of the frame in which their shapes were given. Of bodies without a common direction the parameter is about
+   1/sqrt(bodies). DEM_BAD_ARGUMENT. */
+DEM_API dem_status dem_measure_order(const dem_world *world, const dem_region *region, int axis, dem_order *order);
 
 /* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force
    [N]; contacts without overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */

@@ -69,5 +69,6 @@ typedef struct dem__convex_state {
     ptrdiff_t pairs, of_particles, pair_capacity;
     dem__convex_point *point;
     ptrdiff_t point_capacity;
-    int64_t overlaps; /* of cores, in the last step */
+    int64_t overlaps;      /* of cores, in the last step */
+    int64_t overlap_steps; /* of cores, and cores that walls cut, sum over all steps */
 } dem__convex_state;

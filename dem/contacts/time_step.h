@@ -1,5 +1,6 @@
 /* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. */
 #pragma once
+#include "stiffness.h"
 #include "laws.h"
 #include "../motion/motion.h"
 #include "../walls/kind.h"
@@ -112,7 +113,7 @@ static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice
 
 /* Takes the smallest step over all pairs of materials that are present, each with its smallest sphere. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed) {
-    dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN};
+    dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN, 0.0, 0.0};
     dem__present of[DEM_MATERIALS_MAX];
     const dem_world *w = world;
     if (!w || !w->def.allocator.fn || ((features & DEM_HERTZ) && !(speed > 0.0))) return a;
@@ -141,6 +142,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
             }
         }
     }
+    dem__advise_stiffness(w, features, speed, &a);
     a.advised = a.contact / 20.0;
     if (0.5 * a.dashpot < a.advised) a.advised = 0.5 * a.dashpot;
     if ((features & DEM_HERTZ) && 0.2 * a.rayleigh < a.advised) a.advised = 0.2 * a.rayleigh;

@@ -61,6 +61,10 @@ static inline dem_status dem__relist_polyhedra(dem_world *w) {
     return dem__list_convex_pairs(w) ? DEM_OK : DEM_OUT_OF_MEMORY;
 }
 
+static inline void dem__world_fields_of_polyhedra(dem_world *w, dem__group *g) {
+    const dem__saved_field fields[] = {DEM__INTEGER("convex.overlap_steps", w->engine->convex.overlap_steps, 0)};
+    dem__add_optional(g, fields, sizeof fields);
+}
 static inline void dem__particle_fields_of_polyhedra(dem_world *w, dem__group *g) {
     const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
     dem__add_optional(g, shape, sizeof shape);
@@ -115,6 +119,7 @@ static inline dem__feature dem__feature_polyhedra(void) {
     f.check_run = dem__check_polyhedra;
     f.listed = dem__relist_polyhedra;
     f.detect = dem__follow_polyhedra;
+    f.world_fields = dem__world_fields_of_polyhedra;
     f.particle_fields = dem__particle_fields_of_polyhedra;
     f.save = dem__save_shapes;
     f.is_used = dem__has_shapes;
@@ -213,4 +218,7 @@ DEM_API int64_t dem_core_overlaps(const dem_world *world) {
     for (ptrdiff_t q = convex ? convex->of_particles : 0; convex && q < convex->pairs; q++)
         n += dem__is_cut(world, &convex->pair[q]);
     return n;
+}
+DEM_API int64_t dem_core_overlap_steps(const dem_world *world) {
+    return world && world->engine ? world->engine->convex.overlap_steps : 0;
 }

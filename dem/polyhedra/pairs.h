@@ -5,6 +5,7 @@
 #pragma once
 #include "../search/bounds.h"
 #include "walls.h"
+#include "entered.h"
 #include "idle.h"
 
 /* Places a polyhedron at a step. */
@@ -111,23 +112,30 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
        nearly as far apart along it. */
     double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
     if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
+    dem__gap_of_cores gap;
+    gap.overlap = 0;
     if (!(apart > good)) {
-        dem__gap_of_cores gap;
         dem__find_gap(a, &pa, b, &pb, DEM__WINDOW * radii, &p->cache, &gap);
         *overlaps += gap.overlap;
         apart = gap.separation, p->axis = gap.normal;
     }
-    const int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, out, n);
     if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
     return n;
 }
 
-/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. */
-static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out) {
+/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. cuts: one more if the
+   wall cuts the core. */
+static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
+                                      int64_t *cuts) {
     const dem_wall *wall = &w->wall[-1 - p->j];
     const dem_convex *s = dem__shape_of(w, p->i);
     const dem__placed *place = &w->engine->convex.place[p->i];
-    const int n = dem__touch_with_polyhedron(wall, s, place, out);
+    int may_cut, is_cut = 0;
+    const int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
+    for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
+    *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
     if (n == 0 && dem__may_rest_at_wall(w, p->i))
         dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
     return n;
@@ -135,7 +143,7 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
 
 /* A test of all pairs by several threads, each of which has a share of the points. */
 typedef struct dem__convex_look {
-    int64_t step, overlaps[DEM__PARTS_MAX];
+    int64_t step, overlaps[DEM__PARTS_MAX], cuts[DEM__PARTS_MAX];
     ptrdiff_t share;
     int full[DEM__PARTS_MAX];
 } dem__convex_look;
@@ -145,7 +153,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
     dem__convex_state *convex = &w->engine->convex;
     ptrdiff_t at = look->share * part;
     const ptrdiff_t limit = at + look->share;
-    look->overlaps[part] = look->full[part] = 0;
+    look->overlaps[part] = look->cuts[part] = look->full[part] = 0;
     for (ptrdiff_t q = first; q < end; q++) {
         dem__convex_pair *p = &convex->pair[q];
         if (!p->is_close) continue;
@@ -154,7 +162,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
             look->full[part] = 1;
             return;
         }
-        if (p->j < 0) p->count = dem__points_at_wall(w, p, look->step, convex->point + at);
+        if (p->j < 0) p->count = dem__points_at_wall(w, p, look->step, convex->point + at, &look->cuts[part]);
         else p->count = dem__points_of_pair(w, p, look->step, convex->point + at, &look->overlaps[part]);
         at += p->count;
     }
@@ -190,7 +198,10 @@ static inline int dem__find_convex_points(dem_world *w, int64_t step) {
         if (full && !dem__grow_points(w, 2 * convex->point_capacity)) return 0;
     }
     convex->overlaps = 0;
-    for (int q = 0; q < parts; q++) convex->overlaps += look.overlaps[q];
+    for (int q = 0; q < parts; q++) {
+        convex->overlaps += look.overlaps[q];
+        convex->overlap_steps += look.overlaps[q] + look.cuts[q];
+    }
     return 1;
 }
 

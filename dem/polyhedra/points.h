@@ -213,7 +213,7 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
         if (dem__dot(*normal, q->outward) < 0.0) *normal = dem__scale(-1.0, *normal), *distance = -*distance;
         return dem__dot(*normal, p->outward) < 0.0;
     }
-    return apart || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
+    return apart || *distance > 0.0 || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
 }
 
 /* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the

@@ -274,12 +274,14 @@ DEM_INLINE int dem__corners_at(const dem_wall *wall) {
     return wall->kind__->corners ? wall->kind__->corners(wall) : DEM__CORNERS_SOME;
 }
 
-/* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number. */
+/* Finds the points of a polyhedron at a wall, both at the end of the step. Returns their number; may_cut: whether a
+   sheet may cut its core. */
 static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
-                                             dem__convex_point *out) {
+                                             dem__convex_point *out, int *may_cut) {
     dem__touch touch[DEM__TOUCHES];
     dem__at_wall q;
     double least;
+    *may_cut = 0;
     dem__touch_wall(wall, place->x, s->reach, 0.0, touch, &least);
     if (!(least < 0.0)) return 0;
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
@@ -291,6 +293,7 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     if (dem__corners_at(wall) != DEM__CORNERS_NONE) dem__touch_with_corners(&q);
     if (dem__has(wall, DEM__CURVED_SHEET)) dem__touch_sheet_with_edges(&q);
     if (wall->kind__->edges) wall->kind__->edges(wall, place->x, s->reach, &q.visitor);
+    *may_cut = q.is_cut;
     return q.n;
 }
 

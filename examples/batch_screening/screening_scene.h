@@ -96,14 +96,6 @@ static dem_def define(const settings *s) {
     return def;
 }
 
-/* splitmix64 */
-static double random_share(uint64_t *state) {
-    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
 typedef struct batch {
     int n;
     double *centre, *diameter; /* [n][3], [n] */

@@ -25,6 +25,7 @@
    output.h    riddle_io.h, all that is written     options.h  the command line     csv.h       tables from CSV
    progress.h  bar, Ctrl-C, exit status             json.h     one JSON object      particles.h spheres from CSV or .vtp
    machine.h   clock, memory, cores, jobs on threads                                render.h    pictures and movies of scenes
+   random.h    random numbers
    results.h   tables of results: screen, CSV, JSON, figures
    sheet.h     tables of a laboratory: sieves, classes, readings
    Errors: a function that fails has printed one line on stderr and marked the run as failed; it returns -1 (or NULL), and every
@@ -40,6 +41,7 @@
 #include "options.h"
 #include "particles.h"
 #include "progress.h"
+#include "random.h"
 #include "render.h"
 #include "results.h"
 #include "sheet.h"

@@ -10,29 +10,24 @@ enum { COLUMNS_MAX = 40, NAME_SIZE = 64 };
 
 typedef struct cell {
     double number;
-    char *text; /* NULL: a number */
+    char *text; /* NULL: there is none */
 } cell;
 
 struct result_table {
     result_column column[COLUMNS_MAX];
     char json[COLUMNS_MAX][NAME_SIZE], csv[COLUMNS_MAX][NAME_SIZE]; /* names; empty: not there */
-    char *comment;                                                  /* of the CSV file */
     cell *cells;                                                    /* [rows][n] */
     double **taken;                                                 /* columns that were asked for */
     int n, rows, n_taken;
 };
+
+const char results_end[1];
 
 static void *sized(void *old, size_t size) {
     void *memory = realloc(old, size ? size : 1);
     if (memory) return memory;
     common_fail("results: out of memory");
     exit(1);
-}
-
-static char *copied(const char *text, size_t length) {
-    char *copy = memcpy(sized(NULL, length + 1), text, length);
-    copy[length] = '\0';
-    return copy;
 }
 
 static bool is_text(const result_column *c) { return c->format && strcmp(c->format, "%s") == 0; }
@@ -57,10 +52,8 @@ result_table *results_new(const result_column *columns, int n) {
 result_table *results_of(const char *header) {
     static const result_column number;
     result_table *r = results_new(NULL, 0);
-    const char *name = strrchr(header, '\n') ? strrchr(header, '\n') + 1 : header;
-    r->comment = copied(header, (size_t)(name - header));
-    for (size_t length; *name; name += length + (name[length] == ','))
-        add_column(r, &number, name, length = strcspn(name, ","));
+    for (size_t length; *header; header += length + (header[length] == ','))
+        add_column(r, &number, header, length = strcspn(header, ","));
     return r;
 }
 
@@ -68,7 +61,7 @@ void results_free(result_table *r) {
     if (!r) return;
     for (int k = 0; k < r->rows * r->n; k++) free(r->cells[k].text);
     for (int k = 0; k < r->n_taken; k++) free(r->taken[k]);
-    free(r->taken), free(r->cells), free(r->comment), free(r);
+    free(r->taken), free(r->cells), free(r);
 }
 
 /* Another number of cells than the columns need is a fault of the program, as an index out of range is. */
@@ -79,11 +72,11 @@ void results_add(result_table *r, const char *const *texts, const double *number
     for (int k = 0; k < r->n; k++) {
         cell *to = &r->cells[r->rows * r->n + k];
         to->text = NULL, to->number = (double)NAN;
-        if (is_text(&r->column[k]) ? !texts || !*texts : used == n) abort();
-        if (is_text(&r->column[k])) to->text = copied(*texts, strlen(*texts)), texts++;
-        else to->number = numbers[used++];
+        if (is_text(&r->column[k]) ? !texts || *texts == results_end : used == n) abort();
+        if (is_text(&r->column[k]) && *texts++) to->text = strcpy(sized(NULL, strlen(texts[-1]) + 1), texts[-1]);
+        else if (!is_text(&r->column[k])) to->number = numbers[used++];
     }
-    if (used < n || (texts && *texts)) abort();
+    if (used < n || (texts && *texts != results_end)) abort();
     r->rows++;
 }
 
@@ -140,7 +133,6 @@ static void csv_cell(riddle_io_file *file, const char *text, double number) {
 
 void results_csv(const result_table *r, const char *folder, const char *name) {
     riddle_io_file *file = riddle_io_open(folder, name);
-    riddle_io_print(file, "%s", r->comment ? r->comment : "");
     for (int row = -1; row < r->rows; row++) {
         const char *comma = "";
         for (int k = 0; k < r->n; k++) {
@@ -163,11 +155,11 @@ void results_json(const result_table *r, json *report, const char *key) {
             const char *name = r->json[k], *format = r->column[k].format;
             const cell *x = &r->cells[row * r->n + k];
             const bool may_lack = *name == '?';
-            if (!*name || (may_lack && isnan(x->number))) continue;
-            if (x->text) json_string(report, name + may_lack, x->text);
-            else if (format && !strchr(format, '%') && !isnan(x->number))
-                json_bool(report, name + may_lack, x->number != 0.0);
-            else json_number(report, name + may_lack, x->number);
+            if (!*name || (may_lack && !x->text && isnan(x->number))) continue;
+            name += may_lack;
+            if (is_text(&r->column[k])) json_string(report, name, x->text);
+            else if (format && !strchr(format, '%') && !isnan(x->number)) json_bool(report, name, x->number != 0.0);
+            else json_number(report, name, x->number);
         }
         json_object_end(report);
     }

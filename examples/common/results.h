@@ -21,7 +21,7 @@
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers" /* what a column does not need is left out */
 #endif
 
-/* key: "json|csv" if the names differ, "json|" or "|csv" in one of them only, NULL in none; "?key" is not in JSON where the number is NaN.
+/* key: "json|csv" if the names differ, "json|" or "|csv" in one of them only, NULL in none; "?key" is not in JSON where there is none.
    heading: NULL is not on the screen.
    format: "%s" is a text, "yes|no" a truth value, else that of a number on the screen; NULL: a number of the files.
    scale: of the number on the screen over that of the files; 0 is 1. */
@@ -33,14 +33,15 @@ typedef struct result_column {
 typedef struct result_table result_table;
 result_table *results_new(const result_column *columns, int n);
 #define RESULTS(columns) results_new(columns, (int)(sizeof(columns) / sizeof *(columns)))
-/* Of numbers for a CSV file that begins with this header; comments on lines with '#' may stand before it. */
+/* Of numbers for a CSV file that begins with this header. */
 result_table *results_of(const char *header);
 void results_free(result_table *r);
 
-/* texts: TEXTS(a, b), or NULL. A number that is NaN: an empty cell, null, "-" on the screen. */
+/* texts: TEXTS(a, b), or NULL. A number that is NaN, a text that is NULL: an empty cell, null, "-" on the screen. */
 #define results_row(r, texts, ...)                                                                                     \
     results_add(r, texts, (const double[]){__VA_ARGS__}, (int)(sizeof((const double[]){__VA_ARGS__}) / sizeof(double)))
-#define TEXTS(...) ((const char *const[]){__VA_ARGS__, NULL})
+#define TEXTS(...) ((const char *const[]){__VA_ARGS__, results_end})
+extern const char results_end[1];
 void results_add(result_table *r, const char *const *texts, const double *numbers, int n);
 
 int results_rows(const result_table *r);

@@ -30,10 +30,7 @@ static int start_allocate(start *s, int n) {
 /* The same scene with other seeds: velocities of up to 1 mm/s that differ. */
 static void start_shake(start *s, uint64_t seed) {
     uint64_t state = seed * 0x9e3779b97f4a7c15u + 1u;
-    for (int k = 0; k < 3 * s->n; k++) {
-        state = state * 6364136223846793005u + 1442695040888963407u;
-        s->velocity[k] = 1e-3 * ((double)(state >> 11) * 0x1p-52 - 1.0);
-    }
+    for (int k = 0; k < 3 * s->n; k++) s->velocity[k] = 1e-3 * (2.0 * random_plain(&state) - 1.0);
 }
 
 static int write_data(const start *s, const char *path) {

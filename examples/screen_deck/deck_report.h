@@ -265,18 +265,27 @@ static void draw_steady(const study *st) {
 
 /* ---- tables and files ---- */
 
-static void cell(riddle_io_table *t, const char *format, deck_estimate e) {
-    char text[60];
-    if (isnan(e.value)) snprintf(text, sizeof text, "-");
-    else snprintf(text, sizeof text, format, e.value, e.interval);
-    riddle_io_table_cell(t, "%s", text);
-}
-
 static void print_decks(const study *st) {
-    riddle_io_table t = riddle_io_table_begin(
-        "feed [t/h]|deck|aperture [mm]|grains|over [t/h]|through [t/h]|undersize recovered|undersize in over|oversize "
-        "through (all +- 95 %)|d50 "
-        "[mm]|imperfection|stay [s]|10 %|90 %");
+    static const result_column columns[] = {{NULL, "feed [t/h]", "%.4g"},
+                                            {NULL, "deck", "%.0f"},
+                                            {NULL, "aperture [mm]", "%.3g", 1e3},
+                                            {NULL, "grains", "%.0f"},
+                                            {NULL, "over [t/h]", "%.2f"},
+                                            {NULL, "+- 95 %", "%.2f"},
+                                            {NULL, "through [t/h]", "%.2f"},
+                                            {NULL, "+-", "%.2f"},
+                                            {NULL, "undersize recovered", "%.3f"},
+                                            {NULL, "+-", "%.3f"},
+                                            {NULL, "undersize in over", "%.3f"},
+                                            {NULL, "+-", "%.3f"},
+                                            {NULL, "oversize through", "%.4f"},
+                                            {NULL, "+-", "%.4f"},
+                                            {NULL, "d50 [mm]", "%.2f", 1e3},
+                                            {NULL, "imperfection", "%.3f"},
+                                            {NULL, "stay [s]", "%.2f"},
+                                            {NULL, "10 %", "%.2f"},
+                                            {NULL, "90 %", "%.2f"}};
+    result_table *t = RESULTS(columns);
     for (int k = 0; k < st->runs; k++) {
         const deck_run *r = &st->run[k];
         double grains = 0.0;
@@ -284,120 +293,103 @@ static void print_decks(const study *st) {
         for (int q = 0; q < r->def.decks; q++) {
             const deck_answer *a = &r->answer[q];
             const screen_separation s = separation_of(r, q);
-            const deck_estimate over = {tons(st, r, a->over.value), tons(st, r, a->over.interval)},
-                                under = {tons(st, r, a->under.value), tons(st, r, a->under.interval)};
-            riddle_io_table_cell(&t, "%.4g", tons(st, r, r->def.flow)), riddle_io_table_cell(&t, "%d", q + 1),
-                riddle_io_table_cell(&t, "%.3g", 1e3 * r->def.aperture[q]);
-            riddle_io_table_cell(&t, "%.0f", grains);
-            cell(&t, "%.2f +- %.2f", over), cell(&t, "%.2f +- %.2f", under);
-            cell(&t, "%.3f +- %.3f", a->recovery), cell(&t, "%.3f +- %.3f", a->undersize_in_over);
-            cell(&t, "%.4f +- %.4f", a->oversize_in_under);
-            riddle_io_table_cell(&t, "%.2f", 1e3 * s.d50), riddle_io_table_cell(&t, "%.3f", s.imperfection);
-            riddle_io_table_cell(&t, "%.2f", a->stay), riddle_io_table_cell(&t, "%.2f", a->stay_low),
-                riddle_io_table_cell(&t, "%.2f", a->stay_high);
+            results_row(t, NULL, tons(st, r, r->def.flow), q + 1, r->def.aperture[q], grains,
+                        tons(st, r, a->over.value), tons(st, r, a->over.interval), tons(st, r, a->under.value),
+                        tons(st, r, a->under.interval), a->recovery.value, a->recovery.interval,
+                        a->undersize_in_over.value, a->undersize_in_over.interval, a->oversize_in_under.value,
+                        a->oversize_in_under.interval, s.d50, s.imperfection, a->stay, a->stay_low, a->stay_high);
         }
     }
-    table_end(&t);
+    results_print(t);
+    results_free(t);
 }
 
 static void print_partition(const study *st) {
+    static const result_column columns[] = {{NULL, "diameter [mm]", "%.2f", 1e3},
+                                            {NULL, "share of the feed", "%.3f"},
+                                            {NULL, "over the end", "%.3f"},
+                                            {NULL, "+-", "%.3f"},
+                                            {NULL, "model", "%.3f"},
+                                            {NULL, "second feed: over the end", "%.3f"},
+                                            {NULL, "+-", "%.3f"},
+                                            {NULL, "model", "%.3f"}};
     const int best = best_model(st);
-    riddle_io_table t =
-        riddle_io_table_begin(st->runs > 1 ? "diameter [mm]|share of the feed|over the end|model|second feed: over the end|model"
-                                           : "diameter [mm]|share of the feed|over the end|model");
     const deck_run *first = &st->run[0];
+    result_table *t = results_new(columns, 2 + 3 * st->runs);
     double all = 0.0;
     for (int c = 0; c < first->books.classes.count; c++) all += first->answer[0].arrived[c];
     for (int c = 0; c < first->books.classes.count; c++) {
-        riddle_io_table_cell(&t, "%.2f", 1e3 * first->answer[0].size[c]),
-            riddle_io_table_cell(&t, "%.3f", first->answer[0].arrived[c] / all);
+        double row[2 + 3 * RUNS] = {first->answer[0].size[c], first->answer[0].arrived[c] / all};
         for (int k = 0; k < st->runs; k++) {
             const deck_curves *q = &st->run[k].curves;
-            double model = (double)NAN;
+            double *of_run = row + 2 + 3 * k;
+            of_run[0] = st->run[k].answer[0].partition[c].value, of_run[1] = st->run[k].answer[0].partition[c].interval;
+            of_run[2] = (double)NAN;
             for (int m = 0; m < q->classes && best >= 0; m++)
-                if (q->klass[m] == c) model = st->run[k].predicted[best][(m + 1) * q->points - 1];
-            cell(&t, "%.3f +- %.3f", st->run[k].answer[0].partition[c]);
-            if (isnan(model)) riddle_io_table_cell(&t, "-");
-            else riddle_io_table_cell(&t, "%.3f", model);
+                if (q->klass[m] == c) of_run[2] = st->run[k].predicted[best][(m + 1) * q->points - 1];
         }
+        results_add(t, NULL, row, 2 + 3 * st->runs);
     }
-    table_end(&t);
+    results_print(t);
+    results_free(t);
 }
-
-/* NaN: "-". */
-static void number_cell(riddle_io_table *t, const char *format, double x) {
-    char text[32];
-    snprintf(text, sizeof text, format, x);
-    riddle_io_table_cell(t, "%s", isnan(x) ? "-" : text);
-}
-
-static void area_cell(riddle_io_table *t, const study *st, double length) { number_cell(t, "%.2f", length * st->machine_width); }
 
 /* Share of the undersize that has passed at the last station [-]. */
 static double recovered_by_dem(const deck_run *r) { return r->curves.points > 0 ? r->curves.recovery[r->curves.points - 1] : (double)NAN; }
 
 static void print_models(const study *st) {
-    char header[300];
-    snprintf(header, sizeof header,
-             "deck area for %.3g of the undersize by|deviation, first feed (fitted)|second feed (predicted)|area, first feed [m2]|second "
-             "feed [m2]|passed at its end, first|second|largest feed [t/h]",
-             st->recovery);
-    riddle_io_table t = riddle_io_table_begin(header);
-    riddle_io_table_cell(&t, "DEM"), riddle_io_table_cell(&t, "-"), riddle_io_table_cell(&t, "-");
-    area_cell(&t, st, st->run[0].length_by_dem), area_cell(&t, st, st->run[st->runs - 1].length_by_dem);
-    number_cell(&t, "%.3f", recovered_by_dem(&st->run[0])), number_cell(&t, "%.3f", recovered_by_dem(&st->run[st->runs - 1]));
-    riddle_io_table_cell(&t, "-");
+    char heading[80], name[40];
+    snprintf(heading, sizeof heading, "deck area for %.3g of the undersize by", st->recovery);
+    const result_column columns[] = {{NULL, heading, "%s"},
+                                     {NULL, "deviation, first feed (fitted)", "%.4f"},
+                                     {NULL, "second feed (predicted)", "%.4f"},
+                                     {NULL, "area, first feed [m2]", "%.2f"},
+                                     {NULL, "second feed [m2]", "%.2f"},
+                                     {NULL, "passed at its end, first", "%.3f"},
+                                     {NULL, "second", "%.3f"},
+                                     {NULL, "largest feed [t/h]", "%.3g"}};
+    const deck_run *first = &st->run[0], *last = &st->run[st->runs - 1];
+    const double width = st->machine_width;
+    result_table *t = RESULTS(columns);
+    results_row(t, TEXTS("DEM"), NAN, NAN, width * first->length_by_dem, width * last->length_by_dem,
+                recovered_by_dem(first), recovered_by_dem(last), NAN);
     for (int m = 0; m < st->models; m++) {
         if (st->fit[m].status != SCREEN_OK) continue;
-        riddle_io_table_cell(&t, "model %s", deck_model_name[m]);
-        for (int k = 0; k < RUNS; k++) {
-            if (k < st->runs) riddle_io_table_cell(&t, "%.4f", st->run[k].deviation[m]);
-            else riddle_io_table_cell(&t, "-");
-        }
-        area_cell(&t, st, st->run[0].length_by_model[m]), area_cell(&t, st, st->run[st->runs - 1].length_by_model[m]);
-        number_cell(&t, "%.3f", st->run[0].efficiency[m]), number_cell(&t, "%.3f", st->run[st->runs - 1].efficiency[m]);
-        number_cell(&t, "%.3g", tons(st, &st->run[0], st->run[0].capacity[m]));
+        snprintf(name, sizeof name, "model %s", deck_model_name[m]);
+        results_row(t, TEXTS(name), first->deviation[m], st->runs > 1 ? last->deviation[m] : (double)NAN,
+                    width * first->length_by_model[m], width * last->length_by_model[m], first->efficiency[m],
+                    last->efficiency[m], tons(st, first, first->capacity[m]));
     }
-    table_end(&t);
+    results_print(t);
+    results_free(t);
 }
 
 static void write_tables(const study *st) {
-    riddle_io_file *classes = csv_open(st->self->out, "partition.csv", "feed_t_h,deck,diameter_m,arrived_kg_s,over,interval_95");
-    riddle_io_file *zones =
-        csv_open(st->self->out, "along.csv",
-                 "feed_t_h,deck,length_m,load_kg_m2,depth_m,velocity_m_s,blocked,blocked_interval_95,occupied,occupied_interval_95");
-    riddle_io_file *curves = csv_open(st->self->out, "retained.csv", "feed_t_h,deck,length_m,diameter_m,retained");
+    result_table *classes = results_of("feed_t_h,deck,diameter_m,arrived_kg_s,over,interval_95"),
+                 *curves = results_of("feed_t_h,deck,length_m,diameter_m,retained"),
+                 *zones = results_of(
+                     "feed_t_h,deck,length_m,load_kg_m2,depth_m,velocity_m_s,blocked,blocked_interval_95,occupied,"
+                     "occupied_interval_95");
     for (int k = 0; k < st->runs; k++)
         for (int q = 0; q < st->run[k].def.decks; q++) {
             const deck_run *r = &st->run[k];
             const deck_answer *a = &r->answer[q];
             const double feed = tons(st, r, r->def.flow), number = q + 1;
             for (int c = 0; c < r->books.classes.count; c++) {
-                const double row[] = {
-                    feed, number, a->size[c], a->arrived[c] / a->duration, a->partition[c].value, a->partition[c].interval};
-                riddle_io_row(classes, row, 6);
-                for (int s = 0; s < DECK_STATIONS; s++) {
-                    const double point[] = {feed, number, (s + 1) * r->def.length / DECK_STATIONS, a->size[c], a->retained[c][s]};
-                    riddle_io_row(curves, point, 5);
-                }
+                results_row(classes, NULL, feed, number, a->size[c], a->arrived[c] / a->duration, a->partition[c].value,
+                            a->partition[c].interval);
+                for (int s = 0; s < DECK_STATIONS; s++)
+                    results_row(curves, NULL, feed, number, (s + 1) * r->def.length / DECK_STATIONS, a->size[c],
+                                a->retained[c][s]);
             }
-            for (int z = 0; z < DECK_ZONES; z++) {
-                const double row[] = {feed,
-                                      number,
-                                      (z + 0.5) * r->def.length / DECK_ZONES,
-                                      a->load[z],
-                                      a->depth[z],
-                                      a->velocity[z],
-                                      a->held[z].value,
-                                      a->held[z].interval,
-                                      a->sitting[z].value,
-                                      a->sitting[z].interval};
-                riddle_io_row(zones, row, 10);
-            }
+            for (int z = 0; z < DECK_ZONES; z++)
+                results_row(zones, NULL, feed, number, (z + 0.5) * r->def.length / DECK_ZONES, a->load[z], a->depth[z],
+                            a->velocity[z], a->held[z].value, a->held[z].interval, a->sitting[z].value,
+                            a->sitting[z].interval);
         }
-    riddle_io_close(classes);
-    riddle_io_close(zones);
-    riddle_io_close(curves);
+    results_csv(classes, st->self->out, "partition.csv"), results_free(classes);
+    results_csv(zones, st->self->out, "along.csv"), results_free(zones);
+    results_csv(curves, st->self->out, "retained.csv"), results_free(curves);
 }
 
 static void json_estimate(json *j, const char *key, deck_estimate e) {
@@ -420,13 +412,9 @@ static void json_deck(json *j, const deck_run *r, int q) {
     json_estimate(j, "undersize_recovery", a->recovery);
     json_estimate(j, "undersize_in_over", a->undersize_in_over);
     json_estimate(j, "oversize_in_through", a->oversize_in_under);
-    json_number(j, "largest_through_m", a->largest_under);
-    json_number(j, "d50_m", s.d50);
-    json_number(j, "imperfection", s.imperfection);
-    json_number(j, "efficiency_hancock", s.efficiency);
-    json_number(j, "stay_mean_s", a->stay);
-    json_number(j, "stay_10_s", a->stay_low);
-    json_number(j, "stay_90_s", a->stay_high);
+    results_values(j, {"largest_through_m", a->largest_under}, {"d50_m", s.d50}, {"imperfection", s.imperfection},
+                   {"efficiency_hancock", s.efficiency}, {"stay_mean_s", a->stay}, {"stay_10_s", a->stay_low},
+                   {"stay_90_s", a->stay_high});
     for (int c = 0; c < classes; c++) value[c] = a->partition[c].value, interval[c] = a->partition[c].interval;
     for (int z = 0; z < DECK_ZONES; z++) blocked[z] = a->held[z].value;
     json_array(j, "diameter_m", a->size, classes);
@@ -470,17 +458,15 @@ static void write_json(const study *st) {
         json_number(j, "feed_kg_s", r->def.flow);
         json_number(j, "feed_t_h", tons(st, r, r->def.flow));
         json_bool(j, "steady", r->books.steady >= 0);
-        json_number(j, "measured_from_s", r->first * st->window);
-        json_number(j, "measured_to_s", r->end * st->window);
-        json_number(j, "feed_behind_kg", r->deck.feed.due_mass);
+        results_values(j, {"measured_from_s", r->first * st->window}, {"measured_to_s", r->end * st->window},
+                       {"feed_behind_kg", r->deck.feed.due_mass});
         json_balance(j, r);
         json_array_begin(j, "decks");
         for (int q = 0; q < r->def.decks; q++) json_deck(j, r, q);
         json_array_end(j);
-        json_number(j, "dt_s", r->deck.world.def.dt);
-        json_number(j, "deck_area_by_dem_m2", r->length_by_dem * st->machine_width);
-        json_number(j, "recovered_by_dem", recovered_by_dem(r));
-        json_number(j, "particle_steps", (double)r->deck.world.particle_steps);
+        results_values(j, {"dt_s", r->deck.world.def.dt}, {"deck_area_by_dem_m2", r->length_by_dem * st->machine_width},
+                       {"recovered_by_dem", recovered_by_dem(r)},
+                       {"particle_steps", (double)r->deck.world.particle_steps});
         if (r->deck.wet) json_number(j, "liquid_error_rel", r->liquid_error);
         snprintf(hash, sizeof hash, "%016llx", (unsigned long long)dem_hash(&r->deck.world));
         json_string(j, "hash", hash);

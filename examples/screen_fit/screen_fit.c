@@ -867,7 +867,7 @@ static void draw_separation(const program *self, const study *s, const results *
                                             {"recovery"},
                                             {"misplaced_overflow", "undersize in what stays", "%.3f"}};
     result_table *t = RESULTS(columns);
-    riddle_plot *figure = riddle_plot_new("Partition curve of the deck, initial case, model 2 (extrapolated outside 5 .. 7 mm)", 1, 1);
+    riddle_plot *figure = riddle_plot_new("Partition curve of the deck, initial case, model 2 (dotted: extrapolated)", 1, 1);
     riddle_plot_panel(figure, 0, 0, "diameter [mm]", "stays on the deck [-]");
     for (int i = 0; i < 3; i++) {
         screen_separation m, thirds;
@@ -883,7 +883,12 @@ static void draw_separation(const program *self, const study *s, const results *
         screen_measure(GRID, d, feed, part, s->def.aperture, &m);
         screen_measure(3, three, equal, stays, s->def.aperture, &thirds);
         snprintf(label, sizeof label, "%g s", when[i]);
-        riddle_plot_line(figure, label, x, part, GRID);
+        int first = 0, last = GRID - 1; /* of the sizes that were fitted; finer ones are left out */
+        while (x[first] < 1e3 * diameters[0]) first++;
+        while (x[last] > 1e3 * diameters[CLASSES - 1]) last--;
+        riddle_plot_line(figure, label, x + first, part + first, last - first + 1);
+        riddle_plot_line(figure, NULL, x + last, part + last, GRID - last);
+        riddle_plot_style(figure, RIDDLE_PLOT_DOTTED, RIDDLE_PLOT_SAME);
         results_row(t, NULL, when[i], m.d25, m.d50, m.d75, m.imperfection, thirds.recovery, thirds.misplaced_overflow);
     }
     for (int i = 0; i < CLASSES; i++) riddle_plot_vertical(figure, i ? NULL : "fitted sizes", 1e3 * diameters[i]);

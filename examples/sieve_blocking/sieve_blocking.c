@@ -102,19 +102,12 @@ typedef struct readings {
     int n, counted; /* counted: sigma comes from numbers of holes */
 } readings;
 
-static double next_random(uint64_t *s) { /* 0 <= u < 1, splitmix64 */
-    uint64_t x = *s += 0x9e3779b97f4a7c15u;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return (double)((x ^ x >> 31) >> 11) * 0x1p-53;
-}
-
 static void draw_readings(readings *r, const row *from, int holes, uint64_t seed) {
     r->n = 0;
     r->counted = 1;
     for (double t = 0.0; t <= 2048.0; t = t > 0.0 ? 2.0 * t : 1.0) {
         int count = 0;
-        for (int i = 0; i < holes; i++) count += next_random(&seed) < at(from, t);
+        for (int i = 0; i < holes; i++) count += random_share(&seed) < at(from, t);
         r->t[r->n] = t;
         r->free_holes[r->n] = count;
         r->holes[r->n] = holes;

@@ -160,7 +160,7 @@ static void read_all(const side *s, const call *c) {
         dem_get_shape(w, dem_shape_of(w, i)), dem_wall_acts(w, c->pick[2] % 4, i), dem_get_fixed_force(w, i, &at, &at, &at);
     }
     compute_all(c), dem_check_def(&w->def, NULL);
-    dem_core_overlaps(w), dem_gas_velocity(&s->gas, region.low, w->time), dem_gas_porosity(w, &s->gas, of_all);
+    dem_core_overlaps(w), dem_core_overlap_steps(w), dem_gas_velocity(&s->gas, region.low, w->time), dem_gas_porosity(w, &s->gas, of_all);
     dem_region_volume(&region), dem_region_holds(&region, region.low), dem_hash(w), dem_build_is_deterministic();
     for (ptrdiff_t k = -1; k <= dem_contact_count(w); k++) dem_get_contact(w, k);
     for (ptrdiff_t k = -1; k <= dem_link_count(w); k++) dem_get_link(w, k);

@@ -201,6 +201,7 @@ static void tell(const job *j, const stop_def *stop, const char *written) {
     const scene_lack lack = scene_missed(&j->s);
     char hash[24], saved[80] = "", lag[200] = "";
     const double last_tick = j->s.ticks * j->s.tick;
+    const int64_t deep = dem_core_overlap_steps(&j->s.world);
     json *out = json_open(j->self.json);
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)dem_hash(&j->s.world));
     json_program(out, &j->self);
@@ -215,6 +216,7 @@ static void tell(const job *j, const stop_def *stop, const char *written) {
     json_object_end(out);
     json_number(out, "feed_lag_kg", lack.late);
     json_number(out, "feed_lag_share", lack.asked > 0.0 ? lack.late / lack.asked : 0.0);
+    json_integer(out, "core_overlap_steps", deep);
     json_string(out, "hash", hash);
     report_json(j->r, out);
     json_close(out);
@@ -227,6 +229,10 @@ static void tell(const job *j, const stop_def *stop, const char *written) {
         common_print("overlap reached %.0f %% of a diameter: %s\n", 100.0 * report_overlap(j->r),
                      isnan(j->def.time_step) ? "the stiffness is too small"
                                              : "the stiffness is too small, or the time step too large");
+    if (deep > 0)
+        common_print("bodies were in each other or in walls, deeper than their rounding (%lld bodies times steps): the "
+                     "stiffness is too small\n",
+                     (long long)deep);
     if (j->saved < last_tick) snprintf(saved, sizeof saved, ", %s of %g s", state_name, j->saved);
     else if (!isnan(j->saved)) snprintf(saved, sizeof saved, ", %s", state_name);
     if (lack.late > 0.0)

@@ -29,21 +29,21 @@ static const ready_material ready[] = {
 };
 enum { READY = sizeof ready / sizeof *ready };
 
-static int is_given(const material_def *m, const char *key) { return tree_find(m->part.where, key) != NULL; }
+static int has_key(const material_def *m, const char *key) { return tree_find(m->part.where, key) != NULL; }
 
 int scene_fill_material(tree_file *file, material_def *m) {
     const char *names[READY];
     if (!m->ready)
-        return is_given(m, "density")
+        return has_key(m, "density")
                    ? 0
                    : tree_fail(file, m->part.where,
                                "material: density is missing (or ready: the name of a ready material)");
     for (int k = 0; k < READY; k++) {
         names[k] = ready[k].name;
         if (strcmp(m->ready, ready[k].name) != 0) continue;
-        if (!is_given(m, "density")) m->density = ready[k].density;
-        if (!is_given(m, "young_modulus")) m->young_modulus = ready[k].young_modulus;
-        if (!is_given(m, "poisson_ratio")) m->poisson_ratio = ready[k].poisson_ratio;
+        if (!has_key(m, "density")) m->density = ready[k].density;
+        if (!has_key(m, "young_modulus")) m->young_modulus = ready[k].young_modulus;
+        if (!has_key(m, "poisson_ratio")) m->poisson_ratio = ready[k].poisson_ratio;
         tree_note(file, m->part.where,
                   "%s: density %g kg/m3, E %g GPa, Poisson's ratio %g, to begin with: how it flows hangs on friction "
                   "and shape, "

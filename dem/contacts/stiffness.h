@@ -1,0 +1,48 @@
+/* Advice on the stiffness: how deep bodies get into each other at a speed, and how stiff contacts must be for it. A
+   reader. */
+#pragma once
+#include "laws.h"
+#include "../motion/motion.h"
+
+#define DEM__DEEP_SPHERE 0.1 /* overlap of a sphere over its radius that is deep */
+
+/* Returns the overlap from which on a contact of particle i is deep [m]. */
+DEM_INLINE double dem__deep_overlap(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? s->radius : DEM__DEEP_SPHERE * w->particle[i].radius;
+}
+
+/* Returns the overlap at which particle i comes to rest that hits, with all of its mass, what has a material [m]. */
+static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int material, int features, double speed) {
+    const int m = w->material[i];
+    const dem_convex *s = dem__shape_of(w, i);
+    double constants[DEM_CONSTANTS_MAX];
+    dem_birth b;
+    memset(&b, 0, sizeof b);
+    b.def = &w->def, b.features = features, b.material_i = m, b.material_j = material;
+    b.pair = m < material ? &w->def.pair[m][material] : &w->def.pair[material][m];
+    b.radius_i = s ? s->radius : w->particle[i].radius, b.mass = w->particle[i].mass;
+    if (!(features & DEM_HERTZ)) return speed * sqrt(b.mass / b.pair->stiffness);
+    dem_prepare_hertz(&b, constants);
+    return speed / 2.943275175395 *
+           dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K], constants[DEM__HERTZ_RADIUS], b.mass, speed);
+}
+
+/* Sets the advised stiffness, and how deep bodies get with the present one. A pair of bodies, whose mass is less and
+   whose roundings are more, needs no more than the one of them that needs more. */
+static inline void dem__advise_stiffness(const dem_world *w, int features, double speed, dem_advice *a) {
+    int present[DEM_MATERIALS_MAX] = {0};
+    a->stiffness = a->depth = 0.0;
+    if (!(speed > 0.0)) return;
+    for (ptrdiff_t i = 0; i < w->count; i++) present[w->material[i]] |= w->alive[i] != 0;
+    for (int k = 0; k < w->walls; k++) present[w->wall[k].material] |= dem__has_surface(&w->wall[k]);
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const double deep = dem__deep_overlap(w, i), needed = w->particle[i].mass * (speed / deep) * (speed / deep);
+        if (!w->alive[i] || dem__is_fixed(w, i)) continue;
+        a->stiffness = needed > a->stiffness ? needed : a->stiffness;
+        for (int m = 0; m < w->def.materials; m++) {
+            const double depth = present[m] ? dem__overlap_at(w, i, m, features, speed) / deep : 0.0;
+            a->depth = depth > a->depth ? depth : a->depth;
+        }
+    }
+}
