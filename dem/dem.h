@@ -85,6 +85,7 @@ extern "C" {
 #include "gas/gas.h"
 #include "removal/remove.h"
 #include "measure/mixing.h"
+#include "measure/orientation.h"
 #include "save/save.h"
 #include "save/load.h"
 #include "contacts/time_step.h"
