@@ -1,6 +1,8 @@
 """What the texts say of the results of scripts/numbers: a function for each group of docs/numbers.ini. It gets r, the JSON object that the
 command wrote, csv(name), the rows of a CSV that it wrote, and json(name), and returns the texts by the names of their marks."""
 
+import math
+
 
 def table(rows, columns):
     """A Markdown table. columns: (title, key or function of a row, format)."""
@@ -114,6 +116,37 @@ def rotating_drum(r, csv, json):
         "radial_start": f"{r['radial_segregation_start']:.2f}",
         "radial_end": f"{r['radial_segregation_end']:.2f}",
     }
+
+
+def mill(r, csv, json):
+    mean = {name: m["mean"] for name, m in r["means_of_second_half"].items()}
+    mass, diameter, length, turns = mean["mass_kg"], 0.4, 0.06, 50.0
+    power, by_arm = mean["power_W"], -mass * 9.81 * mean["centre_x_m"] * turns * 2.0 * math.pi / 60.0
+    filling = mass / 7800.0 / 0.6 / (math.pi / 4.0 * diameter**2 * length)
+    critical = turns / (42.3 / math.sqrt(diameter))
+
+    def bond(d):  # W/kg of balls
+        return 4.879 * d**0.3 * (3.2 - 3.0 * filling) * critical * (1.0 - 0.1 / 2.0 ** (9.0 - 10.0 * critical))
+
+    return {
+        "power": f"{power:.1f}",
+        "interval": f"{r['means_of_second_half']['power_W']['interval95']:.1f}",
+        "by_arm": f"{by_arm:.1f}",
+        "apart": f"{100.0 * abs(power / by_arm - 1.0):.1f}",
+        "mass": f"{mass:.2f}",
+        "arm": f"{-1e3 * mean['centre_x_m']:.1f}",
+        "filling": f"{filling:.2f}",
+        "critical": f"{100.0 * critical:.0f}",
+        "bond": f"{bond(diameter) * mass:.0f}",
+        "per_kg": f"{power / mass:.2f}",
+        "at_3m": f"{power / mass * math.sqrt(3.0 / diameter):.1f}",
+        "bond_3m": f"{bond(3.0):.1f}",
+    }
+
+
+def repose_rolling(r, csv, json):
+    row = csv("angle_of_repose.csv")[0]
+    return {"angle": f"{row['angle_deg']:.0f}", "error": f"{row['standard_error_deg']:.1f}"}
 
 
 def angle_of_repose(r, csv, json):

@@ -323,10 +323,10 @@ static void json_result(void *user, const char *name, double value, double low, 
 void scene_results_write(const row_table *r, const char *folder, void (*wrote)(void *user, const char *name), void *user) {
     separation p;
     find_separation(r->s, &p);
-    riddle_io_file *file = riddle_io_open(folder, "scene_results.csv");
+    riddle_io_file *file = riddle_io_open(folder, "results.csv");
     riddle_io_print(file, "result,what,value,low95,high95\n");
     visit_all(r, &p, write_result, file);
-    if (riddle_io_close(file) == RIDDLE_IO_OK) wrote(user, "scene_results.csv");
+    if (riddle_io_close(file) == RIDDLE_IO_OK) wrote(user, "results.csv");
     if (!p.class) return;
     file = riddle_io_open(folder, "separation.csv");
     write_separation(&p, file);
