@@ -6834,9 +6834,9 @@ DEM_INLINE ptrdiff_t dem__reset_timers_of(dem_world *w, const int32_t *reset, pt
         /* prefetch in three stages: where a list of neighbours begins, the list, what it names */
         if (m + 16 < n) DEM__PREFETCH(&pairs->adjacent_start[reset[m + 16]]);
         if (m >= -8 && m + 8 < n) {
-            const int32_t *list = &pairs->adjacent[2 * pairs->adjacent_start[reset[m + 8]]];
-            DEM__PREFETCH(list);
-            DEM__PREFETCH(list + 16);
+            const int32_t *neighbours = &pairs->adjacent[2 * pairs->adjacent_start[reset[m + 8]]];
+            DEM__PREFETCH(neighbours);
+            DEM__PREFETCH(neighbours + 16);
         }
         if (m >= -2 && m + 2 < n) dem__prefetch_neighbours(w, reset[m + 2]);
         if (m < 0) continue;
