@@ -39,8 +39,9 @@
              sphere and 12 more for every wall, 40 a near pair, 340 a contact with friction (64 more with a ledger), room for at least
              64 to 1024 of each and 6 near pairs a sphere, and half as much again for growing. Running out gives DEM_OUT_OF_MEMORY and
              a world that can be read, saved and freed.
-   Threads   def.threads with OpenMP, else one; fewer while another program takes the cores. Same bits for any number. Worlds are
-             independent of each other; several threads may read one.
+   Threads   def.threads with OpenMP (no more than there are processors) or a pool of the host's, else one; fewer where a loop has little
+             work or another program takes the cores. Same bits for any number. Worlds are independent of each other; several threads may
+             read one.
    Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
    Flags     -O2 is enough: with gcc the functions here bring their own options (#pragma GCC optimize, undone at the end), and with gcc
              and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
@@ -213,13 +214,18 @@ extern "C" {
 #define DEM__LIST_STEPS 100
 /* Near pairs a sphere: with fewer a wide margin costs little, and lists should last four times as long. */
 #define DEM__FEW_PAIRS 3
-/* Chunks of contacts, if they are many: more threads than that do not share them. */
-#define DEM__CHUNKS 16
+/* Contacts from which on they lie in chunks, contacts of a chunk, and the most chunks: more threads than that do not
+   share contacts. A chunk is a few blocks, so that as many threads as pay have equal shares. */
+#define DEM__CHUNKED 8192
+#define DEM__OF_CHUNK (6 * DEM__BLOCK)
+#define DEM__CHUNKS 256
+#define DEM__RANK_STEPS 2048 /* steps between two renewals of the order of particles by place: they move little in them */
+#define DEM__SHARE 256       /* items that pay for waking a thread, at about 20 ns each */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */
 /* Speeds, spins and histories of contacts are rounded to 2^-52 of this: what decays ends at 0. */
 #define DEM__LEAST 1e-84
 #define DEM__MAGIC 0x0a1a64656d52u /* first bytes of a saved world */
-#define DEM__FORMAT 11u            /* version of its records: new fields do not change it */
+#define DEM__FORMAT 12u            /* version of its records: new fields do not change it */
 
 /* -------------------------------------------------------------------------------------------------- >>base/types.h */
 /* Public types: what a host can see of a world. */
@@ -2196,22 +2202,22 @@ typedef struct dem__contact_type {
     double constant[DEM_CONSTANTS_MAX];
 } dem__contact_type;
 
-/* A chunk holds the contacts whose first particle is at least first_particle and below that of the chunk before, in the
-   slots first .. first + count - 1. When it is full, new contacts go to the last chunk, which can grow. Because i < j,
-   a particle has contacts in its own chunk and in later ones only. */
+/* A chunk holds the contacts whose lower rank (see dem__lower_rank) is at least first_rank and below that of the chunk
+   before, in the slots first .. first + count - 1. When it is full, new contacts go to the last chunk, which can grow.
+   So a particle has contacts in its own chunk and in later ones only. */
 typedef struct dem__chunk {
     ptrdiff_t first, count, capacity;
     ptrdiff_t marked, postponed; /* contacts that begin or end in this step, listed in contacts.slots; number of
                                     postponed forces */
-    int32_t first_particle,
-        postpone_from; /* forces on particles from postpone_from on are postponed: see dem__evaluate_range */
-    int32_t low, high; /* smallest and largest particle with a postponed force; INT32_MAX, 0 if there is none */
+    int32_t first_rank;
+    int at_walls; /* whether a contact with a wall was evaluated in this step */
 } dem__chunk;
 
-/* A force that this thread may not add yet, because another thread must add to that particle first. */
+/* A force that this thread may not add yet, because another thread must add to that particle first. It stands in the
+   lists of the shares to which i and j belong. */
 typedef struct dem__postponed {
     double out[9];
-    int32_t i, j;
+    int32_t i, j, next_i, next_j; /* next_: entry * 2 + (0: its i, 1: its j), or -1 */
 } dem__postponed;
 
 /* Correction of a contact that begins or ends in a step, applied at the end of the step. */
@@ -2325,7 +2331,8 @@ typedef struct dem__run {
     int running;      /* a run or a removal is in progress: functions of the caller may not change the world */
     int ending;       /* the law's hook ended is being called: it may not add links either */
     int keeps_wrenches;
-    double stiffest;     /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
+    int turns;       /* whether spins may change in this step: without friction and loads only those of rigid bodies */
+    double stiffest; /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
     int has_unset_pairs; /* some pair of different materials was never set */
     int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
@@ -2353,13 +2360,16 @@ typedef struct dem__bodies {
     dem__wrench *load;     /* constant within a step: external loads and links */
     dem__wrench *external; /* the external part */
     dem__bound *bound;
-    dem_vec *impact;            /* change of velocity from the beginning to the middle of an impact [m/s] */
-    double *shifted;            /* distance by which edge steps have shifted it from its bound [m] */
-    double *wall_speed;         /* speed that its wall timers rely on [m/s] */
-    double *mass_share;         /* 1 / contacts [-] */
-    int32_t *activity;          /* DEM__FLYING .. */
-    int32_t *number;            /* number of particles present before it: its number without gaps */
+    dem_vec *impact;         /* change of velocity from the beginning to the middle of an impact [m/s] */
+    double *shifted;         /* distance by which edge steps have shifted it from its bound [m] */
+    double *wall_speed;      /* speed that its wall timers rely on [m/s] */
+    double *mass_share;      /* 1 / contacts [-] */
+    int32_t *activity;       /* DEM__FLYING .. */
+    int32_t *number;         /* number of particles present before it: its number without gaps */
+    int32_t *rank, *by_rank; /* place in the order in which contacts lie; the particle of a rank. Every particle has a
+                                   rank, those that are gone too, until arrays are made without them */
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
+    int32_t *active_at;         /* where it is in the first list */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
     dem__rigid *rigid;            /* bodies with an orientation; NULL without any */
@@ -2406,7 +2416,7 @@ typedef struct dem__pairs {
 } dem__pairs;
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by
-   partners; gaps are filled from its end; now and then all are ordered by i, the last first. The order of slots depends
+   partners; gaps are filled from its end; now and then all are ordered by rank, the last first. The order of slots depends
    only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits. search/tests.h
    and polyhedra/pairs.h begin them, contacts/kernel.h and contacts/first_and_last_step.h evaluate them,
    contacts/contacts.h orders and ends them. */
@@ -2414,11 +2424,14 @@ typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
     dem__chunk chunk[DEM__CHUNKS];
-    dem__wall_force *wall_force; /* [chunk][wall], walls.capacity apart */
-    dem__postponed *postponed;   /* with threads */
-    int states, constants;       /* number of arrays of each */
-    int has_history;             /* whether states can be other than zero */
-    uint64_t law;                /* dem__law_mark of the law that made them; 0: unknown */
+    int shares;                      /* into which threads divide the chunks in this step */
+    int32_t share_from[DEM__CHUNKS]; /* least rank of each share's own particles */
+    dem__wall_force *wall_force;     /* [chunk][wall], walls.capacity apart */
+    int force_chunks;                /* for so many chunks */
+    dem__postponed *postponed;       /* with threads */
+    int states, constants;           /* number of arrays of each */
+    int has_history;                 /* whether states can be other than zero */
+    uint64_t law;                    /* dem__law_mark of the law that made them; 0: unknown */
     void *block;
     size_t bytes;
     int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the near pair; -1: none; below -1: a
@@ -2491,6 +2504,7 @@ typedef struct dem__work dem__work;
 typedef struct dem__scratch {
     char *work; /* of each thread, in a run: see dem__work_of */
     int works;
+    int threads; /* that a run uses: def.threads, or the processors if they are fewer and the threads are not the host's */
     void *work_block;
     size_t work_bytes;
     int32_t *index; /* one for each particle; no value outlives the function that fills it and those that it calls */
@@ -2528,28 +2542,28 @@ typedef struct dem__engine {
 #define DEM__TELL(w, member, arguments)                                                                                \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
-            if ((w)->engine->feature[f_].member) (w)->engine->feature[f_].member arguments;                          \
+            if ((w)->engine->feature[f_].member) (w)->engine->feature[f_].member arguments;                            \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns 0 after a failure: does nothing from then on. ok: an int, 1 at first. */
 #define DEM__ASK(w, ok, member, arguments)                                                                             \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (ok); f_++) {                                                   \
-            if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                   \
+            if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                     \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns a number to be added to a sum. */
 #define DEM__ADD_UP(w, sum, member, arguments)                                                                         \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
-            if ((w)->engine->feature[f_].member) (sum) += (w)->engine->feature[f_].member arguments;                 \
+            if ((w)->engine->feature[f_].member) (sum) += (w)->engine->feature[f_].member arguments;                   \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns a status: nothing after the first that is not DEM_OK. */
 #define DEM__CHECK(w, status, member, arguments)                                                                       \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (status) == DEM_OK; f_++) {                                     \
-            if ((w)->engine->feature[f_].member) (status) = (w)->engine->feature[f_].member arguments;               \
+            if ((w)->engine->feature[f_].member) (status) = (w)->engine->feature[f_].member arguments;                 \
         }                                                                                                              \
     } while (0)
 
@@ -2620,12 +2634,15 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
                             &w->alive,
                             &w->touching,
                             &bodies->active,
+                            &bodies->active_at,
                             &w->engine->walls.first_contact,
                             &w->engine->pairs.adjacent_start,
                             &w->engine->pairs.cell_of,
                             &w->engine->scratch.index,
                             &bodies->activity,
                             &bodies->number,
+                            &bodies->rank,
+                            &bodies->by_rank,
                             &bodies->to_check};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
@@ -2934,12 +2951,27 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field) {
     return bad ? DEM_BAD_DEFINITION : DEM_OK;
 }
 
+/* Makes room for the forces of chunks on walls; they are found anew in each step. Returns 0 when out of memory. */
+static inline int dem__fit_wall_forces(dem_world *w, int chunks) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const dem_allocator *a = &w->def.allocator;
+    const int room = chunks > 1 ? DEM__CHUNKS : 1;
+    const size_t bytes = (size_t)room * (size_t)w->engine->walls.capacity * sizeof *contacts->wall_force;
+    if (room <= contacts->force_chunks) return 1;
+    dem__wall_force *fresh = (dem__wall_force *)a->fn(a->user, NULL, 0, bytes);
+    if (!fresh) return 0;
+    memset(fresh, 0, bytes);
+    a->fn(a->user, contacts->wall_force, bytes / (size_t)room * (size_t)contacts->force_chunks, 0);
+    contacts->wall_force = fresh, contacts->force_chunks = room;
+    return 1;
+}
+
 /* Makes room for `wanted` walls, and for the forces of every chunk on them. Returns 0 when out of memory. */
 static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
     dem__engine *e = w->engine;
     const dem_allocator *a = &w->def.allocator;
     const ptrdiff_t larger = e->walls.capacity + e->walls.capacity / 2 + 8, room = larger > wanted ? larger : wanted;
-    const size_t wall = sizeof *w->wall, force = DEM__CHUNKS * sizeof *e->contacts.wall_force;
+    const size_t wall = sizeof *w->wall, force = (size_t)e->contacts.force_chunks * sizeof *e->contacts.wall_force;
     if (wanted <= e->walls.capacity) return 1;
     dem_wall *walls = (dem_wall *)a->fn(a->user, NULL, 0, (size_t)room * wall);
     dem__wall_force *forces = (dem__wall_force *)a->fn(a->user, NULL, 0, (size_t)room * force);
@@ -2969,7 +3001,7 @@ static inline int dem__make_engine(dem_world *w) {
     memset(e, 0, sizeof *e);
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
-    e->run.needs_lists = e->contacts.chunk_count = 1;
+    e->run.needs_lists = e->contacts.chunk_count = e->contacts.force_chunks = 1;
     w->engine = e;
     if (dem__grow_walls(w, 1)) return 1;
     w->def.allocator.fn(w->def.allocator.user, e, sizeof *e, 0);
@@ -3029,7 +3061,8 @@ DEM_API void dem_free(dem_world *world) {
         if (tree) dem__release(&a, tree, tree->bytes);
     }
     dem__release(&a, world->wall, (size_t)e->walls.capacity * sizeof *world->wall);
-    dem__release(&a, e->contacts.wall_force, DEM__CHUNKS * (size_t)e->walls.capacity * sizeof *e->contacts.wall_force);
+    dem__release(&a, e->contacts.wall_force,
+                 (size_t)e->contacts.force_chunks * (size_t)e->walls.capacity * sizeof *e->contacts.wall_force);
     dem__release(&a, e->scratch.work_block, e->scratch.work_bytes);
     dem__release(&a, e, sizeof *e);
     memset(world, 0, sizeof *world);
@@ -3538,6 +3571,7 @@ DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     if (bodies->activity[i]) return;
     bodies->activity[i] = 1;
+    bodies->active_at[i] = (int32_t)bodies->active_count;
     bodies->active[bodies->active_count++] = (int32_t)i;
 }
 /* Makes particle i, or all particles of its rigid body, take steps from now on. */
@@ -5313,14 +5347,23 @@ static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *con
     }
 }
 
-/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for
-   waking a thread. */
-DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
-    const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
-#ifndef _OPENMP
-    if (!w->def.parallel) return 1;
+/* Returns the number of threads that a run may use. More of OpenMP's than there are processors would wait for each
+   other; a host knows what its threads are. */
+static inline int dem__usable_threads(const dem_world *w) {
+    int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
+    if (w->def.parallel) return threads;
+#ifdef _OPENMP
+    return threads < omp_get_num_procs() ? threads : omp_get_num_procs();
+#else
+    return 1;
 #endif
-    return threads == 1 || n < 256 * (ptrdiff_t)threads ? 1 : threads;
+}
+
+/* Returns the number of parts to split n items into: as many as there are threads, or as pay for waking them. */
+DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
+    const int threads = w->engine->scratch.threads;
+    if (threads <= 1 || n < 2 * DEM__SHARE) return 1;
+    return n < DEM__SHARE * (ptrdiff_t)threads ? (int)(n / DEM__SHARE) : threads;
 }
 
 /* Returns the same, but at most `most`. */
@@ -5407,6 +5450,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     w->particle[i].origin = w->step;
     w->id[i] = bodies->next_id++;
     bodies->number[i] = (int32_t)(i - bodies->dropped);
+    bodies->rank[i] = bodies->by_rank[i] = (int32_t)i; /* the last one */
     w->material[i] = material;
     w->group[i] = group;
     w->alive[i] = 1;
@@ -5598,6 +5642,27 @@ static inline void dem__flush_batch(dem_world *w, dem__timer_batch *q, int64_t s
     q->n = 0;
 }
 
+/* Computes the steps until the pairs in the batch are due, stores pairs and steps as a list of n entries at `to`, and
+   empties the batch. Returns the new number. */
+static inline ptrdiff_t dem__list_batch(const dem_world *w, dem__timer_batch *q, int32_t *to, ptrdiff_t n) {
+    dem__compute_due(q, w->engine->pairs.steps_per_second);
+    for (int k = 0; k < q->n; k++, n++) to[2 * n] = q->pair[k], to[2 * n + 1] = q->steps[k];
+    q->n = 0;
+    return n;
+}
+/* Sets n timers that dem__list_batch has listed. */
+static inline void dem__set_listed(dem_world *w, const int32_t *list, ptrdiff_t n, int64_t step) {
+    dem__timers *t = &w->engine->pairs.timers;
+    const int32_t now = (int32_t)(step - t->from);
+    for (ptrdiff_t k = 0; k < n; k++) {
+        if (k + DEM__AHEAD < n) {
+            DEM__PREFETCH(&t->due[list[2 * (k + DEM__AHEAD)]]);
+            DEM__PREFETCH(&t->earliest[list[2 * (k + DEM__AHEAD)] / DEM__LINE]);
+        }
+        dem__set_due(t, list[2 * k], list[2 * k + 1] > 0 ? now + list[2 * k + 1] : DEM__NEVER);
+    }
+}
+
 /* Returns the time since the list was built [s], on which bounds depend. */
 DEM_INLINE double dem__since_listed(const dem_world *w, int64_t step) {
     return (double)(step - w->engine->pairs.listed_step) * w->engine->run.dt;
@@ -5757,13 +5822,13 @@ DEM_INLINE void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p,
 }
 
 /* Begins the contacts that tests of pairs have found. Allocates memory for all of them at once. */
-static inline void dem__new_pair_contacts(dem_world *w, const dem__timer_batch *waits) {
+static inline void dem__new_pair_contacts(dem_world *w, const int32_t *found, ptrdiff_t touch, int64_t looks) {
     dem__pairs *pairs = &w->engine->pairs;
-    const ptrdiff_t slots = dem__next_slot(w) + waits->touch;
-    w->looks += waits->looks;
+    const ptrdiff_t slots = dem__next_slot(w) + touch;
+    w->looks += looks;
     if (!dem__grow_contacts(w, slots > w->engine->contacts.capacity ? slots + slots / 2 : slots))
         w->status = DEM_OUT_OF_MEMORY;
-    for (const int32_t *p = waits->found; p < waits->found + waits->touch && w->status == DEM_OK; p++) {
+    for (const int32_t *p = found; p < found + touch && w->status == DEM_OK; p++) {
         if (dem__new_contact(w, pairs->near[*p].i, pairs->near[*p].j, 0, *p)) dem__stop_timer(&pairs->timers, *p);
     }
 }
@@ -5992,6 +6057,125 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     if (skips) dem__wait_for_wall(w, &t, e, step);
 }
 
+/* --------------------------------------------------------------------------------------------- >>particles/ranks.h */
+/* Ranks: the order of particles by place, in which their contacts lie in memory, so that what is computed together is
+   near together, and threads share few particles. Reads positions; writes ranks. Particles keep their numbers. Promises:
+   the order of the particles present depends only on the history of the scene. */
+
+/* Returns the lower rank of the particles of a contact, by which contacts are ordered. */
+DEM_INLINE int32_t dem__lower_rank(const dem_world *w, int32_t i, int32_t j) {
+    const int32_t *rank = w->engine->bodies.rank;
+    return j < 0 || rank[i] < rank[j] ? rank[i] : rank[j];
+}
+
+/* Returns the place of a cell on Hilbert's curve through 1024 x 1024 x 1024 cells (Skilling 2004): cells that follow each
+   other on it are neighbours. */
+static inline uint32_t dem__curve_place(uint32_t x, uint32_t y, uint32_t z) {
+    uint32_t at[3] = {x, y, z}, flip = 0, place = 0;
+    for (uint32_t bit = 512; bit > 1; bit >>= 1) {
+        const uint32_t low = bit - 1;
+        for (int a = 0; a < 3; a++) {
+            const uint32_t swap = at[a] & bit ? 0 : (at[0] ^ at[a]) & low;
+            at[0] ^= at[a] & bit ? low : swap;
+            at[a] ^= swap;
+        }
+    }
+    at[1] ^= at[0], at[2] ^= at[1];
+    for (uint32_t bit = 512; bit > 1; bit >>= 1) flip ^= at[2] & bit ? bit - 1 : 0;
+    for (int a = 0; a < 3; a++) at[a] ^= flip;
+    for (int bit = 9; bit >= 0; bit--) {
+        for (int a = 0; a < 3; a++) place = place << 1 | (at[a] >> bit & 1u);
+    }
+    return place;
+}
+
+/* The cube in which most particles lie: its lower corner [m], and cells a metre. */
+typedef struct dem__curve_box {
+    dem_vec low;
+    double per_metre;
+} dem__curve_box;
+
+/* Lays the cube over four standard deviations each way from the mean, within the particles' range: the few outside go
+   into the cells at the border. */
+static inline dem__curve_box dem__curve_of(const dem_world *w) {
+    double low[3], high[3], sum[3] = {0.0, 0.0, 0.0}, square[3] = {0.0, 0.0, 0.0}, n = 0.0, longest = 0.0;
+    dem__curve_box box;
+    for (int a = 0; a < 3; a++) low[a] = HUGE_VAL, high[a] = -HUGE_VAL;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (!w->alive[i]) continue;
+        const dem_vec x = dem__at(w, i, dem__now(w, i));
+        n += 1.0;
+        for (int a = 0; a < 3; a++) {
+            const double v = dem_axis(x, a);
+            low[a] = v < low[a] ? v : low[a], high[a] = v > high[a] ? v : high[a];
+            sum[a] += v, square[a] += v * v;
+        }
+    }
+    for (int a = 0; a < 3; a++) {
+        const double mean = sum[a] / n, variance = square[a] / n - mean * mean,
+                     reach = variance > 0.0 ? 4.0 * sqrt(variance) : 0.0,
+                     from = low[a] > mean - reach ? low[a] : mean - reach,
+                     to = high[a] < mean + reach ? high[a] : mean + reach;
+        *dem_axis_of(&box.low, a) = from;
+        longest = to - from > longest ? to - from : longest;
+    }
+    box.per_metre = longest > 0.0 ? 1024.0 / longest : 0.0;
+    return box;
+}
+
+/* Returns the cell of a coordinate; of no number the first one. */
+DEM_INLINE uint32_t dem__curve_cell(double x, double low, double per_metre) {
+    const double at = (x - low) * per_metre;
+    return at > 0.0 ? (at < 1023.0 ? (uint32_t)at : 1023u) : 0u;
+}
+
+/* Sets the places of particles first .. end-1 on the curve, in pairs.cell_of: free but for a rebuild. */
+static inline void dem__place_on_curve(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__curve_box *box = (const dem__curve_box *)context;
+    (void)part;
+    for (ptrdiff_t i = first; i < end; i++) {
+        const dem_vec x = dem__at(w, i, dem__now(w, i));
+        w->engine->pairs.cell_of[i] = (int32_t)dem__curve_place(dem__curve_cell(x.x, box->low.x, box->per_metre),
+                                                                dem__curve_cell(x.y, box->low.y, box->per_metre),
+                                                                dem__curve_cell(x.z, box->low.z, box->per_metre));
+    }
+}
+
+/* Sorts particles by ten bits of their place, from bit `shift` on; those with the same bits stay as they are. from:
+   NULL for the order of numbers. */
+static inline void dem__sort_by_place(const int32_t *place, int shift, ptrdiff_t n, const int32_t *from, int32_t *to) {
+    int32_t start[1024];
+    memset(start, 0, sizeof start);
+    for (ptrdiff_t k = 0; k < n; k++) start[place[k] >> shift & 1023]++;
+    for (int32_t q = 0, sum = 0; q < 1024; q++) {
+        const int32_t of = start[q];
+        start[q] = sum;
+        sum += of;
+    }
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const int32_t i = from ? from[k] : (int32_t)k;
+        to[start[place[i] >> shift & 1023]++] = i;
+    }
+}
+
+static inline void dem__set_ranks(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t r = 0; r < w->count; r++) bodies->rank[bodies->by_rank[r]] = (int32_t)r;
+}
+
+/* Renews the ranks of all particles. */
+static DEM__NOINLINE void dem__renew_ranks(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const int32_t *place = w->engine->pairs.cell_of;
+    int32_t *other = w->engine->scratch.index;
+    dem__curve_box box = dem__curve_of(w);
+    dem__in_parts(w, dem__parts(w, 4 * w->count), w->count, dem__place_on_curve, &box);
+    dem__sort_by_place(place, 0, w->count, NULL, bodies->by_rank);
+    dem__sort_by_place(place, 10, w->count, bodies->by_rank, other);
+    dem__sort_by_place(place, 20, w->count, other, bodies->by_rank);
+    dem__set_ranks(w);
+}
+
 /* -------------------------------------------------------------------------------------------- >>particles/active.h */
 /* Lists of active particles, and arrays without the particles that are gone. */
 
@@ -6010,7 +6194,7 @@ static inline void dem__list_active(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     bodies->active_count = bodies->to_check_count = 0;
     for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        bodies->active[bodies->active_count] = i;
+        bodies->active[bodies->active_count] = i, bodies->active_at[i] = (int32_t)bodies->active_count;
         bodies->active_count += bodies->activity[i] != 0;
         if (bodies->activity[i] == 2) bodies->to_check[bodies->to_check_count++] = i;
     }
@@ -6036,10 +6220,16 @@ DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, p
     }
 }
 
-/* Returns the new number of particle i, or of the first after it that stays. */
-static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
-    while (i < (int32_t)w->count && w->engine->scratch.index[i] < 0) i++;
-    return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
+/* Closes the gaps in the order of particles, and in the ranks where chunks begin: before the arrays are moved. */
+static inline void dem__close_ranks(dem_world *w, const int32_t *remap) {
+    dem__contacts *contacts = &w->engine->contacts;
+    int32_t *by_rank = w->engine->bodies.by_rank, left = 0;
+    int q = contacts->chunk_count - 1; /* the last chunk begins with the first rank */
+    for (int32_t r = 0; r < (int32_t)w->count; r++) {
+        for (; q >= 0 && contacts->chunk[q].first_rank == r; q--) contacts->chunk[q].first_rank = left;
+        if (remap[by_rank[r]] >= 0) by_rank[left++] = remap[by_rank[r]];
+    }
+    for (; q >= 0; q--) contacts->chunk[q].first_rank = left;
 }
 
 /* Removes dropped particles from the arrays; the others keep their order. */
@@ -6052,11 +6242,12 @@ static inline void dem__compact(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) w->engine->scratch.index[i] = w->alive[i] ? (int32_t)to++ : -1;
     int32_t *remap = w->engine->scratch.index;
     ptrdiff_t first = 0;
+    dem__close_ranks(w, remap);
     while (first < w->count && remap[first] == first) first++;
     for (int k = 0; k < n; k++) {
         char *base;
         memcpy(&base, list[k].address, sizeof base);
-        if ((void *)base == (void *)remap) continue;
+        if ((void *)base == (void *)remap || (void *)base == (void *)w->engine->bodies.by_rank) continue;
         if (list[k].size == sizeof(double)) dem__close_gaps(base, sizeof(double), remap, first, w->count);
         else if (list[k].size == sizeof(int32_t)) dem__close_gaps(base, sizeof(int32_t), remap, first, w->count);
         else dem__close_gaps(base, list[k].size, remap, first, w->count);
@@ -6066,9 +6257,8 @@ static inline void dem__compact(dem_world *w) {
         contacts->i[c] = remap[contacts->i[c]];
         if (contacts->j[c] >= 0) contacts->j[c] = remap[contacts->j[c]];
     }
-    for (int q = 0; q < contacts->chunk_count; q++)
-        contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
     w->count = to;
+    dem__set_ranks(w);
     w->engine->bodies.dropped = 0;
     DEM__TELL(w, renumber, (w, remap));
 }
@@ -6638,66 +6828,96 @@ static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
     return -1;
 }
 
-/* Returns 0 if no near pair of particle i has a number from low to high - 1; its list is in ascending order. */
-DEM_INLINE int dem__has_pairs(const dem_world *w, ptrdiff_t i, ptrdiff_t low, ptrdiff_t high) {
-    const dem__pairs *pairs = &w->engine->pairs;
-    const int32_t begin = pairs->adjacent_start[i], stop = pairs->adjacent_start[i + 1];
-    return begin < stop && pairs->adjacent[2 * begin] < high && pairs->adjacent[2 * stop - 2] >= low;
-}
+/* New timers of the near pairs of n particles with new bounds. */
+typedef struct dem__reset_list {
+    const int32_t *particle;
+    ptrdiff_t n, room; /* room: entries of a thread's list; 0: timers are set at once, by one thread */
+    int64_t step;
+    ptrdiff_t listed[DEM__PARTS_MAX];
+    int parts;
+} dem__reset_list;
 
-/* Sets new timers for those pairs of n particles with new bounds that are in pages first .. end-1. */
-DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end,
-                                     int64_t step) {
+/* Computes the timers of the pairs of particles reset[0 .. n-1]: sets them, or lists them from `list` on, where there is
+   room for `room`. Returns the number listed, or -1 if there is no room. */
+DEM_INLINE ptrdiff_t dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step, int32_t *list,
+                                          ptrdiff_t room) {
     dem__pairs *pairs = &w->engine->pairs;
-    const ptrdiff_t low = first * DEM__PAGE, high = end * DEM__PAGE;
     const double t = dem__since_listed(w, step);
+    ptrdiff_t listed = 0;
     dem__timer_batch waits;
     dem__clear_batch(&waits);
     for (ptrdiff_t m = dem__prefetch_from(n, 16); m < n; m++) {
         /* prefetch in three stages: where a list of neighbours begins, the list, what it names */
         if (m + 16 < n) DEM__PREFETCH(&pairs->adjacent_start[reset[m + 16]]);
         if (m >= -8 && m + 8 < n) {
-            const int32_t *list = &pairs->adjacent[2 * pairs->adjacent_start[reset[m + 8]]];
-            DEM__PREFETCH(list);
-            DEM__PREFETCH(list + 16);
+            const int32_t *neighbours = &pairs->adjacent[2 * pairs->adjacent_start[reset[m + 8]]];
+            DEM__PREFETCH(neighbours);
+            DEM__PREFETCH(neighbours + 16);
         }
-        if (m >= -2 && m + 2 < n && dem__has_pairs(w, reset[m + 2], low, high))
-            dem__prefetch_neighbours(w, reset[m + 2]);
-        if (m < 0 || !dem__has_pairs(w, reset[m], low, high)) continue;
+        if (m >= -2 && m + 2 < n) dem__prefetch_neighbours(w, reset[m + 2]);
+        if (m < 0) continue;
         const int32_t i = reset[m], begin = pairs->adjacent_start[i], stop = pairs->adjacent_start[i + 1];
         const dem__bound own = dem__bound_at(&w->engine->bodies.bound[i], t);
         for (int32_t k = begin; k < stop; k++) {
             const int32_t p = pairs->adjacent[2 * k];
-            if (p < low || p >= high || pairs->timers.due[p] == DEM__STOPPED) continue;
+            if (pairs->timers.due[p] == DEM__STOPPED) continue;
+            if (list && waits.n == DEM__BLOCK) {
+                if (listed + 2 * DEM__BLOCK > room) return -1;
+                listed = dem__list_batch(w, &waits, list, listed);
+            }
             const dem__bound other = dem__bound_at(&w->engine->bodies.bound[pairs->adjacent[2 * k + 1]], t);
             dem__batch_bounds(w, &waits, p, step, &own, &other);
         }
     }
+    if (list) return dem__list_batch(w, &waits, list, listed);
     dem__flush_batch(w, &waits, step);
+    return 0;
 }
 DEM__AVX2_CLONE(dem__reset_timers_part,
-                (dem_world * w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step),
-                (w, reset, n, first, end, step), dem__reset_timers_of(w, reset, n, first, end, step))
+                (dem_world * w, const int32_t *reset, ptrdiff_t n, int64_t step, int32_t *list, ptrdiff_t room,
+                 ptrdiff_t *listed),
+                (w, reset, n, step, list, room, listed), *listed = dem__reset_timers_of(w, reset, n, step, list, room))
 
-/* Particles with new bounds. */
-typedef struct dem__reset_list {
-    const int32_t *particle;
-    ptrdiff_t n;
-    int64_t step;
-} dem__reset_list;
-static inline void dem__reset_timers_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__reset_list *list = (const dem__reset_list *)context;
-    (void)part;
-    dem__reset_timers_part(w, list->particle, list->n, first, end, list->step);
+/* Lists the timers of the pairs of particles first .. end-1 of the list, in this thread's part of timers.list, which is
+   free between two searches for what is due. */
+static inline void dem__list_resets(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__reset_list *q = (dem__reset_list *)context;
+    dem__reset_timers_part(w, q->particle + first, end - first, q->step,
+                           w->engine->pairs.timers.list + 2 * q->room * part, q->room, &q->listed[part]);
+}
+/* Sets those of the listed timers that are in this thread's lines: every `parts`-th group of 64. */
+static inline void dem__set_resets(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__reset_list *q = (const dem__reset_list *)context;
+    dem__timers *t = &w->engine->pairs.timers;
+    const int32_t now = (int32_t)(q->step - t->from), parts = (int32_t)q->parts;
+    (void)first, (void)end;
+    for (int of = 0; of < q->parts; of++) {
+        const int32_t *list = t->list + 2 * q->room * of;
+        for (ptrdiff_t k = 0; k < q->listed[of]; k++) {
+            const int32_t p = list[2 * k], steps = list[2 * k + 1];
+            if (p / (64 * DEM__LINE) % parts == part) dem__set_due(t, p, steps > 0 ? now + steps : DEM__NEVER);
+        }
+    }
 }
 
-/* Sets new timers for the near pairs of n particles with new bounds. */
+/* Sets new timers for the near pairs of n particles with new bounds. Several threads compute them; then each sets those
+   of its lines, because timers of a line share a number. */
 static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
-    dem__reset_list list;
-    list.particle = reset, list.n = n, list.step = step;
+    dem__reset_list q;
+    ptrdiff_t nothing, listed = 0, least = 0;
+    q.particle = reset, q.n = n, q.step = step, q.parts = dem__parts(w, 8 * n);
     if (n == 0 || w->engine->pairs.count == 0) return; /* without pairs there is no list of neighbours */
-    if (w->def.skip & DEM_SKIP_PAIRS)
-        dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
+    if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
+    q.room = w->engine->pairs.timers.pages * DEM__PAGE / 2 / q.parts;
+    if (q.parts > 1 && q.room > 2 * DEM__BLOCK) {
+        dem__in_parts(w, q.parts, n, dem__list_resets, &q);
+        for (int k = 0; k < q.parts; k++) listed += q.listed[k], least = q.listed[k] < least ? q.listed[k] : least;
+        if (least >= 0 && dem__parts(w, listed / 4) > 1) dem__in_parts(w, q.parts, q.parts, dem__set_resets, &q);
+        for (int k = 0; k < q.parts && least >= 0 && dem__parts(w, listed / 4) == 1; k++)
+            dem__set_listed(w, w->engine->pairs.timers.list + 2 * q.room * k, q.listed[k], step);
+        if (least >= 0) return;
+    }
+    dem__reset_timers_part(w, reset, n, step, NULL, 0, &nothing);
 }
 
 /* ----------------------------------------------------------------------------------------------- >>search/margin.h */
@@ -7816,7 +8036,8 @@ struct dem__work {
         past[DEM_STATE_MAX]; /* of the step before: force, gap; whether it ended; history at the start */
     dem__wall_row wall[DEM__BLOCK];
     int walls;
-    dem__timer_batch batch; /* for tests of pairs */
+    dem__timer_batch batch;                       /* for tests of pairs */
+    int32_t head[DEM__CHUNKS], tail[DEM__CHUNKS]; /* lists of postponed forces for each share: see dem__postponed */
 };
 
 /* Returns the working memory of a thread. It begins with a cache line: otherwise every second vector of a row would lie
@@ -7826,12 +8047,13 @@ DEM_INLINE dem__work *dem__work_of(const dem_world *w, int part) {
     return (dem__work *)(void *)(w->engine->scratch.work + (size_t)part * DEM__WORK_BYTES);
 }
 
-/* Allocates the working memory of `threads` threads. Returns 0 when out of memory. */
-static inline int dem__make_work(dem_world *w, int threads) {
+/* Allocates the working memory of the threads of a run. Returns 0 when out of memory. */
+static inline int dem__make_work(dem_world *w) {
     dem__scratch *scratch = &w->engine->scratch;
     const dem_allocator *a = &w->def.allocator;
-    const int wanted = threads < DEM__CHUNKS ? threads : DEM__CHUNKS;
+    const int usable = dem__usable_threads(w), wanted = usable < DEM__CHUNKS ? usable : DEM__CHUNKS;
     const size_t bytes = (size_t)wanted * DEM__WORK_BYTES + 64;
+    scratch->threads = usable;
     if (wanted <= scratch->works) return 1;
     char *block = (char *)a->fn(a->user, NULL, 0, bytes);
     if (!block) return 0;
@@ -7891,32 +8113,61 @@ DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j,
         if (has_friction) sum[3] += turn_j[0], sum[4] += turn_j[1], sum[5] += turn_j[2];
         return;
     }
+    w->engine->contacts.chunk[q].at_walls = 1;
     dem__wall_force *push = &w->engine->contacts.wall_force[q * w->engine->walls.capacity - 1 - j];
     const dem_vec f = dem_vec3(-fx, -fy, -fz), arm = dem__sub(w->particle[i].x, w->wall[-1 - j].position);
     push->force = dem__add(push->force, f);
     push->torque = dem__add(push->torque, dem__sub(dem__cross(arm, f), dem__first(turn_i)));
 }
 
-/* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. Stores those that another
-   thread must add first for dem__add_postponed. */
-DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out,
-                                   int has_friction) {
+/* Returns the share to which the particle of a rank belongs. */
+DEM_INLINE int dem__owner_of(const dem__contacts *contacts, int32_t rank) {
+    int low = 0, high = contacts->shares - 1;
+    while (low < high) {
+        const int middle = (low + high) / 2;
+        if (contacts->share_from[middle] <= rank) high = middle;
+        else low = middle + 1;
+    }
+    return low;
+}
+
+/* Appends one side of a postponed force to the list of the share to which its particle belongs. */
+DEM_INLINE void dem__postpone(dem_world *w, dem__work *x, int32_t entry, int side, int32_t rank) {
+    dem__postponed *all = w->engine->contacts.postponed;
+    const int share = dem__owner_of(&w->engine->contacts, rank);
+    const int32_t last = x->tail[share], own = 2 * entry + side;
+    if (last < 0) x->head[share] = own;
+    else if (last & 1) all[last >> 1].next_j = own;
+    else all[last >> 1].next_i = own;
+    x->tail[share] = own;
+    if (side) all[entry].next_j = -1;
+    else all[entry].next_i = -1;
+}
+
+/* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. postpone_from: INT32_MAX, or
+   ranks from it on belong to earlier shares, whose threads must add first; what they get is postponed for
+   dem__add_postponed. */
+DEM_INLINE void dem__gather_forces(dem_world *w, dem__work *x, ptrdiff_t q, ptrdiff_t base, int n, double *const *out,
+                                   int has_friction, int32_t postpone_from) {
     dem__contacts *contacts = &w->engine->contacts;
+    const int32_t *rank = w->engine->bodies.rank;
     dem__chunk *in = &contacts->chunk[q];
-    const int32_t own = in->postpone_from;
-    int waits = 0;
-    for (int k = 0; k < n; k++) waits |= (contacts->i[base + k] >= own) | (contacts->j[base + k] >= own);
-    for (int k = 0; k < n && !waits; k++)
-        dem__add_forces(w, q, contacts->i[base + k], contacts->j[base + k], out, k, has_friction, 1, 1);
-    for (int k = 0; k < n && waits; k++) {
-        const int32_t i = contacts->i[base + k], j = contacts->j[base + k], last = j > i ? j : i; /* a wall has j < 0 */
-        dem__add_forces(w, q, i, j, out, k, has_friction, i < own, j < own);
-        if (last < own) continue;
-        dem__postponed *later = &contacts->postponed[in->first + in->postponed++];
+    if (postpone_from == INT32_MAX) {
+        for (int k = 0; k < n; k++)
+            dem__add_forces(w, q, contacts->i[base + k], contacts->j[base + k], out, k, has_friction, 1, 1);
+        return;
+    }
+    for (int k = 0; k < n; k++) {
+        const int32_t i = contacts->i[base + k], j = contacts->j[base + k], rank_i = rank[i],
+                      rank_j = j < 0 ? -1 : rank[j];
+        dem__add_forces(w, q, i, j, out, k, has_friction, rank_i < postpone_from, rank_j < postpone_from);
+        if (rank_i < postpone_from && rank_j < postpone_from) continue;
+        const ptrdiff_t entry = in->first + in->postponed++;
+        dem__postponed *later = &contacts->postponed[entry];
         for (int a = 0; a < (has_friction ? 9 : 3); a++) later->out[a] = out[a][k];
         later->i = i, later->j = j;
-        const int32_t first = i < own ? j : i;
-        in->low = first < in->low ? first : in->low, in->high = last > in->high ? last : in->high;
+        if (rank_i >= postpone_from) dem__postpone(w, x, (int32_t)entry, 0, rank_i);
+        if (rank_j >= postpone_from) dem__postpone(w, x, (int32_t)entry, 1, rank_j);
     }
 }
 
@@ -8090,7 +8341,7 @@ static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdi
    and writes its own slot; therefore any division among threads gives the same bits. Each block is summed while it is
    in the cache. */
 DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law,
-                                    dem__edge_fn *correct, int features) {
+                                    dem__edge_fn *correct, int features, int32_t postpone_from) {
     const dem__run *run = &w->engine->run;
     const int has_friction = (features & DEM_FRICTION) != 0;
     const int only_ledger = (features & DEM_ENERGY) && run->only_ledger;
@@ -8117,7 +8368,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         if (w->engine->convex.calls) dem__leave_other_edges(w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
-        dem__gather_forces(w, chunk, base, n, at.out, has_friction);
+        dem__gather_forces(w, x, chunk, base, n, at.out, has_friction, postpone_from);
         if (x->walls > 0) dem__add_belts(w, x, chunk, at.out);
     }
 }
@@ -8127,15 +8378,16 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
                             dem__edge_fn *correct, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__work *work = dem__work_of(w, part);
+    const int32_t postpone_from = part > 0 && contacts->shares > 1 ? contacts->share_from[part - 1] : INT32_MAX;
     for (int k = 0; k < DEM__BLOCK; k++) work->types.kind[k] = -2;
+    for (int k = 0; k < contacts->shares; k++) work->head[k] = work->tail[k] = -1;
     for (ptrdiff_t q = first; q < end; q++) {
-        contacts->chunk[q].marked = contacts->chunk[q].postponed = 0;
-        contacts->chunk[q].low = INT32_MAX, contacts->chunk[q].high = 0;
+        contacts->chunk[q].marked = contacts->chunk[q].postponed = 0, contacts->chunk[q].at_walls = 0;
         for (ptrdiff_t k = 0; k < w->walls; k++) {
             dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
             push->force = push->torque = dem_vec3(0.0, 0.0, 0.0), push->belt_power = 0.0;
         }
-        dem__evaluate_chunk(w, work, q, law, correct, features);
+        dem__evaluate_chunk(w, work, q, law, correct, features, postpone_from);
     }
 }
 
@@ -8178,13 +8430,27 @@ static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t 
     return dem__is_fixed(w, i) && dem__is_fixed(w, j);
 }
 
-/* Returns whether contact a comes before b: by i, the last first, then by j (walls last), then by element. */
+/* Returns the lower rank of the contact in slot c. */
+DEM_INLINE int32_t dem__rank_in_slot(const dem_world *w, ptrdiff_t c) {
+    return dem__lower_rank(w, w->engine->contacts.i[c], w->engine->contacts.j[c]);
+}
+
+/* Returns the rank of the other particle of a contact; walls come after all particles. */
+DEM_INLINE int64_t dem__other_rank(const dem_world *w, int32_t i, int32_t j) {
+    const int32_t *rank = w->engine->bodies.rank;
+    if (j < 0) return INT32_MAX - (int64_t)j;
+    return rank[i] < rank[j] ? rank[j] : rank[i];
+}
+
+/* Returns whether contact a comes before b: by the lower rank of its particles, the last first, then by the other one
+   (walls last), then by element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
     const dem__contacts *contacts = &w->engine->contacts;
-    if (contacts->i[a] != contacts->i[b]) return contacts->i[a] > contacts->i[b];
-    int64_t ja = contacts->j[a], jb = contacts->j[b];
-    ja = ja < 0 ? INT32_MAX - ja : ja, jb = jb < 0 ? INT32_MAX - jb : jb;
-    if (ja != jb) return ja < jb;
+    const int32_t low_a = dem__rank_in_slot(w, a), low_b = dem__rank_in_slot(w, b);
+    if (low_a != low_b) return low_a > low_b;
+    const int64_t other_a = dem__other_rank(w, contacts->i[a], contacts->j[a]),
+                  other_b = dem__other_rank(w, contacts->i[b], contacts->j[b]);
+    if (other_a != other_b) return other_a < other_b;
     return contacts->element[a] < contacts->element[b];
 }
 
@@ -8234,9 +8500,14 @@ static inline void dem__gather_items(char *to, const char *base, size_t size, co
     for (ptrdiff_t k = 0; k < n; k++) dem__copy(to + (size_t)k * size, base + (size_t)from[k] * size, size);
 }
 
-/* Moves the contacts in the listed slots, in that order, into the slots of chunks. This thread moves the arrays first,
+/* Slots that follow each other. */
+typedef struct dem__run_of_slots {
+    ptrdiff_t first, count;
+} dem__run_of_slots;
+
+/* Moves the contacts in the listed slots, in that order, into runs of slots. This thread moves the arrays first,
    first + parts, ... */
-static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int chunks, const dem__array *list,
+static inline void dem__arrange_part(dem_world *w, const dem__run_of_slots *chunk, int chunks, const dem__array *list,
                                      int arrays, int first, int parts) {
     const dem__contacts *contacts = &w->engine->contacts;
     char *scratch = (char *)contacts->correction + (size_t)first * (size_t)contacts->capacity * sizeof(double);
@@ -8256,7 +8527,7 @@ static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int 
     }
 }
 typedef struct dem__arrangement {
-    const dem__chunk *chunk;
+    const dem__run_of_slots *chunk;
     const dem__array *list;
     int chunks, arrays, parts;
 } dem__arrangement;
@@ -8265,8 +8536,8 @@ static inline void dem__arrange_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
     (void)first, (void)end;
     dem__arrange_part(w, a->chunk, a->chunks, a->list, a->arrays, part, a->parts);
 }
-static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chunk, int chunks, const dem__array *list,
-                                int arrays) {
+static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__run_of_slots *chunk, int chunks,
+                                const dem__array *list, int arrays) {
     dem__arrangement a;
     a.chunk = chunk, a.list = list, a.chunks = chunks, a.arrays = arrays;
     a.parts = dem__parts_of(
@@ -8371,29 +8642,58 @@ DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
    chunks, and lists their slots there. */
 static inline void dem__distribute_begun(dem_world *w, const dem__array *list, int arrays) {
     dem__contacts *contacts = &w->engine->contacts;
-    dem__chunk born[DEM__CHUNKS];
+    dem__run_of_slots born[DEM__CHUNKS]; /* of chunks that get any */
+    int32_t to[DEM__CHUNKS];
     const int last = contacts->chunk_count - 1;
     ptrdiff_t n = 0;
+    int runs = 0;
     contacts->chunk[last].count -= contacts->begun;
-    for (int q = 0; q <= last; q++) {
-        dem__chunk *in = &contacts->chunk[q];
-        born[q].first = in->first + in->count;
-        born[q].count = 0;
-    }
     for (ptrdiff_t k = 0, q = 0; k < contacts->begun; k++) {
-        while (contacts->i[contacts->slots[k]] < contacts->chunk[q].first_particle) q++;
-        if (q < last && contacts->chunk[q].count + born[q].count == contacts->chunk[q].capacity)
+        const int32_t low = dem__rank_in_slot(w, contacts->slots[k]);
+        while (low < contacts->chunk[q].first_rank) q++;
+        const ptrdiff_t waiting = runs > 0 && to[runs - 1] == (int32_t)q ? born[runs - 1].count : 0;
+        if (q < last && contacts->chunk[q].count + waiting == contacts->chunk[q].capacity)
             q = last; /* and so are all after it */
-        born[q].count++;
+        if (runs == 0 || to[runs - 1] != (int32_t)q) {
+            to[runs] = (int32_t)q;
+            born[runs].first = contacts->chunk[q].first + contacts->chunk[q].count, born[runs++].count = 0;
+        }
+        born[runs - 1].count++;
     }
     if (last > 0 || !dem__ascends(contacts->slots, contacts->begun))
-        dem__arrange(w, contacts->begun, born, contacts->chunk_count, list, arrays);
-    for (int q = 0; q <= last; q++) {
-        contacts->chunk[q].count += born[q].count;
+        dem__arrange(w, contacts->begun, born, runs, list, arrays);
+    for (int q = 0; q < runs; q++) {
+        contacts->chunk[to[q]].count += born[q].count;
         for (ptrdiff_t c = born[q].first; c < born[q].first + born[q].count; c++) {
             contacts->slots[n++] = (int32_t)c;
         }
     }
+}
+
+/* Orders the listed slots of n contacts that begin: by their chunks first, of which each gets few. */
+static inline void dem__sort_begun(dem_world *w, ptrdiff_t n) {
+    dem__contacts *contacts = &w->engine->contacts;
+    int32_t *chunk = w->engine->pairs.timers.list, *slot = chunk + n, start[DEM__CHUNKS + 1];
+    const int chunks = contacts->chunk_count;
+    if (chunks == 1 || 2 * n > w->engine->pairs.timers.pages * DEM__PAGE) {
+        dem__sort(w, contacts->slots, n);
+        return;
+    }
+    memset(start, 0, sizeof start);
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const int32_t low = dem__rank_in_slot(w, contacts->slots[k]);
+        int from = 0, to = chunks - 1;
+        while (from < to) {
+            const int middle = (from + to) / 2;
+            if (contacts->chunk[middle].first_rank <= low) to = middle;
+            else from = middle + 1;
+        }
+        chunk[k] = from, slot[k] = contacts->slots[k];
+        start[from + 1]++;
+    }
+    for (int q = 0; q < chunks; q++) start[q + 1] += start[q];
+    for (ptrdiff_t k = 0; k < n; k++) contacts->slots[start[chunk[k]]++] = slot[k]; /* start: then where a chunk ends */
+    for (int q = 0, from = 0; q < chunks; from = start[q++]) dem__sort(w, contacts->slots + from, start[q] - from);
 }
 
 /* Completes the contacts that began since the last call, and puts them into the order. gap: before this step [m]. */
@@ -8410,7 +8710,7 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
         list[arrays].address = &contacts->touch[a], list[arrays].size = sizeof(double);
     if (!born) return;
     for (ptrdiff_t k = 0; k < born; k++) contacts->slots[k] = (int32_t)(old + k);
-    dem__sort(w, contacts->slots, born);
+    dem__sort_begun(w, born);
     dem__distribute_begun(w, list, arrays);
     for (ptrdiff_t k = 0; k < born; k++) {
         const ptrdiff_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
@@ -8451,16 +8751,22 @@ DEM_INLINE void dem__prefetch_flight(const dem_world *w, ptrdiff_t i) {
 /* Prefetches what the end of a contact reads. */
 DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
-    const int32_t p = contacts->near[c];
-    dem__prefetch_flight(w, contacts->i[c]);
+    const int32_t p = contacts->near[c], i = contacts->i[c], j = contacts->j[c];
+    dem__prefetch_flight(w, i);
+    DEM__PREFETCH(&w->touching[i]);
+    DEM__PREFETCH(&w->engine->bodies.mass_share[i]);
+    DEM__PREFETCH(&w->engine->bodies.activity[i]);
     if (p < 0 || p >= w->engine->pairs.count) return; /* its list may be gone */
-    dem__prefetch_flight(w, contacts->j[c]);
+    dem__prefetch_flight(w, j);
+    DEM__PREFETCH(&w->touching[j]);
+    DEM__PREFETCH(&w->engine->bodies.mass_share[j]);
+    DEM__PREFETCH(&w->engine->bodies.activity[j]);
     DEM__PREFETCH(&w->engine->pairs.near[p]);
     DEM__PREFETCH(&w->engine->pairs.timers.due[p]);
 }
 
-/* Ends the contact in slot c and sets its timer anew. */
-static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32_t c, int64_t step) {
+/* Ends the contact in slot c. Returns its near pair if its timer is to be set anew, otherwise -1. */
+static inline int32_t dem__end_contact(dem_world *w, int32_t c, int64_t step) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const int32_t near_pair = w->engine->contacts.near[c];
     dem__report_end(w, w->engine->run.law, dem__number_of(w, c));
@@ -8470,18 +8776,55 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
     if (j >= 0) {
         dem__count_contact(w, j, -1);
         dem__mark_to_check(w, j);
-        if (near_pair < 0 || w->engine->run.needs_lists) return;
-        if (!(w->alive[i] > 0 && w->alive[j] > 0)) return;
+        if (near_pair < 0 || w->engine->run.needs_lists) return -1;
+        if (!(w->alive[i] > 0 && w->alive[j] > 0)) return -1;
         w->engine->pairs.timers.due[near_pair] = DEM__NEVER;
-        if (w->def.skip & DEM_SKIP_PAIRS)
-            dem__batch_separation(w, waits, near_pair, step, dem__pair_separation(w, i, j, step));
-        return;
+        return w->def.skip & DEM_SKIP_PAIRS ? near_pair : -1;
     }
     dem__unlink_wall_contact(w, i, c, -1);
     /* a screen's timer was running for its other bars, but not for this one */
     if (!w->engine->run.needs_lists && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) &&
         dem__needs_test(w, i, -1 - (int)j))
         dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
+    return -1;
+}
+
+/* Near pairs whose contacts have ended, and the step at which they are apart. */
+typedef struct dem__parted {
+    const int32_t *pair;
+    int32_t *list; /* pairs and steps */
+    int64_t step;
+} dem__parted;
+static inline void dem__batch_parted(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step) {
+    const dem__near *q = &w->engine->pairs.near[p];
+    dem__batch_separation(w, waits, p, step, dem__pair_separation(w, q->i, q->j, step));
+}
+static inline void dem__list_parted(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__parted *t = (const dem__parted *)context;
+    ptrdiff_t n = first;
+    dem__timer_batch waits;
+    dem__clear_batch(&waits);
+    (void)part;
+    for (ptrdiff_t k = first; k < end; k++) {
+        if (waits.n == DEM__BLOCK) n = dem__list_batch(w, &waits, t->list, n);
+        dem__batch_parted(w, &waits, t->pair[k], t->step);
+    }
+    dem__list_batch(w, &waits, t->list, n);
+}
+/* Sets the timers of n near pairs whose contacts have ended. */
+static inline void dem__set_parted(dem_world *w, const int32_t *pair, ptrdiff_t n, int64_t step) {
+    const int parts = dem__parts(w, 8 * n);
+    dem__parted t;
+    t.pair = pair, t.list = w->engine->pairs.timers.list, t.step = step;
+    if (parts > 1 && 2 * n <= w->engine->pairs.timers.pages * DEM__PAGE) {
+        dem__in_parts(w, parts, n, dem__list_parted, &t);
+        dem__set_listed(w, t.list, n, step);
+        return;
+    }
+    dem__timer_batch waits;
+    dem__clear_batch(&waits);
+    for (ptrdiff_t k = 0; k < n; k++) dem__batch_parted(w, &waits, pair[k], step);
+    dem__flush_batch(w, &waits, step);
 }
 
 /* Moves the contact in slot `from` into a free slot. */
@@ -8498,80 +8841,145 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     }
 }
 
-/* Removes contacts that ended: those that the last step marked, or all. Contacts at the end of their chunk fill the
-   gaps. */
-static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
-    dem__contacts *contacts = &w->engine->contacts;
+/* Slots of contacts that have ended, listed in contacts.slots; the number of the first one of each chunk. */
+typedef struct dem__gaps {
+    int32_t first[DEM__CHUNKS + 1];
     dem__array list[DEM__ARRAYS_MAX];
-    const ptrdiff_t dead = dem__list_ended(w, all);
-    if (dead == 0) return;
-    const int n = dem__kept_arrays(w, list);
-    ptrdiff_t next = 0;
-    dem__timer_batch waits;
-    dem__clear_batch(&waits);
-    for (ptrdiff_t k = dem__prefetch_from(dead, DEM__AHEAD); k < dead; k++) {
-        if (k + DEM__AHEAD < dead) dem__prefetch_end(w, contacts->slots[k + DEM__AHEAD]);
-        if (k >= 0) dem__end_contact(w, &waits, contacts->slots[k], step);
-    }
-    dem__flush_batch(w, &waits, step);
-    contacts->count -= dead;
-    for (int q = 0; q < contacts->chunk_count; q++) {
+    int arrays;
+} dem__gaps;
+/* Fills the gaps in chunks first .. end-1 with contacts from their ends. */
+static inline void dem__fill_gaps(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const dem__gaps *gaps = (const dem__gaps *)context;
+    (void)part;
+    for (ptrdiff_t q = first; q < end; q++) {
         dem__chunk *in = &contacts->chunk[q];
-        const ptrdiff_t first = next;
+        const ptrdiff_t from = gaps->first[q], to = gaps->first[q + 1];
         ptrdiff_t last = in->first + in->count;
-        while (next < dead && contacts->slots[next] < last) next++;
-        in->count -= next - first;
-        for (ptrdiff_t k = first; k < next && contacts->slots[k] < in->first + in->count; k++) {
+        in->count -= to - from;
+        for (ptrdiff_t k = from; k < to && contacts->slots[k] < in->first + in->count; k++) {
             while (contacts->ended[last - 1]) last--;
-            dem__move_contact(w, (int32_t)--last, contacts->slots[k], list, n);
+            dem__move_contact(w, (int32_t)--last, contacts->slots[k], gaps->list, gaps->arrays);
         }
     }
 }
 
-/* Orders all contacts by their particles i, the last first, otherwise as they were: neighbours in space are then read
-   one after the other. Many contacts are in chunks of equal size, with room to grow. Returns 0 when out of memory. */
+/* Removes contacts that ended: those that the last step marked, or all. Contacts at the end of their chunk fill the
+   gaps. */
+static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__gaps gaps;
+    ptrdiff_t next = 0, parted = 0;
+    const ptrdiff_t dead = dem__list_ended(w, all);
+    if (dead == 0) return;
+    int32_t *pair = w->engine->pairs.cell_of; /* free but for a rebuild */
+    for (ptrdiff_t k = dem__prefetch_from(dead, DEM__AHEAD); k < dead; k++) {
+        if (k + DEM__AHEAD < dead) dem__prefetch_end(w, contacts->slots[k + DEM__AHEAD]);
+        if (k < 0) continue;
+        const int32_t p = dem__end_contact(w, contacts->slots[k], step);
+        if (p < 0) continue;
+        pair[parted++] = p;
+        if (parted < w->count) continue;
+        dem__set_parted(w, pair, parted, step);
+        parted = 0;
+    }
+    dem__set_parted(w, pair, parted, step);
+    contacts->count -= dead;
+    for (int q = 0; q < contacts->chunk_count; q++) {
+        const dem__chunk *in = &contacts->chunk[q];
+        gaps.first[q] = (int32_t)next;
+        while (next < dead && contacts->slots[next] < in->first + in->count) next++;
+    }
+    gaps.first[contacts->chunk_count] = (int32_t)dead;
+    gaps.arrays = dem__kept_arrays(w, gaps.list);
+    /* the last chunk may hold contacts of a particle whose others are in another one: it comes afterwards */
+    const int chunks = contacts->chunk_count - 1;
+    if (chunks > 0) dem__in_parts(w, dem__parts_of(w, 8 * dead, chunks), chunks, dem__fill_gaps, &gaps);
+    dem__fill_gaps(w, chunks, chunks + 1, 0, &gaps);
+}
+
+/* Returns the number of chunks for n contacts. */
+static inline int dem__chunks_for(ptrdiff_t n) {
+    if (n < DEM__CHUNKED) return 1;
+    return n / DEM__OF_CHUNK < DEM__CHUNKS ? (int)(n / DEM__OF_CHUNK) : DEM__CHUNKS;
+}
+
+/* Returns whether contacts lie by rank, the last first. */
+static inline int dem__are_in_order(const dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    int32_t before = INT32_MAX;
+    int in_order = dem__chunks_for(contacts->count) == contacts->chunk_count;
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t low = dem__rank_in_slot(w, c);
+        in_order &= before >= low;
+        before = low;
+    }
+    return in_order;
+}
+
+/* Lists the slots of contacts by rank, the last first, otherwise as they were. */
+static inline void dem__list_by_rank(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    int32_t *place = w->engine->scratch.index, sum = 0;
+    for (ptrdiff_t r = 0; r < w->count; r++) place[r] = 0;
+    DEM__EACH_CONTACT(w, c) { place[dem__rank_in_slot(w, c)]++; }
+    for (ptrdiff_t r = w->count - 1; r >= 0; r--) {
+        const int32_t of = place[r];
+        place[r] = sum;
+        sum += of;
+    }
+    DEM__EACH_CONTACT(w, c) { contacts->slots[place[dem__rank_in_slot(w, c)]++] = (int32_t)c; }
+}
+
+/* Divides the listed contacts among chunks of equal size, with room to grow. */
+static inline void dem__cut_chunks(dem_world *w, int chunks, dem__run_of_slots *run) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t n = contacts->count;
+    ptrdiff_t end = 0, cut = 0;
+    for (int q = 0; q < chunks; q++) {
+        const ptrdiff_t first = cut;
+        dem__chunk *in = &contacts->chunk[q];
+        if (dem__part(n, q + 1, chunks) > cut) cut = dem__part(n, q + 1, chunks);
+        while (cut < n && dem__rank_in_slot(w, contacts->slots[cut]) == dem__rank_in_slot(w, contacts->slots[cut - 1]))
+            cut++;
+        memset(in, 0, sizeof *in);
+        in->first_rank = q < chunks - 1 ? dem__rank_in_slot(w, contacts->slots[cut - 1]) : 0;
+        in->first = run[q].first = end, in->count = run[q].count = cut - first;
+        in->capacity = chunks > 1 ? in->count + in->count / 4 + DEM__BLOCK : 0;
+        end += in->capacity;
+    }
+    contacts->chunk_count = chunks;
+}
+
+/* Returns whether contacts are to be ordered anew: few always, many seldom, or when chunks have run full. */
+static inline int dem__is_order_due(const dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const int chunks = contacts->chunk_count;
+    return chunks == 1 || w->step % DEM__RANK_STEPS == 0 ||
+           contacts->chunk[chunks - 1].count > 2 * (contacts->count / chunks) + DEM__BLOCK;
+}
+
+/* Orders all contacts by their particles' ranks, the last first, otherwise as they were: neighbours in space are then
+   read one after the other. Many contacts are in chunks of equal size, with room to grow; then ranks are renewed, too.
+   Returns 0 when out of memory. */
 static inline int dem__reorder_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t n = contacts->count;
-    const int chunks = n < DEM__CHUNKS * 512 ? 1 : DEM__CHUNKS;
-    dem__chunk chunk[DEM__CHUNKS];
+    const int chunks = dem__chunks_for(n);
+    dem__run_of_slots run[DEM__CHUNKS];
     dem__array list[DEM__ARRAYS_MAX];
-    int32_t *place = w->engine->scratch.index, sum = 0, before = INT32_MAX;
-    ptrdiff_t end = 0, cut = 0;
-    int in_order = chunks == contacts->chunk_count;
-    DEM__EACH_CONTACT(w, c) {
-        in_order &= before >= contacts->i[c];
-        before = contacts->i[c];
+    if (!dem__is_order_due(w)) return 1;
+    const ptrdiff_t room = chunks > 1 ? n + n / 4 + (ptrdiff_t)chunks * (DEM__BLOCK + 1) : n;
+    if (!dem__grow_contacts(w, room + 1) || !dem__fit_wall_forces(w, chunks)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
     }
-    if (!in_order) {
-        for (ptrdiff_t i = 0; i < w->count; i++) place[i] = 0;
-        DEM__EACH_CONTACT(w, c) { place[contacts->i[c]]++; }
-        for (ptrdiff_t i = w->count - 1; i >= 0; i--) {
-            const int32_t of = place[i];
-            place[i] = sum;
-            sum += of;
-        }
-        DEM__EACH_CONTACT(w, c) { contacts->slots[place[contacts->i[c]]++] = (int32_t)c; }
-        memset(chunk, 0, sizeof chunk);
-        for (int q = 0; q < chunks; q++) {
-            const ptrdiff_t first = cut;
-            if (dem__part(n, q + 1, chunks) > cut) cut = dem__part(n, q + 1, chunks);
-            while (cut < n && contacts->i[contacts->slots[cut]] == contacts->i[contacts->slots[cut - 1]]) cut++;
-            chunk[q].first_particle = q < chunks - 1 ? contacts->i[contacts->slots[cut - 1]] : 0;
-            chunk[q].first = end;
-            chunk[q].count = cut - first;
-            chunk[q].capacity = chunks > 1 ? chunk[q].count + chunk[q].count / 4 + DEM__BLOCK : 0;
-            end += chunk[q].capacity;
-        }
-        if (!dem__grow_contacts(w, end + 1)) {
-            w->status = DEM_OUT_OF_MEMORY;
-            return 0;
-        }
-        dem__arrange(w, n, chunk, chunks, list, dem__kept_arrays(w, list));
-        contacts->chunk_count = chunks;
-        memcpy(contacts->chunk, chunk, sizeof chunk);
-        dem__list_wall_contacts(w);
-    }
+    if (chunks > 1 && w->step % DEM__RANK_STEPS == 0) dem__renew_ranks(w);
+    else if (dem__are_in_order(w)) return 1;
+    dem__list_by_rank(w);
+    dem__cut_chunks(w, chunks, run);
+    dem__arrange(w, n, run, chunks, list, dem__kept_arrays(w, list));
+    dem__list_wall_contacts(w);
     return 1;
 }
 
@@ -9439,53 +9847,51 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
 /* An evaluation of all contacts on several threads. */
 typedef struct dem__evaluation {
     dem_loop_fn loop;
-    int parts, has_friction;
+    int has_friction;
 } dem__evaluation;
 
-/* Adds the postponed forces on particles low .. high-1 to their sums. */
-static inline void dem__add_postponed_to(dem_world *w, int32_t low, int32_t high, int has_friction) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
-        dem__postponed *later = contacts->postponed + in->first;
-        if (in->postponed == 0 || in->low >= high || in->high < low) continue;
-        for (ptrdiff_t k = 0; k < in->postponed; k++, later++) {
-            const int32_t from = low > in->postpone_from ? low : in->postpone_from; /* the others have been added */
-            const int to_i = later->i >= from && later->i < high, to_j = later->j >= from && later->j < high;
-            double *out[9];
-            for (int a = 0; a < 9; a++) out[a] = &later->out[a];
-            dem__add_forces(w, 0, later->i, later->j, out, 0, has_friction, to_i, to_j);
+/* Adds the postponed forces on the particles of shares first .. end-1 to their sums: those of later shares, in their
+   order. */
+static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__postponed *all = w->engine->contacts.postponed;
+    const int has_friction = ((const dem__evaluation *)context)->has_friction, shares = w->engine->contacts.shares;
+    (void)part;
+    for (int to = (int)first; to < (int)end; to++) {
+        for (int from = to + 1; from < shares; from++) {
+            for (int32_t at = dem__work_of(w, from)->head[to]; at >= 0;) {
+                const dem__postponed *later = &all[at >> 1];
+                const int side = at & 1;
+                const double *turn = later->out + (side ? 6 : 3);
+                double *sum = w->engine->bodies.sum[side ? later->j : later->i].load;
+                at = side ? later->next_j : later->next_i;
+                if (at >= 0) DEM__PREFETCH(&all[at >> 1]);
+                for (int a = 0; a < 3; a++) sum[a] = side ? sum[a] - later->out[a] : sum[a] + later->out[a];
+                for (int a = 0; a < 3 && has_friction; a++) sum[3 + a] += turn[a];
+            }
         }
     }
 }
-
-/* Adds the postponed forces on the particles of the share before this thread's own (the first thread: of the last
-   share): it made nearly all of them itself, so they are in its cache. */
-static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__evaluation *e = (const dem__evaluation *)context;
-    const dem__chunk *chunk = w->engine->contacts.chunk;
-    const int chunks = w->engine->contacts.chunk_count, share = (part + e->parts - 1) % e->parts;
-    first = dem__part(chunks, share, e->parts), end = dem__part(chunks, share + 1, e->parts);
-    dem__add_postponed_to(w, chunk[end - 1].first_particle, first > 0 ? chunk[first - 1].first_particle : INT32_MAX,
-                          e->has_friction);
-}
-static inline void dem__add_postponed(dem_world *w, int has_friction) {
+static inline void dem__add_postponed(dem_world *w, dem__evaluation *e) {
     const dem__contacts *contacts = &w->engine->contacts;
-    dem__evaluation e;
     ptrdiff_t n = 0;
     for (int q = 0; q < contacts->chunk_count; q++) n += contacts->chunk[q].postponed;
-    e.parts = dem__parts_of(w, n, contacts->chunk_count), e.has_friction = has_friction;
-    if (e.parts == 1) dem__add_postponed_to(w, 0, INT32_MAX, has_friction);
-    else dem__in_parts(w, e.parts, contacts->chunk_count, dem__add_postponed_range, &e);
+    dem__in_parts(w, dem__parts_of(w, n / 2, contacts->shares), contacts->shares, dem__add_postponed_range, e);
 }
 
 /* Evaluates the chunks of a share. Its thread may add to particles whose contacts are all in this share or in later
    ones; the forces on others are postponed. */
 static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__evaluation *e = (const dem__evaluation *)context;
-    dem__chunk *chunk = w->engine->contacts.chunk;
-    for (ptrdiff_t q = first; q < end; q++)
-        chunk[q].postpone_from = first > 0 ? chunk[first - 1].first_particle : INT32_MAX;
-    e->loop(w, first, end, part);
+    ((const dem__evaluation *)context)->loop(w, first, end, part);
+}
+
+/* Divides the chunks among threads. */
+static inline void dem__make_shares(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const int chunks = contacts->chunk_count,
+              most = chunks < w->engine->scratch.works ? chunks : w->engine->scratch.works;
+    contacts->shares = contacts->postponed ? dem__parts_of(w, contacts->count, most) : 1;
+    for (int k = 0; k < contacts->shares; k++)
+        contacts->share_from[k] = contacts->chunk[dem__part(chunks, k + 1, contacts->shares) - 1].first_rank;
 }
 
 /* Computes what the contacts present store and dissipate now, for a ledger that begins. */
@@ -9493,6 +9899,7 @@ static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
     dem__run *run = &w->engine->run;
     run->kernel_dt = 0.0;
     run->only_ledger = 1;
+    w->engine->contacts.shares = 1;
     loop(w, 0, w->engine->contacts.chunk_count, 0);
     run->only_ledger = 0;
 }
@@ -9502,20 +9909,17 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;
     e.loop = loop, e.has_friction = has_friction;
-    e.parts = contacts->postponed
-                  ? dem__parts_of(w, contacts->count,
-                                  contacts->chunk_count < w->engine->scratch.works ? contacts->chunk_count
-                                                                                   : w->engine->scratch.works)
-                  : 1;
+    dem__make_shares(w);
     w->engine->run.kernel_dt = h;
     w->engine->run.keeps_wrenches = keep;
-    dem__in_parts(w, e.parts, contacts->chunk_count, dem__evaluate_range, &e);
-    if (e.parts > 1) dem__add_postponed(w, has_friction);
+    dem__in_parts(w, contacts->shares, contacts->chunk_count, dem__evaluate_range, &e);
+    if (contacts->shares > 1) dem__add_postponed(w, &e);
     for (int k = 0; k < w->walls; k++) {
         dem_wall *wall = &w->wall[k];
         double belt_power = 0.0;
         wall->force = wall->torque = dem_vec3(0.0, 0.0, 0.0);
         for (int q = 0; q < contacts->chunk_count; q++) {
+            if (!contacts->chunk[q].at_walls) continue;
             const dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
             wall->force = dem__add(wall->force, push->force);
             wall->torque = dem__add(wall->torque, push->torque);
@@ -10105,25 +10509,36 @@ DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, pt
 }
 
 /* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out
-   those of rigid bodies. */
-DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid) {
+   those of rigid bodies; turns: a constant, 0 where spins do not change. */
+DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid, int turns) {
     const int64_t step = w->step + (h > 0.0);
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
     const double dt = w->engine->run.dt;
+    dem_vec low = dem_vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL), high = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
+    for (int a = 0; a < 3; a++) {
+        if (!w->def.periodic[a]) continue;
+        *dem_axis_of(&low, a) = dem_axis(w->def.low, a), *dem_axis_of(&high, a) = dem_axis(w->def.high, a);
+    }
     for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         if (k < apart) dem__prefetch_particle(w, w->engine->bodies.active[k + DEM__AHEAD]);
         if (rigid && dem__rigid_of(w, i)) continue;
         dem_particle *p = &w->particle[i];
         const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
-        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle),
-        p->spin = dem__sphere_spin_at(w, i, middle);
+        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle);
+        if (turns) p->spin = dem__sphere_spin_at(w, i, middle);
         p->origin = w->step; /* for hooks, whose step is the present one */
-        if (w->engine->run.has_periodic) dem__wrap(w, i);
+        const int inside = (p->x.x >= low.x) & (p->x.x < high.x) & (p->x.y >= low.y) & (p->x.y < high.y) &
+                           (p->x.z >= low.z) & (p->x.z < high.z);
+        if (!inside && w->engine->run.has_periodic) dem__wrap(w, i);
     }
 }
+DEM_INLINE void dem__advance_turning_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
+    if (w->engine->run.turns) dem__advance_all(w, h, first, end, 0, 1);
+    else dem__advance_all(w, h, first, end, 0, 0);
+}
 DEM__AVX2_CLONE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
-                dem__advance_all(w, h, first, end, 0))
+                dem__advance_turning_or_not(w, h, first, end))
 static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
     (void)part;
     dem__advance_part(w, *(const double *)h, first, end);
@@ -10132,9 +10547,8 @@ static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int books =
         w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n,
-                  w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range,
-                  &h); /* n / 4: little work for each particle */
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 2), n,    /* n / 2: little work for each particle */
+                  w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range, &h);
 }
 
 /* Returns the deviation of particle i [m/s], whose velocity is known at time t of the bounds [s]. */
@@ -10167,10 +10581,10 @@ DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
 
 /* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step
    to its end. Sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
-   scratch.index from `first` on. check: 0, or NaN if a force is not finite; strays: length of the list; loads: a
-   constant, 0 where nothing has a load. */
+   scratch.index from `first` on. check: 0, or NaN if a force is not finite; strays: length of the list; loads, turns:
+   constants, 0 where nothing has a load, and where no spin changes. */
 DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays,
-                              int loads) {
+                              int loads, int turns) {
     dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
@@ -10185,7 +10599,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         if (k < apart) dem__prefetch_body(w->particle, bodies->sum, bodies->active[k + DEM__AHEAD]);
         dem__sum *sum = &bodies->sum[i];
         dem_particle *p = &w->particle[i];
-        dem_vec force = dem__first(sum->load), torque = dem__second(sum->load), pull;
+        dem_vec force = dem__first(sum->load), torque = dem__second(sum->load), turn = dem_vec3(0.0, 0.0, 0.0), pull;
         if (loads) {
             force = dem__add(force, dem__first(bodies->load[i]));
             torque = dem__add(torque, dem__second(bodies->load[i]));
@@ -10195,12 +10609,13 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
             pull = dem__scale(-1.0, gravity), torque = dem_vec3(0.0, 0.0, 0.0);
         } else pull = dem__scale(sum->per_mass, force);
         p->a = dem__add(gravity, pull);
-        const dem_vec turn = dem__scale(sum->per_inertia, torque);
-        w->spin_rate[i] = turn;
         p->v = dem__flushed_vec(dem__plus(p->v, half, p->a));
-        p->spin = dem__flushed_vec(dem__plus(p->spin, half, turn));
+        if (turns) {
+            w->spin_rate[i] = turn = dem__scale(sum->per_inertia, torque);
+            p->spin = dem__flushed_vec(dem__plus(p->spin, half, turn));
+        }
         p->origin = step;
-        for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
+        for (int a = 0; a < (turns ? 6 : 3); a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
         doubtful[n] = (int32_t)i; /* without a branch, which would be mispredicted */
         n += !dem__surely_within(p, dt, pull);
@@ -10211,8 +10626,9 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
 /* Does so without loads where there are none: whether there are any is a constant of the loop. */
 DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
                                         ptrdiff_t *strays) {
-    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, strays, 1);
-    else dem__kick_all(w, h, first, end, check, strays, 0);
+    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, strays, 1, 1);
+    else if (w->engine->run.turns) dem__kick_all(w, h, first, end, check, strays, 0, 1);
+    else dem__kick_all(w, h, first, end, check, strays, 0, 0);
 }
 DEM__AVX2_CLONE(dem__kick_part,
                 (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
@@ -10233,6 +10649,19 @@ static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *dou
     }
     return strays;
 }
+/* Marks n particles that move by themselves, and moves those that were not marked before to the front of the list.
+   Returns their number. */
+static inline ptrdiff_t dem__mark_strays(dem_world *w, int32_t *stray, ptrdiff_t n) {
+    int32_t *activity = w->engine->bodies.activity;
+    ptrdiff_t marked = 0;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const int32_t i = stray[k];
+        if (activity[i] != DEM__STEPPING) continue;
+        activity[i] = DEM__TO_CHECK;
+        stray[marked++] = i;
+    }
+    return marked;
+}
 typedef struct dem__kicked {
     double h, check[DEM__PARTS_MAX]; /* check: 0, or NaN if a force is not finite */
     ptrdiff_t strays[DEM__PARTS_MAX];
@@ -10241,6 +10670,8 @@ static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     dem__kicked *kicked = (dem__kicked *)context;
     dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
     kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
+    if (!w->engine->bodies.rigid)
+        kicked->strays[part] = dem__mark_strays(w, w->engine->scratch.index + first, kicked->strays[part]);
 }
 /* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them.
    dem__kick_all finds them from sums over particles, which round differently; which bodies are checked depends on what
@@ -10255,11 +10686,18 @@ static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
     }
 }
 
+/* Returns whether spins may change in the steps of this run. */
+static inline int dem__may_turn(const dem_world *w) {
+    int may = (w->engine->run.features & DEM_FRICTION) || w->engine->bodies.adds_loads || w->engine->bodies.rigid;
+    for (int k = 0; k < w->engine->features; k++) may |= w->engine->feature[k].add_forces != NULL;
+    return may;
+}
+
 /* Moves the velocities of active particles to the end of the step, and marks those that leave their bounds. Returns 0
    if a force is not finite. */
 static inline int dem__kick(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
-    const int parts = dem__parts(w, n / 4); /* n / 4: little work for each particle */
+    const int parts = dem__parts(w, n / 2);
     dem__kicked kicked;
     double all = 0.0;
     if (n == 0) return 1;
@@ -10268,9 +10706,13 @@ static inline int dem__kick(dem_world *w, double h) {
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
         const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < kicked.strays[q]; k++) dem__mark_to_check(w, stray[k]);
+        dem__bodies *bodies = &w->engine->bodies;
+        for (ptrdiff_t k = 0; k < kicked.strays[q] && bodies->rigid; k++) dem__mark_to_check(w, stray[k]);
+        for (ptrdiff_t k = 0; k < kicked.strays[q] && !bodies->rigid; k++)
+            bodies->to_check[bodies->to_check_count++] = stray[k];
         all += kicked.check[q];
     }
+    w->engine->run.turns = dem__may_turn(w); /* what does not turn has no spin rate from now on */
     if (w->engine->bodies.rigid && w->engine->bodies.loads_on) dem__place_loaded_bodies(w);
     return all == 0.0;
 }
@@ -10291,8 +10733,9 @@ DEM_INLINE int dem__has_body(const dem_world *w, int32_t c) {
     return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
 }
 
-/* Applies the impulse and the shift of the contact in slot c, which began or ended within the step. */
-static inline void dem__apply_correction(dem_world *w, int32_t c, int has_friction) {
+/* Applies the impulse and the shift of the contact in slot c, which began or ended within the step. marks: whether to
+   mark its particles for a check of their bounds. */
+static inline void dem__apply_correction(dem_world *w, int32_t c, int has_friction, int marks) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
@@ -10308,7 +10751,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
             dem__strike_fixed(w, a, dem__scale(side ? -1.0 : 1.0, impulse), turn);
             continue;
         }
-        dem__mark_to_check(w, a);
+        if (marks) dem__mark_to_check(w, a);
         dem_particle *p = &w->particle[a];
         const double m = (side ? -1.0 : 1.0) / p->mass;
         p->v = dem__plus(p->v, m, impulse);
@@ -10333,15 +10776,63 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     b->v = dem__plus(b->v, -dem__per_mass(w, j), slower);
     dem__expect_impact(w, i, j, n, -dem__dot(v, n));
 }
-/* Applies the corrections of all edge steps; the shifts of rigid bodies come last. */
-static inline void dem__apply_corrections(dem_world *w, int has_friction) {
+/* Returns whether the contact in slot c changes nothing but two spheres whose own contacts are in chunk q. */
+DEM_INLINE int dem__is_inner(const dem_world *w, ptrdiff_t q, int32_t c) {
+    const dem__chunk *in = &w->engine->contacts.chunk[q];
+    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c], *rank = w->engine->bodies.rank;
+    const int32_t stop = q > 0 ? in[-1].first_rank : INT32_MAX;
+    if (j < 0 || dem__has_body(w, c) || dem__is_fixed(w, i) || dem__is_fixed(w, j)) return 0;
+    return rank[i] >= in->first_rank && rank[i] < stop && rank[j] >= in->first_rank && rank[j] < stop;
+}
+/* Prefetches what the correction of the contact in slot c changes. */
+DEM_INLINE void dem__prefetch_correction(const dem_world *w, int32_t c) {
+    dem__prefetch_flight(w, w->engine->contacts.i[c]);
+    if (w->engine->contacts.j[c] >= 0) dem__prefetch_flight(w, w->engine->contacts.j[c]);
+    DEM__PREFETCH(&w->engine->contacts.correction[c]);
+}
+static inline void dem__correct_inner_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *friction) {
+    dem__contacts *contacts = &w->engine->contacts;
+    (void)part;
+    for (ptrdiff_t q = first; q < end; q++) {
+        const int32_t *slot = contacts->slots + contacts->chunk[q].first;
+        const ptrdiff_t n = contacts->chunk[q].marked;
+        for (ptrdiff_t k = 0; k < n; k++) dem__prefetch_correction(w, slot[k]);
+        for (ptrdiff_t k = 0; k < n; k++) {
+            if (!contacts->edge[slot[k]] || !dem__is_inner(w, q, slot[k])) continue;
+            dem__apply_correction(w, slot[k], *(const int *)friction, 0);
+            contacts->edge[slot[k]] = 2; /* done, but for the marks */
+        }
+    }
+}
+/* Applies the corrections of contacts that are not within one chunk, and marks the particles of the others. */
+static inline void dem__correct_others(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
+    int32_t waits[DEM__BLOCK]; /* their memory is on its way */
+    int n = 0;
     for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c]) dem__apply_correction(w, c, has_friction);
+            if (contacts->edge[c] == 2) dem__mark_one(w, contacts->i[c]), dem__mark_one(w, contacts->j[c]);
+            if (contacts->edge[c] != 1) continue;
+            dem__prefetch_correction(w, c);
+            waits[n++] = c;
+            for (int m = 0; m < n && n == DEM__BLOCK; m++) dem__apply_correction(w, waits[m], has_friction, 1);
+            n = n == DEM__BLOCK ? 0 : n;
         }
     }
+    for (int m = 0; m < n; m++) dem__apply_correction(w, waits[m], has_friction, 1);
+}
+/* Applies the corrections of all edge steps: where there are chunks, those within one first, so that threads share
+   them; the shifts of rigid bodies last. */
+static inline void dem__apply_corrections(dem_world *w, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const int chunks = contacts->chunk_count;
+    ptrdiff_t marked = 0;
+    for (int q = 0; q < chunks; q++) marked += contacts->chunk[q].marked;
+    if (marked == 0) return;
+    if (chunks > 1)
+        dem__in_parts(w, dem__parts_of(w, 8 * marked, chunks), chunks, dem__correct_inner_range, &has_friction);
+    dem__correct_others(w, has_friction);
     for (int q = 0; w->engine->bodies.rigid && q < contacts->chunk_count; q++) {
         const dem__chunk *in = &contacts->chunk[q];
         for (ptrdiff_t k = 0; k < in->marked; k++) {
@@ -10394,7 +10885,7 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
                 dem__set_bound(w, i, w->step, p->x, p->v);
                 w->engine->scratch.index[first + q->reset++] = i;
                 if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news))
-                    bodies->to_check[first + q->hurried++] = i;
+                    w->engine->pairs.cell_of[first + q->hurried++] = i;
             } else dem__set_tolerance_left(w, i, dem__length(stray));
         }
         bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
@@ -10407,35 +10898,38 @@ static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdif
     dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
 }
 
+/* Takes a particle whose flight has begun from the list of active ones: the last of them takes its place. */
+DEM_INLINE void dem__rest_from_steps(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const int32_t last = bodies->active[--bodies->active_count], at = bodies->active_at[i];
+    bodies->active[at] = last, bodies->active_at[last] = at;
+}
+
 /* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out
    of the active list. */
 static inline void dem__check_bounds(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
-    const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;
+    const ptrdiff_t n = bodies->to_check_count;
     const int parts = dem__parts(w, 4 * n);
     dem__checked watched[DEM__PARTS_MAX];
-    ptrdiff_t reset = 0, kept = 0;
+    ptrdiff_t reset = 0;
     int flown = 0;
     dem__in_parts(w, parts, n, dem__check_bounds_range, watched);
     for (int q = 0; q < parts; q++) {
         const ptrdiff_t first = dem__part(n, q, parts);
         for (ptrdiff_t k = 0; k < watched[q].hurried; k++)
-            dem__advance_wall_timers(w, bodies->to_check[first + k], w->step);
+            dem__advance_wall_timers(w, w->engine->pairs.cell_of[first + k], w->step);
         for (ptrdiff_t k = 0; k < watched[q].reset; k++)
             w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
         dem__apply_outcome(w, &watched[q].news);
         flown |= watched[q].flown;
     }
     dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
-    bodies->to_check_count = 0;
-    if (!flown) return;
-    for (ptrdiff_t k = 0; k < active; k++) {
-        const int32_t i = bodies->active[k];
-        bodies->active[kept] = i;
-        kept += bodies->activity[i] != 0;
+    for (ptrdiff_t k = 0; k < n && flown; k++) {
+        if (!bodies->activity[bodies->to_check[k]]) dem__rest_from_steps(w, bodies->to_check[k]);
     }
-    bodies->active_count = kept;
-    if (2 * kept > w->count && w->step % 16 == 0) dem__list_active(w);
+    bodies->to_check_count = 0;
+    if (flown && 2 * bodies->active_count > w->count && w->step % 64 == 0) dem__list_active(w);
 }
 
 /* ------------------------------------------------------------------------------------------------- >>step/detect.h */
@@ -10482,17 +10976,42 @@ static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
     dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 0);
 }
 
+/* What tests of a group of pages have found; threads take groups in turn, because what is due lies close together. */
+typedef struct dem__tested {
+    int32_t *found;
+    ptrdiff_t touch;
+    int64_t looks;
+} dem__tested;
+typedef struct dem__due_tests {
+    dem__tested of[DEM__PARTS_MAX];
+    int groups, parts;
+    int64_t step;
+} dem__due_tests;
+static inline void dem__test_due_groups(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__due_tests *t = (dem__due_tests *)context;
+    const ptrdiff_t pages = w->engine->pairs.timers.pages;
+    dem__timer_batch *batch = &dem__work_of(w, part)->batch;
+    (void)first, (void)end;
+    for (int g = part; g < t->groups; g += t->parts) {
+        const ptrdiff_t from = dem__part(pages, g, t->groups), to = dem__part(pages, g + 1, t->groups);
+        if (w->engine->bodies.rigid) w->engine->bodies.calls->test_due(w, from, to, part, &t->step);
+        else dem__test_due_range(w, from, to, part, &t->step);
+        t->of[g].found = batch->found, t->of[g].touch = batch->touch, t->of[g].looks = batch->looks;
+    }
+}
+
 /* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
-    const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
-    dem__in_parts(w, parts, pairs->timers.pages,
-                  w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
+    dem__due_tests t;
+    t.parts = dem__parts_of(w, 4 * pairs->due_count, w->engine->scratch.works), t.step = step;
+    t.groups = t.parts == 1 ? 1 : 8 * t.parts < DEM__PARTS_MAX ? 8 * t.parts : DEM__PARTS_MAX;
+    if (t.groups > pairs->timers.pages) t.groups = (int)pairs->timers.pages;
+    dem__in_parts(w, t.parts, t.parts, dem__test_due_groups, &t);
     pairs->due_count = 0;
-    for (int q = 0; q < parts; q++) {
-        dem__timer_batch *batch = &dem__work_of(w, q)->batch;
-        pairs->due_count += (ptrdiff_t)batch->looks;
-        dem__new_pair_contacts(w, batch);
+    for (int g = 0; g < t.groups; g++) {
+        pairs->due_count += (ptrdiff_t)t.of[g].looks;
+        dem__new_pair_contacts(w, t.of[g].found, t.of[g].touch, t.of[g].looks);
     }
 }
 
@@ -10505,7 +11024,7 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
     for (int32_t p = 0; p < (int32_t)pairs->count; p++) {
         if (pairs->timers.due[p] != DEM__STOPPED) dem__test_pair(w, &waits, p, step, 1);
     }
-    dem__new_pair_contacts(w, &waits);
+    dem__new_pair_contacts(w, waits.found, waits.touch, waits.looks);
 }
 
 /* Tests everything that is due at a step. */
@@ -10668,6 +11187,7 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     dem__run *run = &w->engine->run;
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    run->turns = 1; /* in the first step: a run before this one may have left spin rates */
     w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
     for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k].adds_loads;
     dem__prepare_pairs(w);
@@ -10791,7 +11311,8 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     DEM__CHECK(w, status, check_run, (w, kernel));
     if (status != DEM_OK) return status;
     const double narrowest = dem__narrowest(w);
-    for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
+    /* what has been listed fits */
+    for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL && w->engine->run.needs_lists; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
     if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
@@ -10843,8 +11364,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
     w->status = DEM_OK; /* the caller may have mended any other failure */
-    if (!dem__make_work(w, w->def.threads) || !dem__fit_contact_arrays(w, kernel->law, features))
-        return DEM_OUT_OF_MEMORY;
+    if (!dem__make_work(w) || !dem__fit_contact_arrays(w, kernel->law, features)) return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     w->engine->contacts.law = dem__law_mark(kernel->law);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
@@ -11171,7 +11691,7 @@ static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff
 /* Moves active particles first .. end-1 and the bodies whose first particles are among them to the end of the step. */
 static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
     (void)part;
-    dem__advance_all(w, *(const double *)h, first, end, 1);
+    dem__advance_all(w, *(const double *)h, first, end, 1, 1);
     dem__advance_bodies(w, *(const double *)h, first, end);
 }
 
@@ -15348,19 +15868,28 @@ static inline void dem__passed_fields(dem_passed *p, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 7);
 }
 
-/* A chunk, which tells the slots of its contacts. In a file a count has 8 bytes on every machine. */
+/* A chunk, which tells the slots of its contacts. In a file a count has 8 bytes on every machine. first_rank: without the
+   ranks of particles that are gone. */
 typedef struct dem__saved_chunk {
     int64_t count, capacity;
-    int32_t first_particle;
+    int32_t first_rank;
 } dem__saved_chunk;
 static inline void dem__chunk_fields(dem__saved_chunk *chunk, dem__group *g) {
     const size_t s = sizeof *chunk;
     const dem__saved_field fields[] = {
         DEM__INTEGER("chunk.count", chunk->count, s),
         DEM__INTEGER("chunk.capacity", chunk->capacity, s),
-        DEM__INTEGER("chunk.first_particle", chunk->first_particle, s),
+        DEM__INTEGER("chunk.first_rank", chunk->first_rank, s),
     };
     dem__set_fields(g, fields, sizeof fields, 3);
+}
+
+/* The particles in the order of their ranks. */
+static inline void dem__rank_fields(dem_world *w, dem__group *g) {
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("particle.by_rank", w->engine->bodies.by_rank[0], sizeof(int32_t)),
+    };
+    dem__set_fields(g, fields, sizeof fields, 1);
 }
 
 /* Lists corners and triangles of the mesh of a wall: two groups of one field each. */
@@ -15390,15 +15919,25 @@ static inline void dem__write_particles(dem__stream *s, dem_world *w, dem__group
     }
 }
 
+static inline void dem__write_ranks(dem__stream *s, dem_world *w, dem__group *g) {
+    const ptrdiff_t present = w->count - w->engine->bodies.dropped;
+    if (present == 0) return;
+    dem__rank_fields(w, g);
+    dem__begin_record(s, &g->field[0], (uint64_t)present);
+    for (ptrdiff_t r = 0; r < w->count; r++) {
+        if (w->alive[w->engine->bodies.by_rank[r]]) dem__write_entry(s, w, &g->field[0], r, 1);
+    }
+}
+
 static inline void dem__write_contacts(dem__stream *s, dem_world *w, dem__group *g) {
     const dem__contacts *contacts = &w->engine->contacts;
     dem__saved_chunk chunk[DEM__CHUNKS];
-    for (int q = 0; q < contacts->chunk_count; q++) {
-        const int32_t from = contacts->chunk[q].first_particle;
+    int32_t rank = 0, present = 0; /* present: particles with a lower rank */
+    for (int q = contacts->chunk_count - 1; q >= 0; q--) {
+        for (; rank < contacts->chunk[q].first_rank && rank < (int32_t)w->count; rank++)
+            present += w->alive[w->engine->bodies.by_rank[rank]] != 0;
         chunk[q].count = contacts->chunk[q].count, chunk[q].capacity = contacts->chunk[q].capacity;
-        chunk[q].first_particle = from == 0         ? 0
-                                  : from < w->count ? w->engine->bodies.number[from]
-                                                    : (int32_t)(w->count - w->engine->bodies.dropped);
+        chunk[q].first_rank = present;
     }
     dem__chunk_fields(chunk, g);
     dem__write_group(s, w, g, contacts->chunk_count, 0);
@@ -15439,6 +15978,7 @@ static inline void dem__write_world(dem__stream *s, dem_world *w) {
     dem__wall_fields(w->wall, &g), dem__write_group(s, w, &g, w->walls, 0);
     dem__write_meshes(s, w, &g);
     dem__write_particles(s, w, &g);
+    dem__write_ranks(s, w, &g);
     dem__write_contacts(s, w, &g);
     DEM__TELL(w, save, (s, w, &g));
     if (w->passed_count > 0) dem__passed_fields(w->passed, &g), dem__write_group(s, w, &g, w->passed_count, 0);
@@ -18618,12 +19158,43 @@ static inline int dem__read_chunks(const dem__file *file, dem_world *w, dem__gro
         if (!is_last && count > capacity) return 0;
         contacts->chunk[q].first = first, contacts->chunk[q].count = (ptrdiff_t)count,
         contacts->chunk[q].capacity = (ptrdiff_t)capacity;
-        contacts->chunk[q].first_particle = is_last ? 0 : chunk[q].first_particle;
+        contacts->chunk[q].first_rank = is_last ? 0 : chunk[q].first_rank;
         first += (ptrdiff_t)capacity, left -= (ptrdiff_t)count;
     }
     contacts->chunk_count = (int)n;
     contacts->count = all;
     return left == 0;
+}
+
+/* Reads the order of particles. Returns 0 if it does not contain each of them once. */
+static inline int dem__read_ranks(const dem__file *file, dem_world *w, dem__group *g) {
+    dem__bodies *bodies = &w->engine->bodies;
+    if (w->count == 0) return 1;
+    dem__rank_fields(w, g);
+    if (!dem__read_group(file, g, w->count)) return 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) bodies->rank[i] = -1;
+    for (ptrdiff_t r = 0; r < w->count; r++) {
+        const int32_t i = bodies->by_rank[r];
+        if (i < 0 || i >= w->count || bodies->rank[i] >= 0) return 0;
+        bodies->rank[i] = (int32_t)r;
+    }
+    return 1;
+}
+
+/* Returns whether every contact lies in the chunk of its rank or in the last one. */
+static inline int dem__are_sound_chunks(const dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    int32_t before = INT32_MAX;
+    for (int q = 0; q < contacts->chunk_count - 1; q++) {
+        const dem__chunk *in = &contacts->chunk[q];
+        if (in->first_rank < 0 || in->first_rank > before) return 0;
+        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
+            const int32_t low = dem__rank_in_slot(w, c);
+            if (low < in->first_rank || low >= before) return 0;
+        }
+        before = in->first_rank;
+    }
+    return 1;
 }
 
 /* Makes room for what a file contains, and sets the counts. Returns 0 when out of memory. */
@@ -18635,7 +19206,7 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
     if (!dem__grow_group(w, list, dem__particle_arrays(w, list), &e->bodies.block, &e->bodies.bytes,
                          &e->bodies.capacity, present + 1))
         return 0;
-    if (!dem__grow_contacts(w, dem__next_slot(w) + 1)) return 0;
+    if (!dem__grow_contacts(w, dem__next_slot(w) + 1) || !dem__fit_wall_forces(w, e->contacts.chunk_count)) return 0;
     if (passed > 0) {
         w->passed =
             (dem_passed *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)passed * sizeof *w->passed);
@@ -18660,7 +19231,8 @@ static inline dem_status dem__read_state(const dem__file *file, dem_world *w, de
         w->engine->walls.first_contact[i] = -1;
         DEM__TELL(w, add_particle, (w, i));
     }
-    if (!dem__read_group(file, g, present) || !dem__read_contacts(file, w, g)) return DEM_BAD_DATA;
+    if (!dem__read_group(file, g, present) || !dem__read_ranks(file, w, g) || !dem__read_contacts(file, w, g))
+        return DEM_BAD_DATA;
     dem_status status = DEM_OK;
     DEM__CHECK(w, status, load, (file, w, g));
     if (status != DEM_OK) return status;
@@ -18690,6 +19262,7 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
         if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
         contacts->slots[n++] = (int32_t)c;
     }
+    if (!dem__are_sound_chunks(w)) return 0;
     dem__sort(w, contacts->slots, n); /* no contact is there twice */
     for (ptrdiff_t c = 1; c < n; c++) {
         if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;

@@ -3,8 +3,8 @@
    1. Drag of a simple cubic array of spheres (solid volume fraction 0.125, K = 4.2916, Zick and Homsy 1982): largest error of four places
       of the centre within a voxel against processor time, over voxel, lattice, precision, boundary and relaxation time.
       One row has an interpolation that needs no second fluid node.
-   2. Node updates a second, bare and with one moving sphere, against the limit of memory: every population of the same memory read, changed
-      and written back, in the same run.
+   2. Node updates a second: bare, with faces, with beds of spheres at rest and moving, against the limit of memory: every population of the
+      same memory read, changed and written back, in the same run.
    3. A sphere that moves through liquid at rest: fluctuations of its drag and of the pressure beside it as it crosses the lattice, over the
       bulk viscosity; change of the liquid's mass; largest speed of a stable run. */
 #include <math.h>
@@ -181,23 +181,73 @@ static double memory_limit(int n, int single) {
     return check > 0.0 ? (double)(size / 19) / best * 1e-6 : (double)NAN;
 }
 
-/* Millions of node updates a second; a sphere of 20 cells that drifts, or none. */
-static double rate(int n, int single, int bulk, int sphere) {
+/* What the rates are measured with. */
+typedef enum rate_case { BARE, BULK, ONE_SPHERE, FACES, WALLS, BED, MOVING_BED, RATE_CASES } rate_case;
+static const char *const rate_names[] = {"bare fluid, periodic",
+                                         "with a bulk viscosity",
+                                         "one moving sphere of 20 cells",
+                                         "two pressure faces",
+                                         "six walls",
+                                         "bed at rest: spheres of 15 cells, porosity 0.57",
+                                         "the same spheres, moving"};
+static const char *const rate_keys[] = {"bare", "bulk", "sphere", "faces", "walls", "bed", "moving_bed"};
+
+/* A cubic bed, 16 nodes from centre to centre. */
+static double bed_distance(const void *self, const double point[3]) {
+    const double voxel = *(const double *)self;
+    double square = 0.0;
+    for (int a = 0; a < 3; a++) {
+        const double d = point[a] / voxel - 8.3;
+        square += pow(d - 16.0 * floor(d / 16.0 + 0.5), 2);
+    }
+    return voxel * (sqrt(square) - 7.5);
+}
+
+enum { MOST_SPHERES = 512 };
+typedef struct moving_spheres {
+    double centre[3 * MOST_SPHERES], velocity[3 * MOST_SPHERES], spin[3 * MOST_SPHERES], radius[MOST_SPHERES], force[3 * MOST_SPHERES],
+        torque[3 * MOST_SPHERES];
+} moving_spheres;
+
+static int place_spheres(moving_spheres *s, rate_case what, int n, double voxel, double dt) {
+    const int side = what == MOVING_BED ? n / 16 : 1;
+    int count = 0;
+    memset(s, 0, sizeof *s);
+    if (what != ONE_SPHERE && what != MOVING_BED) return 0;
+    for (int z = 0; z < side; z++)
+        for (int y = 0; y < side; y++)
+            for (int x = 0; x < side; x++, count++) {
+                const int at[3] = {x, y, z};
+                s->radius[count] = (what == MOVING_BED ? 7.5 : 10.0) * voxel;
+                for (int a = 0; a < 3; a++) {
+                    s->centre[3 * count + a] = (what == MOVING_BED ? 16.0 * at[a] + 8.0 + 0.05 * ((count + a) % 5) : 0.5 * n + 0.13 * a) * voxel;
+                    s->velocity[3 * count + a] = 0.003 * ((count + a) % 3 - (what == MOVING_BED ? 1.0 : -1.0)) * voxel / dt;
+                }
+            }
+    return count;
+}
+
+/* Millions of node updates a second. */
+static double rate(int n, int single, rate_case what) {
+    static moving_spheres s;
     filtration_fluid_def def = filtration_fluid_default_def();
     filtration_fluid fluid;
-    double centre[3], velocity[3], spin[3] = {0, 0, 0}, radius = 10.0 * def.voxel, force[3], torque[3], best = HUGE_VAL;
+    double best = HUGE_VAL;
     def.nodes[0] = def.nodes[1] = def.nodes[2] = n;
     def.precision = single ? FILTRATION_FLOAT : FILTRATION_DOUBLE;
     def.skip = 0;
-    if (bulk) def.bulk_ratio = 20.0;
+    if (what == BULK) def.bulk_ratio = 20.0;
+    if (what == FACES) def.face[FILTRATION_LOW_Z] = def.face[FILTRATION_HIGH_Z] = FILTRATION_PRESSURE;
+    for (int f = 0; f < 6 && what == WALLS; f++) def.face[f] = FILTRATION_WALL;
+    if (what == BED) def.solid.distance = bed_distance, def.solid.self = &def.voxel;
     if (filtration_fluid_init(&fluid, &def) != FILTRATION_OK) return (double)NAN;
-    for (int a = 0; a < 3; a++) centre[a] = (0.5 * n + 0.13 * a) * def.voxel, velocity[a] = 0.003 * def.voxel / fluid.dt;
-    const filtration_spheres spheres = {sphere, centre, velocity, spin, &radius, force, torque};
+    const int count = place_spheres(&s, what, n, def.voxel, fluid.dt);
+    const filtration_spheres spheres = {count, s.centre, s.velocity, s.spin, s.radius, s.force, s.torque};
     for (int round = 0; round < 5; round++) {
         const double began = machine_processor_seconds();
         for (int k = 0; k < 4; k++) {
             if (filtration_fluid_step(&fluid, &spheres) != FILTRATION_OK) best = (double)NAN;
-            for (int a = 0; a < 3; a++) centre[a] += velocity[a] * fluid.dt;
+            for (int i = 0; i < 3 * count; i++) s.centre[i] += s.velocity[i] * fluid.dt;
         }
         const double spent = machine_processor_seconds() - began;
         if (round > 0 && spent < best) best = spent;
@@ -209,23 +259,22 @@ static double rate(int n, int single, int bulk, int sphere) {
 static void rates(const program *self, json *report) {
     const int n = self->quick ? 64 : 128;
     static const result_column columns[] = {{"precision", "precision", "%s"},
-                                            {"limit_mlups", "limit [MLUPS]", "%.0f"},
-                                            {"bare_mlups", "bare", "%.0f"},
-                                            {"bulk_mlups", "bulk viscosity", "%.0f"},
-                                            {"sphere_mlups", "one moving sphere", "%.0f"},
-                                            {NULL, "bare over limit [%]", "%.0f", 100.0}};
+                                            {"case", NULL, "%s"},
+                                            {NULL, "what", "%s"},
+                                            {"mlups", "MLUPS", "%.1f"},
+                                            {"over_bare", "over bare", "%.2f"},
+                                            {"over_limit", "over the limit of memory", "%.2f"}};
     result_table *t = RESULTS(columns);
     for (int single = 0; single < 2 && !common_interrupted(); single++) {
-        const double limit = memory_limit(n, single), bare = rate(n, single, 0, 0), bulk = rate(n, single, 1, 0),
-                     sphere = rate(n, single, 0, 1);
-        results_row(t, TEXTS(single ? "float" : "double"), limit, bare, bulk, sphere, bare / limit);
-        json_number(report, single ? "float_limit_mlups" : "double_limit_mlups", limit);
-        json_number(report, single ? "float_mlups" : "double_mlups", bare);
-        json_number(report, single ? "float_bulk_mlups" : "double_bulk_mlups", bulk);
-        json_number(report, single ? "float_sphere_mlups" : "double_sphere_mlups", sphere);
+        const double limit = memory_limit(n, single);
+        double bare = 0.0;
+        for (int what = 0; what < RATE_CASES && !common_interrupted(); what++) {
+            const double mlups = rate(n, single, (rate_case)what);
+            if (what == BARE) bare = mlups;
+            results_row(t, TEXTS(single ? "float" : "double", rate_keys[what], rate_names[what]), mlups, mlups / bare, mlups / limit);
+        }
     }
-    results_print(t);
-    results_csv(t, self->out, "rates.csv");
+    results_write(t, report, "rates", self->out, "rates.csv");
     results_free(t);
 }
 

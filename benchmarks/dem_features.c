@@ -132,6 +132,43 @@ static int read_counts(const char *path, double (*counts)[FEATURES]) {
     return wrong ? -1 : 0;
 }
 
+/* The wanted features in turns; 0, or -1. */
+static int measure_all(const bed *b, int scene, outcome *outcomes, const int *wanted, int threads, int steps,
+                       int repeats, double (*cpu)[REPEATS_MAX], double (*wall)[REPEATS_MAX], int *changed,
+                       progress *bar) {
+    for (int k = 0; k < repeats * FEATURES && !common_interrupted(); k++) {
+        const feature *f = &features[k % FEATURES];
+        outcome *o = &outcomes[k % FEATURES];
+        if (!wanted[k % FEATURES]) continue;
+        if (measure(o, b, scene, f, threads, steps) != 0) return -1;
+        cpu[k % FEATURES][k / FEATURES] = o->cpu_ns, wall[k % FEATURES][k / FEATURES] = o->wall_ns;
+        if (f->like >= 0 && wanted[f->like] && o->hash != outcomes[f->like].hash)
+            *changed = 1,
+            common_fail("%s, %s: another hash than with %s", scene_names[scene], f->name, features[f->like].name);
+        progress_add(bar, 1.0);
+    }
+    return 0;
+}
+
+/* ns, counts: [scene][feature] */
+static void draw(const program *self, int scene_choice, bool counted, double (*ns)[FEATURES],
+                 double (*counts)[FEATURES]) {
+    const int panels = counted ? 2 : 1, shown = THREADS; /* processor time of threads that wait says nothing */
+    const char *names[FEATURES];
+    for (int k = 0; k < shown; k++) names[k] = features[k].key;
+    riddle_plot *figure = riddle_plot_new("dem.h: what each feature costs", SCENES, panels);
+    riddle_plot_panel_size(figure, 760.0, 260.0);
+    for (int scene = 0; scene < SCENES; scene++) {
+        for (int column = 0; column < panels && (scene_choice == 0 || scene_choice == scene + 1); column++) {
+            riddle_plot_panel(figure, scene, column, "",
+                              column ? "instructions a particle-step" : "ns a particle-step");
+            riddle_plot_title(figure, scene ? "Dilute, vibrated" : "Dense bed at rest");
+            riddle_plot_bars(figure, NULL, names, column ? counts[scene] : ns[scene], shown);
+        }
+    }
+    riddle_plot_write(figure, self->out, "dem_features.svg");
+}
+
 int main(int argc, char **argv) {
     int size_choice = 1, scene_choice = 0, feature_choice = 0, steps = 500, repeats = 3;
     char place[600], message[1200];
@@ -190,20 +227,8 @@ int main(int argc, char **argv) {
         if (scene_choice != 0 && scene_choice != scene + 1) continue;
         if (bed_read(&b, folder, sizes[size_choice], message, sizeof message) != 0) program_refuse(&self, "beds", folder, BED_FILES);
         if (scene == 1) dilute(&b);
-        int failed = 0;
-        for (int repeat = 0; repeat < repeats; repeat++) {
-            for (int k = 0; k < FEATURES && !failed && !common_interrupted(); k++) {
-                outcome *o = &outcomes[scene][k];
-                if (!wanted[scene][k]) continue;
-                failed = measure(o, &b, scene, &features[k], self.threads, steps) != 0;
-                cpu[k][repeat] = o->cpu_ns, wall[k][repeat] = o->wall_ns;
-                const int like = features[k].like;
-                if (!failed && like >= 0 && wanted[scene][like] && o->hash != outcomes[scene][like].hash)
-                    changed = 1,
-                    common_fail("%s, %s: another hash than with %s", scene_names[scene], features[k].name, features[like].name);
-                progress_add(&bar, 1.0);
-            }
-        }
+        const int failed = measure_all(&b, scene, outcomes[scene], wanted[scene], self.threads, steps, repeats, cpu,
+                                       wall, &changed, &bar);
         bed_free(&b);
         if (failed || common_interrupted()) break;
         for (int k = 0; k < FEATURES; k++)
@@ -221,19 +246,7 @@ int main(int argc, char **argv) {
     results_write(t, report, "features", self.out, "dem_features.csv");
     results_free(t);
     json_bool(report, "same_bits", !changed);
-    const int panels = counted ? 2 : 1, shown = THREADS; /* processor time of threads that wait says nothing */
-    const char *names[FEATURES];
-    for (int k = 0; k < shown; k++) names[k] = features[k].key;
-    riddle_plot *figure = riddle_plot_new("dem.h: what each feature costs", SCENES, panels);
-    riddle_plot_panel_size(figure, 760.0, 260.0);
-    for (int scene = 0; scene < SCENES; scene++) {
-        for (int column = 0; column < panels && (scene_choice == 0 || scene_choice == scene + 1); column++) {
-            riddle_plot_panel(figure, scene, column, "", column ? "instructions a particle-step" : "ns a particle-step");
-            riddle_plot_title(figure, scene ? "Dilute, vibrated" : "Dense bed at rest");
-            riddle_plot_bars(figure, NULL, names, column ? counts[scene] : ns[scene], shown);
-        }
-    }
-    riddle_plot_write(figure, self.out, "dem_features.svg");
+    draw(&self, scene_choice, counted != NULL, ns, counts);
     json_program(report, &self);
     json_close(report);
     return common_exit_status();

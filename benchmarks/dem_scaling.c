@@ -150,6 +150,58 @@ static int measure(point *p, base *b, int base_steps, int repeats, const program
     return status == DEM_OK ? 0 : common_fail("%d spheres, 1 : %g: %s", p->spheres, p->ratio, dem_status_text(status));
 }
 
+/* first: where the gases of equal spheres begin, those of sizes even by number, by mass. */
+static void tell(const program *self, const point *points, int n, const int first[3]) {
+    const int gases = first[0], by_number = first[1], by_mass = first[2];
+    json *report = json_open(self->json);
+    static const result_column columns[] = {{"state|", "state", "%s"},
+                                            {"|bed"},
+                                            {"spheres", "spheres", "%.0f"},
+                                            {NULL, "sizes", "%s"},
+                                            {"size_ratio"},
+                                            {"by_mass", NULL, "yes|no"},
+                                            {"|steps"},
+                                            {"particle_step_s|step_s", "ns a particle-step", "%.0f", 1e9},
+                                            {"over_base", "over 20 000 equal", "%.2f"},
+                                            {"fill_s", "fill [s]", "%.2f"},
+                                            {"|contacts", "contacts a sphere", "%.2f"},
+                                            {"|looks", "looks a step", "%.2f"},
+                                            {"|steps_a_list", "steps a list", "%.0f"},
+                                            {"bytes_per_sphere|bytes_a_sphere", "bytes a sphere", "%.0f"}};
+    result_table *t = RESULTS(columns);
+    for (int k = 0; k < n; k++) {
+        const point *p = &points[k];
+        char text[60] = "equal";
+        if (p->ratio != 1.0) snprintf(text, sizeof text, "1 : %g, by %s", p->ratio, p->by_mass ? "mass" : "number");
+        results_row(t, TEXTS(p->bed ? "bed" : "gas", text), p->bed > 0, p->spheres, p->ratio, p->by_mass, p->steps,
+                    p->step_s, p->over_base, p->fill_s, p->contacts, p->looks, p->steps_a_list, p->bytes);
+    }
+    results_write(t, report, "points", self->out, "dem_scaling.csv");
+    const double *count = results_column(t, "spheres", 1.0), *sizes = results_column(t, "size_ratio", 1.0),
+                 *over = results_column(t, "over_base", 1.0);
+    riddle_plot *figure = riddle_plot_new("Cost of a particle-step, one core", 1, 2);
+    riddle_plot_panel(figure, 0, 0, "number of equal spheres [-]", "over that of 20 000 equal spheres [-]");
+    riddle_plot_log_x(figure);
+    riddle_plot_range_y(figure, 0.0, 3.0);
+    riddle_plot_horizontal(figure, "aim: at most 1.5", 1.5);
+    riddle_plot_line(figure, "bed at rest", count, over, gases);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_line(figure, "gas", count + gases, over + gases, by_number - gases);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_panel(figure, 0, 1, "largest over smallest diameter [-]", "over that of 20 000 equal spheres [-]");
+    riddle_plot_log_x(figure);
+    riddle_plot_range_y(figure, 0.0, 3.0);
+    riddle_plot_horizontal(figure, "aim: at most 1.5", 1.5);
+    riddle_plot_line(figure, "diameters even by number", sizes + by_number, over + by_number, by_mass - by_number);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_line(figure, "diameters even by mass", sizes + by_mass, over + by_mass, n - by_mass);
+    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    riddle_plot_write(figure, self->out, "dem_scaling.svg");
+    results_free(t);
+    json_program(report, self);
+    json_close(report);
+}
+
 int main(int argc, char **argv) {
     int most = 1000000, steps = 1000, repeats = 3;
     double ratio = 20.0;
@@ -166,7 +218,7 @@ int main(int argc, char **argv) {
     if (self.quick && !is_given(&self, "steps")) steps = 100, repeats = is_given(&self, "repeats") ? repeats : 1;
     static const int copies[] = {1, 2, 4, 7, 14, 28}; /* 20 000, 80 000, 320 000, 980 000 .. */
     point points[POINTS_MAX];
-    int n = 0, gases = 0, by_mass = 0; /* beds, gases of equal spheres, of sizes even by number, by mass: where each begins */
+    int n = 0, first[3] = {0, 0, 0};
     double work = 0.0;
     memset(points, 0, sizeof points);
     for (int gas = 0; gas < 2; gas++) {
@@ -175,11 +227,10 @@ int main(int argc, char **argv) {
             points[n].bed = gas ? 0 : copies[k];
             points[n++].ratio = 1.0;
         }
-        if (!gas) gases = n;
+        first[gas] = n;
     }
-    const int by_number = n;
     for (int mass = 0; mass < 2; mass++) {
-        if (mass) by_mass = n;
+        if (mass) first[2] = n;
         for (double r = 1.0; r <= ratio; r = r < ratio ? fmin(r < 5.0 ? 2.5 * r : 2.0 * r, ratio) : 2.0 * ratio) {
             points[n].spheres = BASE;
             points[n].by_mass = mass;
@@ -203,52 +254,6 @@ int main(int argc, char **argv) {
     if (common_exit_status() != 0) return common_exit_status();
     progress_end(&bar);
 
-    json *report = json_open(self.json);
-    static const result_column columns[] = {{"state|", "state", "%s"},
-                                            {"|bed"},
-                                            {"spheres", "spheres", "%.0f"},
-                                            {NULL, "sizes", "%s"},
-                                            {"size_ratio"},
-                                            {"by_mass", NULL, "yes|no"},
-                                            {"|steps"},
-                                            {"particle_step_s|step_s", "ns a particle-step", "%.0f", 1e9},
-                                            {"over_base", "over 20 000 equal", "%.2f"},
-                                            {"fill_s", "fill [s]", "%.2f"},
-                                            {"|contacts", "contacts a sphere", "%.2f"},
-                                            {"|looks", "looks a step", "%.2f"},
-                                            {"|steps_a_list", "steps a list", "%.0f"},
-                                            {"bytes_per_sphere|bytes_a_sphere", "bytes a sphere", "%.0f"}};
-    result_table *t = RESULTS(columns);
-    for (int k = 0; k < n; k++) {
-        const point *p = &points[k];
-        char text[60] = "equal";
-        if (p->ratio != 1.0) snprintf(text, sizeof text, "1 : %g, by %s", p->ratio, p->by_mass ? "mass" : "number");
-        results_row(t, TEXTS(p->bed ? "bed" : "gas", text), p->bed > 0, p->spheres, p->ratio, p->by_mass, p->steps,
-                    p->step_s, p->over_base, p->fill_s, p->contacts, p->looks, p->steps_a_list, p->bytes);
-    }
-    results_write(t, report, "points", self.out, "dem_scaling.csv");
-    const double *count = results_column(t, "spheres", 1.0), *sizes = results_column(t, "size_ratio", 1.0),
-                 *over = results_column(t, "over_base", 1.0);
-    riddle_plot *figure = riddle_plot_new("Cost of a particle-step, one core", 1, 2);
-    riddle_plot_panel(figure, 0, 0, "number of equal spheres [-]", "over that of 20 000 equal spheres [-]");
-    riddle_plot_log_x(figure);
-    riddle_plot_range_y(figure, 0.0, 3.0);
-    riddle_plot_horizontal(figure, "aim: at most 1.5", 1.5);
-    riddle_plot_line(figure, "bed at rest", count, over, gases);
-    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
-    riddle_plot_line(figure, "gas", count + gases, over + gases, by_number - gases);
-    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
-    riddle_plot_panel(figure, 0, 1, "largest over smallest diameter [-]", "over that of 20 000 equal spheres [-]");
-    riddle_plot_log_x(figure);
-    riddle_plot_range_y(figure, 0.0, 3.0);
-    riddle_plot_horizontal(figure, "aim: at most 1.5", 1.5);
-    riddle_plot_line(figure, "diameters even by number", sizes + by_number, over + by_number, by_mass - by_number);
-    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
-    riddle_plot_line(figure, "diameters even by mass", sizes + by_mass, over + by_mass, n - by_mass);
-    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
-    riddle_plot_write(figure, self.out, "dem_scaling.svg");
-    results_free(t);
-    json_program(report, &self);
-    json_close(report);
+    tell(&self, points, n, first);
     return common_exit_status();
 }

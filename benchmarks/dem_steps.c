@@ -213,6 +213,115 @@ static balance run_scene(int scene, const bed *b, double division, double durati
     return r;
 }
 
+/* ---- all steps ---- */
+
+typedef struct measured {
+    pooled of_impact[2][LEVELS][METHODS];
+    balance of_scene[SCENES][LEVELS];
+} measured;
+
+static const double restitutions[2] = {0.78, 0.4351}, none = (double)NAN;
+
+static int measure_impacts(measured *found, result_table *runs, int phases, progress *bar) {
+    riddle_io_table t =
+        riddle_io_table_begin("impacts, e|t_c/dt|dem.h: rms|energy|largest|Verlet: rms|energy|largest|leapfrog: rms|energy|largest");
+    for (int r = 0; r < 2; r++) {
+        pair_state exact[ANGLES];
+        for (int a = 0; a < ANGLES; a++) {
+            const impact of = impact_of(restitutions[r], a);
+            exact[a] = exact_outcome(&of);
+        }
+        for (int level = 0; level < LEVELS && !common_interrupted(); level++) {
+            char name[40];
+            double cpu_s;
+            pooled *o = found->of_impact[r][level];
+            if (impacts(restitutions[r], (int)divisions[level], phases, exact, o, &cpu_s) != 0) return -1;
+            riddle_io_table_cell(&t, "%g", restitutions[r]);
+            riddle_io_table_cell(&t, "%g", divisions[level]);
+            for (int m = 0; m < METHODS; m++) {
+                riddle_io_table_cell(&t, "%.1e", o[m].rms);
+                riddle_io_table_cell(&t, "%+.1e", o[m].bias);
+                riddle_io_table_cell(&t, "%.1e", o[m].most);
+                snprintf(name, sizeof name, "impact e %g", restitutions[r]);
+                results_row(runs, TEXTS("impact", name, method_names[m], NULL), restitutions[r], divisions[level],
+                            m == DEM ? cpu_s : none, none, o[m].rms, o[m].bias, o[m].most, none);
+            }
+            progress_add(bar, 1.0);
+        }
+    }
+    table_end(&t);
+    return 0;
+}
+
+static void measure_scenes(measured *found, result_table *runs, const bed *b, double share, progress *bar) {
+    for (int level = LEVELS - 1; level >= 0 && !common_interrupted(); level--) { /* the finest first: the others are judged by it */
+        for (int scene = 0; scene < SCENES && !common_interrupted(); scene++) {
+            balance *r = &found->of_scene[scene][level];
+            const char *name = scene_names[scene == ELASTIC_VERLET ? ELASTIC : scene];
+            const char *method = method_names[scene == ELASTIC_VERLET ? VERLET : DEM];
+            *r = run_scene(scene, b, divisions[level], share * durations[scene]);
+            results_row(runs, TEXTS(name, name, method, dem_status_text(r->status)), none, divisions[level], r->cpu_s,
+                        r->cpu_s, none, r->error, none, r->kinetic);
+            if (level == LEVELS - 1 && r->status != DEM_OK && !common_interrupted())
+                common_fail("%s, t_c/%g: %s", scene_names[scene], divisions[level], dem_status_text(r->status));
+            progress_add(bar, 1.0);
+        }
+    }
+}
+
+static void print_scenes(const measured *found) {
+    common_print("\nenergy error over the energy turned over\n");
+    riddle_io_table t = riddle_io_table_begin(
+        "t_c/dt|elastic bed|the same, Verlet|at rest, e 0.78|at rest, e 0.44|vibrated|drum|screen|all, processor s");
+    for (int level = 0; level < LEVELS; level++) {
+        double cpu_s = 0.0;
+        riddle_io_table_cell(&t, "%g", divisions[level]);
+        for (int scene = 0; scene < SCENES; scene++) {
+            const balance *r = &found->of_scene[scene][level];
+            cpu_s += r->cpu_s;
+            if (is_stable(r, &found->of_scene[scene][LEVELS - 1])) riddle_io_table_cell(&t, "%.1e", r->error);
+            else riddle_io_table_cell(&t, "unstable");
+        }
+        riddle_io_table_cell(&t, "%.2f", cpu_s);
+    }
+    table_end(&t);
+}
+
+static void draw(const program *self, const measured *found) {
+    riddle_plot *figure = riddle_plot_new("dem.h: how large may a step be?", 1, 3);
+    riddle_plot_panel_size(figure, 430.0, 380.0);
+    for (int r = 0; r < 2; r++) {
+        char title[60];
+        snprintf(title, sizeof title, "Impacts at all angles, e = %g", restitutions[r]);
+        riddle_plot_panel(figure, 0, r, "steps per contact time", "rms error of velocity and spin, over v [-]");
+        riddle_plot_title(figure, title);
+        riddle_plot_log_x(figure);
+        riddle_plot_log_y(figure);
+        for (int m = 0; m < METHODS; m++) {
+            double y[LEVELS];
+            for (int level = 0; level < LEVELS; level++) y[level] = found->of_impact[r][level][m].rms;
+            riddle_plot_line(figure, method_names[m], divisions, y, LEVELS);
+            riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+        }
+    }
+    riddle_plot_panel(figure, 0, 2, "processor time [s]", "energy error, relative [-]");
+    riddle_plot_title(figure, "Scenes");
+    riddle_plot_log_x(figure);
+    riddle_plot_log_y(figure);
+    riddle_plot_legend_outside(figure);
+    for (int scene = 0; scene < SCENES; scene++) {
+        double x[LEVELS], y[LEVELS];
+        for (int level = 0; level < LEVELS; level++) {
+            const balance *r = &found->of_scene[scene][level];
+            x[level] = r->cpu_s;
+            y[level] = is_stable(r, &found->of_scene[scene][LEVELS - 1]) ? r->error : (double)NAN;
+        }
+        riddle_plot_line(figure, scene_names[scene], x, y, LEVELS);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+    }
+    riddle_plot_write(figure, self->out, "dem_steps.svg");
+}
+
 int main(int argc, char **argv) {
     int phases = 100;
     double share = 1.0;
@@ -223,15 +332,14 @@ int main(int argc, char **argv) {
         option_double("time", "SHARE", &share, 0.01, 100.0, "duration of the scenes over 0.02 .. 0.5 s [-]"),
         option_string("beds", "DIR", &folder, "folder of the start files"),
     };
-    program self = program_start("dem_steps", "dem.h: how large may a time step be? Impacts at all angles, beds, a drum, a screen.",
+    program self = program_start("dem_steps",
+                                 "dem.h: how large may a time step be? Impacts at all angles, beds, a drum, a screen.",
                                  options, sizeof options / sizeof *options, argc, argv);
     bed b;
     if (self.quick && !is_given(&self, "phases")) phases = 10;
     if (self.quick && !is_given(&self, "time")) share = 0.1;
     if (bed_read(&b, folder, 2000, message, sizeof message) != 0) program_refuse(&self, "beds", folder, BED_FILES);
-    static const double restitutions[2] = {0.78, 0.4351};
-    pooled of_impact[2][LEVELS][METHODS];
-    balance of_scene[SCENES][LEVELS];
+    static measured found;
     json *report = json_open(self.json);
     static const result_column columns[] = {{"scene|", NULL, "%s"},
                                             {"|scene", NULL, "%s"},
@@ -245,103 +353,19 @@ int main(int argc, char **argv) {
                                             {"?energy_error_max"},
                                             {"?kinetic_energy_J|"},
                                             {"?status|", NULL, "%s"}};
-    const double none = (double)NAN;
     result_table *runs = RESULTS(columns);
     progress bar;
     progress_begin(&bar, "steps", LEVELS * (2.0 + SCENES));
-    riddle_io_table t =
-        riddle_io_table_begin("impacts, e|t_c/dt|dem.h: rms|energy|largest|Verlet: rms|energy|largest|leapfrog: rms|energy|largest");
-    for (int r = 0; r < 2; r++) {
-        pair_state exact[ANGLES];
-        for (int a = 0; a < ANGLES; a++) {
-            const impact of = impact_of(restitutions[r], a);
-            exact[a] = exact_outcome(&of);
-        }
-        for (int level = 0; level < LEVELS && !common_interrupted(); level++) {
-            char name[40];
-            double cpu_s;
-            pooled *o = of_impact[r][level];
-            if (impacts(restitutions[r], (int)divisions[level], phases, exact, o, &cpu_s) != 0) return common_exit_status();
-            riddle_io_table_cell(&t, "%g", restitutions[r]);
-            riddle_io_table_cell(&t, "%g", divisions[level]);
-            for (int m = 0; m < METHODS; m++) {
-                riddle_io_table_cell(&t, "%.1e", o[m].rms);
-                riddle_io_table_cell(&t, "%+.1e", o[m].bias);
-                riddle_io_table_cell(&t, "%.1e", o[m].most);
-                snprintf(name, sizeof name, "impact e %g", restitutions[r]);
-                results_row(runs, TEXTS("impact", name, method_names[m], NULL), restitutions[r], divisions[level],
-                            m == DEM ? cpu_s : none, none, o[m].rms, o[m].bias, o[m].most, none);
-            }
-            progress_add(&bar, 1.0);
-        }
-    }
-    table_end(&t);
-    for (int level = LEVELS - 1; level >= 0 && !common_interrupted(); level--) { /* the finest first: the others are judged by it */
-        for (int scene = 0; scene < SCENES && !common_interrupted(); scene++) {
-            balance *r = &of_scene[scene][level];
-            const char *name = scene_names[scene == ELASTIC_VERLET ? ELASTIC : scene];
-            const char *method = method_names[scene == ELASTIC_VERLET ? VERLET : DEM];
-            *r = run_scene(scene, &b, divisions[level], share * durations[scene]);
-            results_row(runs, TEXTS(name, name, method, dem_status_text(r->status)), none, divisions[level], r->cpu_s,
-                        r->cpu_s, none, r->error, none, r->kinetic);
-            if (level == LEVELS - 1 && r->status != DEM_OK && !common_interrupted())
-                common_fail("%s, t_c/%g: %s", scene_names[scene], divisions[level], dem_status_text(r->status));
-            progress_add(&bar, 1.0);
-        }
-    }
+    if (measure_impacts(&found, runs, phases, &bar) != 0) return common_exit_status();
+    measure_scenes(&found, runs, &b, share, &bar);
     progress_end(&bar);
     bed_free(&b);
     if (common_interrupted()) return common_exit_status();
     results_json(runs, report, "runs");
     results_csv(runs, self.out, "dem_steps.csv");
     results_free(runs);
-    common_print("\nenergy error over the energy turned over\n");
-    t = riddle_io_table_begin("t_c/dt|elastic bed|the same, Verlet|at rest, e 0.78|at rest, e 0.44|vibrated|drum|screen|all, processor s");
-    for (int level = 0; level < LEVELS; level++) {
-        double cpu_s = 0.0;
-        riddle_io_table_cell(&t, "%g", divisions[level]);
-        for (int scene = 0; scene < SCENES; scene++) {
-            const balance *r = &of_scene[scene][level];
-            cpu_s += r->cpu_s;
-            if (is_stable(r, &of_scene[scene][LEVELS - 1])) riddle_io_table_cell(&t, "%.1e", r->error);
-            else riddle_io_table_cell(&t, "unstable");
-        }
-        riddle_io_table_cell(&t, "%.2f", cpu_s);
-    }
-    table_end(&t);
-
-    riddle_plot *figure = riddle_plot_new("dem.h: how large may a step be?", 1, 3);
-    riddle_plot_panel_size(figure, 430.0, 380.0);
-    for (int r = 0; r < 2; r++) {
-        char title[60];
-        snprintf(title, sizeof title, "Impacts at all angles, e = %g", restitutions[r]);
-        riddle_plot_panel(figure, 0, r, "steps per contact time", "rms error of velocity and spin, over v [-]");
-        riddle_plot_title(figure, title);
-        riddle_plot_log_x(figure);
-        riddle_plot_log_y(figure);
-        for (int m = 0; m < METHODS; m++) {
-            double y[LEVELS];
-            for (int level = 0; level < LEVELS; level++) y[level] = of_impact[r][level][m].rms;
-            riddle_plot_line(figure, method_names[m], divisions, y, LEVELS);
-            riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
-        }
-    }
-    riddle_plot_panel(figure, 0, 2, "processor time [s]", "energy error, relative [-]");
-    riddle_plot_title(figure, "Scenes");
-    riddle_plot_log_x(figure);
-    riddle_plot_log_y(figure);
-    riddle_plot_legend_outside(figure);
-    for (int scene = 0; scene < SCENES; scene++) {
-        double x[LEVELS], y[LEVELS];
-        for (int level = 0; level < LEVELS; level++) {
-            const balance *r = &of_scene[scene][level];
-            x[level] = r->cpu_s;
-            y[level] = is_stable(r, &of_scene[scene][LEVELS - 1]) ? r->error : (double)NAN;
-        }
-        riddle_plot_line(figure, scene_names[scene], x, y, LEVELS);
-        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
-    }
-    riddle_plot_write(figure, self.out, "dem_steps.svg");
+    print_scenes(&found);
+    draw(&self, &found);
     json_bool(report, "deterministic_build", dem_build_is_deterministic() != 0);
     json_program(report, &self);
     json_close(report);

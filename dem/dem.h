@@ -38,8 +38,9 @@
              sphere and 12 more for every wall, 40 a near pair, 340 a contact with friction (64 more with a ledger), room for at least
              64 to 1024 of each and 6 near pairs a sphere, and half as much again for growing. Running out gives DEM_OUT_OF_MEMORY and
              a world that can be read, saved and freed.
-   Threads   def.threads with OpenMP, else one; fewer while another program takes the cores. Same bits for any number. Worlds are
-             independent of each other; several threads may read one.
+   Threads   def.threads with OpenMP (no more than there are processors) or a pool of the host's, else one; fewer where a loop has little
+             work or another program takes the cores. Same bits for any number. Worlds are independent of each other; several threads may
+             read one.
    Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
    Flags     -O2 is enough: with gcc the functions here bring their own options (#pragma GCC optimize, undone at the end), and with gcc
              and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.

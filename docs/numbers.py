@@ -314,6 +314,22 @@ def filtration_drag(r, csv, json):
     }
 
 
+def filtration_rates(r, csv, json):
+    names = {"bare": "bare fluid, periodic", "sphere": "one moving sphere of 20 cells", "faces": "two pressure faces", "walls": "six walls",
+        "bed": "bed at rest: 64 spheres of 15 cells, porosity 0.57", "moving_bed": "the same spheres, moving"}
+    rows = [x for x in r["rates"] if x["precision"] == "double" and x["case"] in names]
+    return {
+        "rates": table(rows, [("what", lambda x: names[x["case"]], ""), ("million nodes a second", "mlups", ".0f"), ("over bare", "over_bare", ".2f")]),
+    }
+
+
+def fluid_physics(r, csv, json):
+    return {
+        "cases": table(r["cases"], [("case", "case", ""), ("cells a diameter", "cells_per_diameter", ".3g"),
+            ("error", lambda x: f"{1e2 * x['error']:+.1f} %", ""), ("processor time [s]", "processor_s", ".2g")]),
+    }
+
+
 def filtration_moving(r, csv, json):
     return {
         "noise": table(r["noise"], [("relaxation time", "tau", ".1f"), ("bulk viscosity / nu", "bulk_ratio", ".3g"),

@@ -21,6 +21,12 @@ static dem_status run(dem_world *world, int scene) { return dem_run(world, scene
 static dem_status run_guard(int scene, int threads, uint64_t *hash) { return guard_run(scene, threads, hash); }
 #endif
 
+/* More threads than a machine may have: the tasks of a loop one after the other, the last one first. */
+static void run_backwards(void *user, int tasks, void (*task)(void *context, int index), void *context) {
+    (void)user;
+    for (int k = tasks - 1; k >= 0; k--) task(context, k);
+}
+
 int main(int argc, char **argv) {
     const int threads = argc > 1 ? atoi(argv[1]) : 1;
     if (!dem_build_is_deterministic()) {
@@ -31,6 +37,7 @@ int main(int argc, char **argv) {
         const int scene = scenes[k];
         dem_world world;
         dem_status status = scene_make(&world, scene, DEM_SKIP_ALL, threads, NULL);
+        if (threads > 2) world.def.parallel = run_backwards; /* OpenMP takes no more than there are processors */
         if (status == DEM_OK) status = run(&world, scene);
         printf("%-8s %016llx %s\n", scene_name(scene), (unsigned long long)dem_hash(&world),
                status == DEM_OK ? "" : dem_status_text(status));

@@ -14,14 +14,15 @@ static inline const char *invariants__sections(const dem_world *w) {
         const dem__chunk *in = &w->engine->contacts.chunk[q];
         const int last = q == w->engine->contacts.chunk_count - 1;
         if (in->count < 0 || in->first < end || (!last && in->count > in->capacity)) return "a chunk overlaps another";
-        if (in->first_particle > before || (last && in->first_particle != 0)) return "chunks are not in the order of particles";
+        if (in->first_rank > before || (last && in->first_rank != 0)) return "chunks are not in the order of ranks";
         for (ptrdiff_t c = in->first; c < in->first + in->count && !last; c++) {
-            if (w->engine->contacts.i[c] < in->first_particle || w->engine->contacts.i[c] >= before)
+            const int32_t low = dem__rank_in_slot(w, c);
+            if (low < in->first_rank || low >= before)
                 return "a contact lies in another particle's chunk";
         }
         end = in->first + (last ? in->count : in->capacity);
         live += in->count;
-        before = in->first_particle;
+        before = in->first_rank;
     }
     if (live > 0 && end > w->engine->contacts.capacity) return "chunks lie beyond the slots";
     return live == w->engine->contacts.count ? NULL : "number of contacts";
@@ -68,6 +69,11 @@ static inline const char *invariants__active(const dem_world *w, int32_t *seen) 
         const int32_t i = w->engine->bodies.active[k];
         if (i < 0 || i >= w->count || seen[i]++) return "a particle stands twice among the active ones";
         if (!w->engine->bodies.activity[i] && w->alive[i]) return "an inactive particle among the active ones";
+        if (w->engine->bodies.active_at[i] != k) return "an active particle does not know its place";
+    }
+    for (ptrdiff_t r = 0; r < w->count; r++) {
+        const int32_t i = w->engine->bodies.by_rank[r];
+        if (i < 0 || i >= w->count || w->engine->bodies.rank[i] != r) return "ranks are no order";
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->engine->bodies.number[i] != i - dropped) return "the particles present are not numbered";

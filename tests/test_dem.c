@@ -1196,10 +1196,67 @@ static void check_sections(const dem_world *w) {
     DEM__EACH_CONTACT(w, c) {
         const int section = (int)(in_c - w->engine->contacts.chunk);
         int own = 0;
-        while (w->engine->contacts.i[c] < w->engine->contacts.chunk[own].first_particle) own++;
+        while (dem__rank_in_slot(w, c) < w->engine->contacts.chunk[own].first_rank) own++;
         assert_in_range(section, own, w->engine->contacts.chunk_count - 1);
         assert_true(w->engine->contacts.j[c] < 0 || w->engine->contacts.i[c] < w->engine->contacts.j[c]);
     }
+}
+
+/* Runs the tasks of a loop one after the other, the last one first. */
+static void run_last_first(void *user, int tasks, void (*task)(void *context, int index), void *context) {
+    for (int k = tasks - 1; k >= 0; k--) task(context, k);
+    *(int *)user = tasks > *(int *)user ? tasks : *(int *)user;
+}
+/* A block of 16 x 16 x 15 spheres that overlap by 1e-5 m, added in steps of `stride` through the block. */
+static dem_status make_block(dem_world *w, int stride, int threads, int *most) {
+    const int n = 16 * 16 * 15;
+    dem_def def = dem_default_def();
+    const int glass = dem_add_material(&def, 2500.0, 5e9, 0.2);
+    const double diameter = 5e-3, apart = 4.99e-3;
+    def.dt = 4e-6, def.threads = threads, def.parallel = run_last_first, def.parallel_user = most;
+    dem_status status = dem_init(w, &def, NULL);
+    if (status == DEM_OK && dem_add_plane(w, glass, dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0)) < 0) status = DEM_TOO_MANY;
+    for (int m = 0; m < n && status == DEM_OK; m++) {
+        const int k = (int)((long long)m * stride % n);
+        const double centre[3] = {k % 16 * apart, k / 16 % 16 * apart, (k / 256 + 0.5) * apart};
+        status = dem_add_spheres(w, 1, centre, &diameter, glass, k);
+    }
+    return status;
+}
+/* Contacts lie by place, whatever the order in which spheres were added; numbers stay. Threads and saves change nothing. */
+static void test_order_by_place(void **state) {
+    (void)state;
+    uint64_t hash[4] = {0};
+    for (int k = 0; k < 4; k++) {
+        const int threads[] = {1, 1, 7, 64};
+        int most = 0;
+        dem_world w, copy;
+        assert_int_equal(make_block(&w, k ? 1237 : 1, threads[k], &most), DEM_OK); /* 1237 and 3840 have no common divisor */
+        run(&w, 40 * w.def.dt, DEM_LINEAR | DEM_FRICTION);
+        assert_true(w.engine->contacts.chunk_count > 16 && (k < 2 || most > (k == 2 ? 6 : 16)));
+        double apart = 0.0; /* of particles that follow each other in the order [m] */
+        for (ptrdiff_t r = 1; r < w.count; r++) {
+            const dem_vec a = dem_position(&w, w.engine->bodies.by_rank[r - 1]), b = dem_position(&w, w.engine->bodies.by_rank[r]);
+            apart += sqrt(pow(a.x - b.x, 2) + pow(a.y - b.y, 2) + pow(a.z - b.z, 2)) / (double)(w.count - 1);
+        }
+        assert_true(apart < 8e-3); /* neighbours are 4.99e-3 m apart */
+        for (ptrdiff_t i = 0; i < w.count; i++) assert_true(w.id[i] == (uint64_t)i && w.group[i] == (k ? i * 1237 % w.count : i));
+        for (ptrdiff_t i = 0; i < w.count; i += 5) assert_int_equal(dem_remove(&w, i), DEM_OK);
+        check_sections(&w);
+        size_t size;
+        unsigned char *bytes = saved(&w, &size);
+        assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
+        free(bytes);
+        run(&w, 40 * w.def.dt, DEM_LINEAR | DEM_FRICTION);
+        run(&copy, 40 * w.def.dt, DEM_LINEAR | DEM_FRICTION);
+        check_sections(&w);
+        check_sections(&copy);
+        hash[k] = dem_hash(&w);
+        assert_true(hash[k] == dem_hash(&copy));
+        dem_free(&copy);
+        dem_free(&w);
+    }
+    assert_true(hash[1] == hash[2] && hash[1] == hash[3]);
 }
 
 /* Many contacts lie in sections, for threads: nothing outside shows where, and particles taken out in between do not change it. */
@@ -1215,7 +1272,8 @@ static void test_sections_of_contacts(void **state) {
         if (k == 2) w.def.skin = 0.2; /* lists at other times */
         run(&w, part, scene_features(SCENE_DEEP));
         /* or the scene is too small for this test */
-        assert_true(w.engine->contacts.chunk_count == DEM__CHUNKS && w.engine->pairs.timers.pages > DEM__CHUNKS);
+        const int sections = w.engine->contacts.chunk_count;
+        assert_true(sections > 16 && w.engine->pairs.timers.pages > 16);
         pushed[k][0] = w.wall[0].force, pushed[k][1] = w.wall[0].torque, pushed[k][2] = w.wall[0].impulse;
         assert_memory_equal(pushed[k], pushed[0], sizeof pushed[0]);
         assert_true(pushed[0][0].z < 0.0);
@@ -1226,7 +1284,7 @@ static void test_sections_of_contacts(void **state) {
         for (int q = 0; q < w.engine->contacts.chunk_count; q += 3)
             w.engine->contacts.chunk[q].capacity = w.engine->contacts.chunk[q].count; /* full: new ones go into the last */
         run(&w, part, scene_features(SCENE_DEEP));
-        assert_true(w.engine->contacts.chunk_count == DEM__CHUNKS);
+        assert_int_equal(w.engine->contacts.chunk_count, sections);
         size_t size;
         unsigned char *bytes = saved(&w, &size);
         dem_world copy;
@@ -2164,6 +2222,7 @@ int main(void) {
         cmocka_unit_test(test_no_contact_is_missed),
         cmocka_unit_test(test_round_walls_are_not_missed),
         cmocka_unit_test(test_sections_of_contacts),
+        cmocka_unit_test(test_order_by_place),
         cmocka_unit_test(test_more_kinds_than_the_table_holds),
         cmocka_unit_test(test_save_and_load),
         cmocka_unit_test(test_save_after_changes),

@@ -140,7 +140,7 @@ static void test_saved(void **state) {
         make(&w, 1e-5, 1e4, 0.5, 0.5, down);
         add_support(&w, kind);
         seed = 3;
-        for (int k = 0; k < 8; k++) put(&w, dem_vec3(0.016, 0.014, 0.004), dem_vec3(uniform(-3e-3, 3e-3), 0, 0.012 + 0.023 * k), turned());
+        for (int k = 0; k < 8; k++) put(&w, dem_vec3(0.016, 0.014, 0.004), dem_vec3(uniform(-3e-3, 3e-3), 0, 0.012 + 0.022 * k), turned());
         RUN(&w, 0.1);
         const size_t size = dem_save(&w, NULL, 0);
         unsigned char *bytes = (unsigned char *)malloc(size);

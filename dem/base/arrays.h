@@ -47,12 +47,15 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
                             &w->alive,
                             &w->touching,
                             &bodies->active,
+                            &bodies->active_at,
                             &w->engine->walls.first_contact,
                             &w->engine->pairs.adjacent_start,
                             &w->engine->pairs.cell_of,
                             &w->engine->scratch.index,
                             &bodies->activity,
                             &bodies->number,
+                            &bodies->rank,
+                            &bodies->by_rank,
                             &bodies->to_check};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);

@@ -29,10 +29,15 @@
 #define DEM__LIST_STEPS 100
 /* Near pairs a sphere: with fewer a wide margin costs little, and lists should last four times as long. */
 #define DEM__FEW_PAIRS 3
-/* Chunks of contacts, if they are many: more threads than that do not share them. */
-#define DEM__CHUNKS 16
+/* Contacts from which on they lie in chunks, contacts of a chunk, and the most chunks: more threads than that do not
+   share contacts. A chunk is a few blocks, so that as many threads as pay have equal shares. */
+#define DEM__CHUNKED 8192
+#define DEM__OF_CHUNK (6 * DEM__BLOCK)
+#define DEM__CHUNKS 256
+#define DEM__RANK_STEPS 2048 /* steps between two renewals of the order of particles by place: they move little in them */
+#define DEM__SHARE 256       /* items that pay for waking a thread, at about 20 ns each */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */
 /* Speeds, spins and histories of contacts are rounded to 2^-52 of this: what decays ends at 0. */
 #define DEM__LEAST 1e-84
 #define DEM__MAGIC 0x0a1a64656d52u /* first bytes of a saved world */
-#define DEM__FORMAT 11u            /* version of its records: new fields do not change it */
+#define DEM__FORMAT 12u            /* version of its records: new fields do not change it */

@@ -150,12 +150,27 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field) {
     return bad ? DEM_BAD_DEFINITION : DEM_OK;
 }
 
+/* Makes room for the forces of chunks on walls; they are found anew in each step. Returns 0 when out of memory. */
+static inline int dem__fit_wall_forces(dem_world *w, int chunks) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const dem_allocator *a = &w->def.allocator;
+    const int room = chunks > 1 ? DEM__CHUNKS : 1;
+    const size_t bytes = (size_t)room * (size_t)w->engine->walls.capacity * sizeof *contacts->wall_force;
+    if (room <= contacts->force_chunks) return 1;
+    dem__wall_force *fresh = (dem__wall_force *)a->fn(a->user, NULL, 0, bytes);
+    if (!fresh) return 0;
+    memset(fresh, 0, bytes);
+    a->fn(a->user, contacts->wall_force, bytes / (size_t)room * (size_t)contacts->force_chunks, 0);
+    contacts->wall_force = fresh, contacts->force_chunks = room;
+    return 1;
+}
+
 /* Makes room for `wanted` walls, and for the forces of every chunk on them. Returns 0 when out of memory. */
 static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
     dem__engine *e = w->engine;
     const dem_allocator *a = &w->def.allocator;
     const ptrdiff_t larger = e->walls.capacity + e->walls.capacity / 2 + 8, room = larger > wanted ? larger : wanted;
-    const size_t wall = sizeof *w->wall, force = DEM__CHUNKS * sizeof *e->contacts.wall_force;
+    const size_t wall = sizeof *w->wall, force = (size_t)e->contacts.force_chunks * sizeof *e->contacts.wall_force;
     if (wanted <= e->walls.capacity) return 1;
     dem_wall *walls = (dem_wall *)a->fn(a->user, NULL, 0, (size_t)room * wall);
     dem__wall_force *forces = (dem__wall_force *)a->fn(a->user, NULL, 0, (size_t)room * force);
@@ -185,7 +200,7 @@ static inline int dem__make_engine(dem_world *w) {
     memset(e, 0, sizeof *e);
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
-    e->run.needs_lists = e->contacts.chunk_count = 1;
+    e->run.needs_lists = e->contacts.chunk_count = e->contacts.force_chunks = 1;
     w->engine = e;
     if (dem__grow_walls(w, 1)) return 1;
     w->def.allocator.fn(w->def.allocator.user, e, sizeof *e, 0);
@@ -245,7 +260,8 @@ DEM_API void dem_free(dem_world *world) {
         if (tree) dem__release(&a, tree, tree->bytes);
     }
     dem__release(&a, world->wall, (size_t)e->walls.capacity * sizeof *world->wall);
-    dem__release(&a, e->contacts.wall_force, DEM__CHUNKS * (size_t)e->walls.capacity * sizeof *e->contacts.wall_force);
+    dem__release(&a, e->contacts.wall_force,
+                 (size_t)e->contacts.force_chunks * (size_t)e->walls.capacity * sizeof *e->contacts.wall_force);
     dem__release(&a, e->scratch.work_block, e->scratch.work_bytes);
     dem__release(&a, e, sizeof *e);
     memset(world, 0, sizeof *world);

@@ -28,22 +28,22 @@ typedef struct dem__contact_type {
     double constant[DEM_CONSTANTS_MAX];
 } dem__contact_type;
 
-/* A chunk holds the contacts whose first particle is at least first_particle and below that of the chunk before, in the
-   slots first .. first + count - 1. When it is full, new contacts go to the last chunk, which can grow. Because i < j,
-   a particle has contacts in its own chunk and in later ones only. */
+/* A chunk holds the contacts whose lower rank (see dem__lower_rank) is at least first_rank and below that of the chunk
+   before, in the slots first .. first + count - 1. When it is full, new contacts go to the last chunk, which can grow.
+   So a particle has contacts in its own chunk and in later ones only. */
 typedef struct dem__chunk {
     ptrdiff_t first, count, capacity;
     ptrdiff_t marked, postponed; /* contacts that begin or end in this step, listed in contacts.slots; number of
                                     postponed forces */
-    int32_t first_particle,
-        postpone_from; /* forces on particles from postpone_from on are postponed: see dem__evaluate_range */
-    int32_t low, high; /* smallest and largest particle with a postponed force; INT32_MAX, 0 if there is none */
+    int32_t first_rank;
+    int at_walls; /* whether a contact with a wall was evaluated in this step */
 } dem__chunk;
 
-/* A force that this thread may not add yet, because another thread must add to that particle first. */
+/* A force that this thread may not add yet, because another thread must add to that particle first. It stands in the
+   lists of the shares to which i and j belong. */
 typedef struct dem__postponed {
     double out[9];
-    int32_t i, j;
+    int32_t i, j, next_i, next_j; /* next_: entry * 2 + (0: its i, 1: its j), or -1 */
 } dem__postponed;
 
 /* Correction of a contact that begins or ends in a step, applied at the end of the step. */
@@ -157,7 +157,8 @@ typedef struct dem__run {
     int running;      /* a run or a removal is in progress: functions of the caller may not change the world */
     int ending;       /* the law's hook ended is being called: it may not add links either */
     int keeps_wrenches;
-    double stiffest;     /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
+    int turns;       /* whether spins may change in this step: without friction and loads only those of rigid bodies */
+    double stiffest; /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
     int has_unset_pairs; /* some pair of different materials was never set */
     int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
@@ -185,13 +186,16 @@ typedef struct dem__bodies {
     dem__wrench *load;     /* constant within a step: external loads and links */
     dem__wrench *external; /* the external part */
     dem__bound *bound;
-    dem_vec *impact;            /* change of velocity from the beginning to the middle of an impact [m/s] */
-    double *shifted;            /* distance by which edge steps have shifted it from its bound [m] */
-    double *wall_speed;         /* speed that its wall timers rely on [m/s] */
-    double *mass_share;         /* 1 / contacts [-] */
-    int32_t *activity;          /* DEM__FLYING .. */
-    int32_t *number;            /* number of particles present before it: its number without gaps */
+    dem_vec *impact;         /* change of velocity from the beginning to the middle of an impact [m/s] */
+    double *shifted;         /* distance by which edge steps have shifted it from its bound [m] */
+    double *wall_speed;      /* speed that its wall timers rely on [m/s] */
+    double *mass_share;      /* 1 / contacts [-] */
+    int32_t *activity;       /* DEM__FLYING .. */
+    int32_t *number;         /* number of particles present before it: its number without gaps */
+    int32_t *rank, *by_rank; /* place in the order in which contacts lie; the particle of a rank. Every particle has a
+                                   rank, those that are gone too, until arrays are made without them */
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
+    int32_t *active_at;         /* where it is in the first list */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
     dem__rigid *rigid;            /* bodies with an orientation; NULL without any */
@@ -238,7 +242,7 @@ typedef struct dem__pairs {
 } dem__pairs;
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by
-   partners; gaps are filled from its end; now and then all are ordered by i, the last first. The order of slots depends
+   partners; gaps are filled from its end; now and then all are ordered by rank, the last first. The order of slots depends
    only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits. search/tests.h
    and polyhedra/pairs.h begin them, contacts/kernel.h and contacts/first_and_last_step.h evaluate them,
    contacts/contacts.h orders and ends them. */
@@ -246,11 +250,14 @@ typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
     dem__chunk chunk[DEM__CHUNKS];
-    dem__wall_force *wall_force; /* [chunk][wall], walls.capacity apart */
-    dem__postponed *postponed;   /* with threads */
-    int states, constants;       /* number of arrays of each */
-    int has_history;             /* whether states can be other than zero */
-    uint64_t law;                /* dem__law_mark of the law that made them; 0: unknown */
+    int shares;                      /* into which threads divide the chunks in this step */
+    int32_t share_from[DEM__CHUNKS]; /* least rank of each share's own particles */
+    dem__wall_force *wall_force;     /* [chunk][wall], walls.capacity apart */
+    int force_chunks;                /* for so many chunks */
+    dem__postponed *postponed;       /* with threads */
+    int states, constants;           /* number of arrays of each */
+    int has_history;                 /* whether states can be other than zero */
+    uint64_t law;                    /* dem__law_mark of the law that made them; 0: unknown */
     void *block;
     size_t bytes;
     int32_t *i, *j, *element, *near, *wall_next; /* j < 0: wall -1 - j; near: the near pair; -1: none; below -1: a
@@ -323,6 +330,7 @@ typedef struct dem__work dem__work;
 typedef struct dem__scratch {
     char *work; /* of each thread, in a run: see dem__work_of */
     int works;
+    int threads; /* that a run uses: def.threads, or the processors if they are fewer and the threads are not the host's */
     void *work_block;
     size_t work_bytes;
     int32_t *index; /* one for each particle; no value outlives the function that fills it and those that it calls */
@@ -360,28 +368,28 @@ typedef struct dem__engine {
 #define DEM__TELL(w, member, arguments)                                                                                \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
-            if ((w)->engine->feature[f_].member) (w)->engine->feature[f_].member arguments;                          \
+            if ((w)->engine->feature[f_].member) (w)->engine->feature[f_].member arguments;                            \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns 0 after a failure: does nothing from then on. ok: an int, 1 at first. */
 #define DEM__ASK(w, ok, member, arguments)                                                                             \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (ok); f_++) {                                                   \
-            if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                   \
+            if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                     \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns a number to be added to a sum. */
 #define DEM__ADD_UP(w, sum, member, arguments)                                                                         \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
-            if ((w)->engine->feature[f_].member) (sum) += (w)->engine->feature[f_].member arguments;                 \
+            if ((w)->engine->feature[f_].member) (sum) += (w)->engine->feature[f_].member arguments;                   \
         }                                                                                                              \
     } while (0)
 /* The same for a member that returns a status: nothing after the first that is not DEM_OK. */
 #define DEM__CHECK(w, status, member, arguments)                                                                       \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (status) == DEM_OK; f_++) {                                     \
-            if ((w)->engine->feature[f_].member) (status) = (w)->engine->feature[f_].member arguments;               \
+            if ((w)->engine->feature[f_].member) (status) = (w)->engine->feature[f_].member arguments;                 \
         }                                                                                                              \
     } while (0)
 

@@ -57,14 +57,23 @@ static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *con
     }
 }
 
-/* Returns the number of parts to split n items into: one per thread, or 1 if a part would be too small to pay for
-   waking a thread. */
-DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
-    const int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
-#ifndef _OPENMP
-    if (!w->def.parallel) return 1;
+/* Returns the number of threads that a run may use. More of OpenMP's than there are processors would wait for each
+   other; a host knows what its threads are. */
+static inline int dem__usable_threads(const dem_world *w) {
+    int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
+    if (w->def.parallel) return threads;
+#ifdef _OPENMP
+    return threads < omp_get_num_procs() ? threads : omp_get_num_procs();
+#else
+    return 1;
 #endif
-    return threads == 1 || n < 256 * (ptrdiff_t)threads ? 1 : threads;
+}
+
+/* Returns the number of parts to split n items into: as many as there are threads, or as pay for waking them. */
+DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
+    const int threads = w->engine->scratch.threads;
+    if (threads <= 1 || n < 2 * DEM__SHARE) return 1;
+    return n < DEM__SHARE * (ptrdiff_t)threads ? (int)(n / DEM__SHARE) : threads;
 }
 
 /* Returns the same, but at most `most`. */

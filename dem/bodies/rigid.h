@@ -255,7 +255,7 @@ static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff
 /* Moves active particles first .. end-1 and the bodies whose first particles are among them to the end of the step. */
 static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
     (void)part;
-    dem__advance_all(w, *(const double *)h, first, end, 1);
+    dem__advance_all(w, *(const double *)h, first, end, 1, 1);
     dem__advance_bodies(w, *(const double *)h, first, end);
 }
 

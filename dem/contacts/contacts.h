@@ -19,13 +19,27 @@ static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t 
     return dem__is_fixed(w, i) && dem__is_fixed(w, j);
 }
 
-/* Returns whether contact a comes before b: by i, the last first, then by j (walls last), then by element. */
+/* Returns the lower rank of the contact in slot c. */
+DEM_INLINE int32_t dem__rank_in_slot(const dem_world *w, ptrdiff_t c) {
+    return dem__lower_rank(w, w->engine->contacts.i[c], w->engine->contacts.j[c]);
+}
+
+/* Returns the rank of the other particle of a contact; walls come after all particles. */
+DEM_INLINE int64_t dem__other_rank(const dem_world *w, int32_t i, int32_t j) {
+    const int32_t *rank = w->engine->bodies.rank;
+    if (j < 0) return INT32_MAX - (int64_t)j;
+    return rank[i] < rank[j] ? rank[j] : rank[i];
+}
+
+/* Returns whether contact a comes before b: by the lower rank of its particles, the last first, then by the other one
+   (walls last), then by element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
     const dem__contacts *contacts = &w->engine->contacts;
-    if (contacts->i[a] != contacts->i[b]) return contacts->i[a] > contacts->i[b];
-    int64_t ja = contacts->j[a], jb = contacts->j[b];
-    ja = ja < 0 ? INT32_MAX - ja : ja, jb = jb < 0 ? INT32_MAX - jb : jb;
-    if (ja != jb) return ja < jb;
+    const int32_t low_a = dem__rank_in_slot(w, a), low_b = dem__rank_in_slot(w, b);
+    if (low_a != low_b) return low_a > low_b;
+    const int64_t other_a = dem__other_rank(w, contacts->i[a], contacts->j[a]),
+                  other_b = dem__other_rank(w, contacts->i[b], contacts->j[b]);
+    if (other_a != other_b) return other_a < other_b;
     return contacts->element[a] < contacts->element[b];
 }
 
@@ -75,9 +89,14 @@ static inline void dem__gather_items(char *to, const char *base, size_t size, co
     for (ptrdiff_t k = 0; k < n; k++) dem__copy(to + (size_t)k * size, base + (size_t)from[k] * size, size);
 }
 
-/* Moves the contacts in the listed slots, in that order, into the slots of chunks. This thread moves the arrays first,
+/* Slots that follow each other. */
+typedef struct dem__run_of_slots {
+    ptrdiff_t first, count;
+} dem__run_of_slots;
+
+/* Moves the contacts in the listed slots, in that order, into runs of slots. This thread moves the arrays first,
    first + parts, ... */
-static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int chunks, const dem__array *list,
+static inline void dem__arrange_part(dem_world *w, const dem__run_of_slots *chunk, int chunks, const dem__array *list,
                                      int arrays, int first, int parts) {
     const dem__contacts *contacts = &w->engine->contacts;
     char *scratch = (char *)contacts->correction + (size_t)first * (size_t)contacts->capacity * sizeof(double);
@@ -97,7 +116,7 @@ static inline void dem__arrange_part(dem_world *w, const dem__chunk *chunk, int 
     }
 }
 typedef struct dem__arrangement {
-    const dem__chunk *chunk;
+    const dem__run_of_slots *chunk;
     const dem__array *list;
     int chunks, arrays, parts;
 } dem__arrangement;
@@ -106,8 +125,8 @@ static inline void dem__arrange_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
     (void)first, (void)end;
     dem__arrange_part(w, a->chunk, a->chunks, a->list, a->arrays, part, a->parts);
 }
-static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__chunk *chunk, int chunks, const dem__array *list,
-                                int arrays) {
+static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__run_of_slots *chunk, int chunks,
+                                const dem__array *list, int arrays) {
     dem__arrangement a;
     a.chunk = chunk, a.list = list, a.chunks = chunks, a.arrays = arrays;
     a.parts = dem__parts_of(
@@ -212,29 +231,58 @@ DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
    chunks, and lists their slots there. */
 static inline void dem__distribute_begun(dem_world *w, const dem__array *list, int arrays) {
     dem__contacts *contacts = &w->engine->contacts;
-    dem__chunk born[DEM__CHUNKS];
+    dem__run_of_slots born[DEM__CHUNKS]; /* of chunks that get any */
+    int32_t to[DEM__CHUNKS];
     const int last = contacts->chunk_count - 1;
     ptrdiff_t n = 0;
+    int runs = 0;
     contacts->chunk[last].count -= contacts->begun;
-    for (int q = 0; q <= last; q++) {
-        dem__chunk *in = &contacts->chunk[q];
-        born[q].first = in->first + in->count;
-        born[q].count = 0;
-    }
     for (ptrdiff_t k = 0, q = 0; k < contacts->begun; k++) {
-        while (contacts->i[contacts->slots[k]] < contacts->chunk[q].first_particle) q++;
-        if (q < last && contacts->chunk[q].count + born[q].count == contacts->chunk[q].capacity)
+        const int32_t low = dem__rank_in_slot(w, contacts->slots[k]);
+        while (low < contacts->chunk[q].first_rank) q++;
+        const ptrdiff_t waiting = runs > 0 && to[runs - 1] == (int32_t)q ? born[runs - 1].count : 0;
+        if (q < last && contacts->chunk[q].count + waiting == contacts->chunk[q].capacity)
             q = last; /* and so are all after it */
-        born[q].count++;
+        if (runs == 0 || to[runs - 1] != (int32_t)q) {
+            to[runs] = (int32_t)q;
+            born[runs].first = contacts->chunk[q].first + contacts->chunk[q].count, born[runs++].count = 0;
+        }
+        born[runs - 1].count++;
     }
     if (last > 0 || !dem__ascends(contacts->slots, contacts->begun))
-        dem__arrange(w, contacts->begun, born, contacts->chunk_count, list, arrays);
-    for (int q = 0; q <= last; q++) {
-        contacts->chunk[q].count += born[q].count;
+        dem__arrange(w, contacts->begun, born, runs, list, arrays);
+    for (int q = 0; q < runs; q++) {
+        contacts->chunk[to[q]].count += born[q].count;
         for (ptrdiff_t c = born[q].first; c < born[q].first + born[q].count; c++) {
             contacts->slots[n++] = (int32_t)c;
         }
     }
+}
+
+/* Orders the listed slots of n contacts that begin: by their chunks first, of which each gets few. */
+static inline void dem__sort_begun(dem_world *w, ptrdiff_t n) {
+    dem__contacts *contacts = &w->engine->contacts;
+    int32_t *chunk = w->engine->pairs.timers.list, *slot = chunk + n, start[DEM__CHUNKS + 1];
+    const int chunks = contacts->chunk_count;
+    if (chunks == 1 || 2 * n > w->engine->pairs.timers.pages * DEM__PAGE) {
+        dem__sort(w, contacts->slots, n);
+        return;
+    }
+    memset(start, 0, sizeof start);
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const int32_t low = dem__rank_in_slot(w, contacts->slots[k]);
+        int from = 0, to = chunks - 1;
+        while (from < to) {
+            const int middle = (from + to) / 2;
+            if (contacts->chunk[middle].first_rank <= low) to = middle;
+            else from = middle + 1;
+        }
+        chunk[k] = from, slot[k] = contacts->slots[k];
+        start[from + 1]++;
+    }
+    for (int q = 0; q < chunks; q++) start[q + 1] += start[q];
+    for (ptrdiff_t k = 0; k < n; k++) contacts->slots[start[chunk[k]]++] = slot[k]; /* start: then where a chunk ends */
+    for (int q = 0, from = 0; q < chunks; from = start[q++]) dem__sort(w, contacts->slots + from, start[q] - from);
 }
 
 /* Completes the contacts that began since the last call, and puts them into the order. gap: before this step [m]. */
@@ -251,7 +299,7 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
         list[arrays].address = &contacts->touch[a], list[arrays].size = sizeof(double);
     if (!born) return;
     for (ptrdiff_t k = 0; k < born; k++) contacts->slots[k] = (int32_t)(old + k);
-    dem__sort(w, contacts->slots, born);
+    dem__sort_begun(w, born);
     dem__distribute_begun(w, list, arrays);
     for (ptrdiff_t k = 0; k < born; k++) {
         const ptrdiff_t c = contacts->slots[k], i = contacts->i[c], j = contacts->j[c];
@@ -292,16 +340,22 @@ DEM_INLINE void dem__prefetch_flight(const dem_world *w, ptrdiff_t i) {
 /* Prefetches what the end of a contact reads. */
 DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
-    const int32_t p = contacts->near[c];
-    dem__prefetch_flight(w, contacts->i[c]);
+    const int32_t p = contacts->near[c], i = contacts->i[c], j = contacts->j[c];
+    dem__prefetch_flight(w, i);
+    DEM__PREFETCH(&w->touching[i]);
+    DEM__PREFETCH(&w->engine->bodies.mass_share[i]);
+    DEM__PREFETCH(&w->engine->bodies.activity[i]);
     if (p < 0 || p >= w->engine->pairs.count) return; /* its list may be gone */
-    dem__prefetch_flight(w, contacts->j[c]);
+    dem__prefetch_flight(w, j);
+    DEM__PREFETCH(&w->touching[j]);
+    DEM__PREFETCH(&w->engine->bodies.mass_share[j]);
+    DEM__PREFETCH(&w->engine->bodies.activity[j]);
     DEM__PREFETCH(&w->engine->pairs.near[p]);
     DEM__PREFETCH(&w->engine->pairs.timers.due[p]);
 }
 
-/* Ends the contact in slot c and sets its timer anew. */
-static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32_t c, int64_t step) {
+/* Ends the contact in slot c. Returns its near pair if its timer is to be set anew, otherwise -1. */
+static inline int32_t dem__end_contact(dem_world *w, int32_t c, int64_t step) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const int32_t near_pair = w->engine->contacts.near[c];
     dem__report_end(w, w->engine->run.law, dem__number_of(w, c));
@@ -311,18 +365,55 @@ static inline void dem__end_contact(dem_world *w, dem__timer_batch *waits, int32
     if (j >= 0) {
         dem__count_contact(w, j, -1);
         dem__mark_to_check(w, j);
-        if (near_pair < 0 || w->engine->run.needs_lists) return;
-        if (!(w->alive[i] > 0 && w->alive[j] > 0)) return;
+        if (near_pair < 0 || w->engine->run.needs_lists) return -1;
+        if (!(w->alive[i] > 0 && w->alive[j] > 0)) return -1;
         w->engine->pairs.timers.due[near_pair] = DEM__NEVER;
-        if (w->def.skip & DEM_SKIP_PAIRS)
-            dem__batch_separation(w, waits, near_pair, step, dem__pair_separation(w, i, j, step));
-        return;
+        return w->def.skip & DEM_SKIP_PAIRS ? near_pair : -1;
     }
     dem__unlink_wall_contact(w, i, c, -1);
     /* a screen's timer was running for its other bars, but not for this one */
     if (!w->engine->run.needs_lists && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) &&
         dem__needs_test(w, i, -1 - (int)j))
         dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
+    return -1;
+}
+
+/* Near pairs whose contacts have ended, and the step at which they are apart. */
+typedef struct dem__parted {
+    const int32_t *pair;
+    int32_t *list; /* pairs and steps */
+    int64_t step;
+} dem__parted;
+static inline void dem__batch_parted(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step) {
+    const dem__near *q = &w->engine->pairs.near[p];
+    dem__batch_separation(w, waits, p, step, dem__pair_separation(w, q->i, q->j, step));
+}
+static inline void dem__list_parted(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__parted *t = (const dem__parted *)context;
+    ptrdiff_t n = first;
+    dem__timer_batch waits;
+    dem__clear_batch(&waits);
+    (void)part;
+    for (ptrdiff_t k = first; k < end; k++) {
+        if (waits.n == DEM__BLOCK) n = dem__list_batch(w, &waits, t->list, n);
+        dem__batch_parted(w, &waits, t->pair[k], t->step);
+    }
+    dem__list_batch(w, &waits, t->list, n);
+}
+/* Sets the timers of n near pairs whose contacts have ended. */
+static inline void dem__set_parted(dem_world *w, const int32_t *pair, ptrdiff_t n, int64_t step) {
+    const int parts = dem__parts(w, 8 * n);
+    dem__parted t;
+    t.pair = pair, t.list = w->engine->pairs.timers.list, t.step = step;
+    if (parts > 1 && 2 * n <= w->engine->pairs.timers.pages * DEM__PAGE) {
+        dem__in_parts(w, parts, n, dem__list_parted, &t);
+        dem__set_listed(w, t.list, n, step);
+        return;
+    }
+    dem__timer_batch waits;
+    dem__clear_batch(&waits);
+    for (ptrdiff_t k = 0; k < n; k++) dem__batch_parted(w, &waits, pair[k], step);
+    dem__flush_batch(w, &waits, step);
 }
 
 /* Moves the contact in slot `from` into a free slot. */
@@ -339,79 +430,144 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     }
 }
 
-/* Removes contacts that ended: those that the last step marked, or all. Contacts at the end of their chunk fill the
-   gaps. */
-static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
-    dem__contacts *contacts = &w->engine->contacts;
+/* Slots of contacts that have ended, listed in contacts.slots; the number of the first one of each chunk. */
+typedef struct dem__gaps {
+    int32_t first[DEM__CHUNKS + 1];
     dem__array list[DEM__ARRAYS_MAX];
-    const ptrdiff_t dead = dem__list_ended(w, all);
-    if (dead == 0) return;
-    const int n = dem__kept_arrays(w, list);
-    ptrdiff_t next = 0;
-    dem__timer_batch waits;
-    dem__clear_batch(&waits);
-    for (ptrdiff_t k = dem__prefetch_from(dead, DEM__AHEAD); k < dead; k++) {
-        if (k + DEM__AHEAD < dead) dem__prefetch_end(w, contacts->slots[k + DEM__AHEAD]);
-        if (k >= 0) dem__end_contact(w, &waits, contacts->slots[k], step);
-    }
-    dem__flush_batch(w, &waits, step);
-    contacts->count -= dead;
-    for (int q = 0; q < contacts->chunk_count; q++) {
+    int arrays;
+} dem__gaps;
+/* Fills the gaps in chunks first .. end-1 with contacts from their ends. */
+static inline void dem__fill_gaps(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const dem__gaps *gaps = (const dem__gaps *)context;
+    (void)part;
+    for (ptrdiff_t q = first; q < end; q++) {
         dem__chunk *in = &contacts->chunk[q];
-        const ptrdiff_t first = next;
+        const ptrdiff_t from = gaps->first[q], to = gaps->first[q + 1];
         ptrdiff_t last = in->first + in->count;
-        while (next < dead && contacts->slots[next] < last) next++;
-        in->count -= next - first;
-        for (ptrdiff_t k = first; k < next && contacts->slots[k] < in->first + in->count; k++) {
+        in->count -= to - from;
+        for (ptrdiff_t k = from; k < to && contacts->slots[k] < in->first + in->count; k++) {
             while (contacts->ended[last - 1]) last--;
-            dem__move_contact(w, (int32_t)--last, contacts->slots[k], list, n);
+            dem__move_contact(w, (int32_t)--last, contacts->slots[k], gaps->list, gaps->arrays);
         }
     }
 }
 
-/* Orders all contacts by their particles i, the last first, otherwise as they were: neighbours in space are then read
-   one after the other. Many contacts are in chunks of equal size, with room to grow. Returns 0 when out of memory. */
+/* Removes contacts that ended: those that the last step marked, or all. Contacts at the end of their chunk fill the
+   gaps. */
+static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__gaps gaps;
+    ptrdiff_t next = 0, parted = 0;
+    const ptrdiff_t dead = dem__list_ended(w, all);
+    if (dead == 0) return;
+    int32_t *pair = w->engine->pairs.cell_of; /* free but for a rebuild */
+    for (ptrdiff_t k = dem__prefetch_from(dead, DEM__AHEAD); k < dead; k++) {
+        if (k + DEM__AHEAD < dead) dem__prefetch_end(w, contacts->slots[k + DEM__AHEAD]);
+        if (k < 0) continue;
+        const int32_t p = dem__end_contact(w, contacts->slots[k], step);
+        if (p < 0) continue;
+        pair[parted++] = p;
+        if (parted < w->count) continue;
+        dem__set_parted(w, pair, parted, step);
+        parted = 0;
+    }
+    dem__set_parted(w, pair, parted, step);
+    contacts->count -= dead;
+    for (int q = 0; q < contacts->chunk_count; q++) {
+        const dem__chunk *in = &contacts->chunk[q];
+        gaps.first[q] = (int32_t)next;
+        while (next < dead && contacts->slots[next] < in->first + in->count) next++;
+    }
+    gaps.first[contacts->chunk_count] = (int32_t)dead;
+    gaps.arrays = dem__kept_arrays(w, gaps.list);
+    /* the last chunk may hold contacts of a particle whose others are in another one: it comes afterwards */
+    const int chunks = contacts->chunk_count - 1;
+    if (chunks > 0) dem__in_parts(w, dem__parts_of(w, 8 * dead, chunks), chunks, dem__fill_gaps, &gaps);
+    dem__fill_gaps(w, chunks, chunks + 1, 0, &gaps);
+}
+
+/* Returns the number of chunks for n contacts. */
+static inline int dem__chunks_for(ptrdiff_t n) {
+    if (n < DEM__CHUNKED) return 1;
+    return n / DEM__OF_CHUNK < DEM__CHUNKS ? (int)(n / DEM__OF_CHUNK) : DEM__CHUNKS;
+}
+
+/* Returns whether contacts lie by rank, the last first. */
+static inline int dem__are_in_order(const dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    int32_t before = INT32_MAX;
+    int in_order = dem__chunks_for(contacts->count) == contacts->chunk_count;
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t low = dem__rank_in_slot(w, c);
+        in_order &= before >= low;
+        before = low;
+    }
+    return in_order;
+}
+
+/* Lists the slots of contacts by rank, the last first, otherwise as they were. */
+static inline void dem__list_by_rank(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    int32_t *place = w->engine->scratch.index, sum = 0;
+    for (ptrdiff_t r = 0; r < w->count; r++) place[r] = 0;
+    DEM__EACH_CONTACT(w, c) { place[dem__rank_in_slot(w, c)]++; }
+    for (ptrdiff_t r = w->count - 1; r >= 0; r--) {
+        const int32_t of = place[r];
+        place[r] = sum;
+        sum += of;
+    }
+    DEM__EACH_CONTACT(w, c) { contacts->slots[place[dem__rank_in_slot(w, c)]++] = (int32_t)c; }
+}
+
+/* Divides the listed contacts among chunks of equal size, with room to grow. */
+static inline void dem__cut_chunks(dem_world *w, int chunks, dem__run_of_slots *run) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t n = contacts->count;
+    ptrdiff_t end = 0, cut = 0;
+    for (int q = 0; q < chunks; q++) {
+        const ptrdiff_t first = cut;
+        dem__chunk *in = &contacts->chunk[q];
+        if (dem__part(n, q + 1, chunks) > cut) cut = dem__part(n, q + 1, chunks);
+        while (cut < n && dem__rank_in_slot(w, contacts->slots[cut]) == dem__rank_in_slot(w, contacts->slots[cut - 1]))
+            cut++;
+        memset(in, 0, sizeof *in);
+        in->first_rank = q < chunks - 1 ? dem__rank_in_slot(w, contacts->slots[cut - 1]) : 0;
+        in->first = run[q].first = end, in->count = run[q].count = cut - first;
+        in->capacity = chunks > 1 ? in->count + in->count / 4 + DEM__BLOCK : 0;
+        end += in->capacity;
+    }
+    contacts->chunk_count = chunks;
+}
+
+/* Returns whether contacts are to be ordered anew: few always, many seldom, or when chunks have run full. */
+static inline int dem__is_order_due(const dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const int chunks = contacts->chunk_count;
+    return chunks == 1 || w->step % DEM__RANK_STEPS == 0 ||
+           contacts->chunk[chunks - 1].count > 2 * (contacts->count / chunks) + DEM__BLOCK;
+}
+
+/* Orders all contacts by their particles' ranks, the last first, otherwise as they were: neighbours in space are then
+   read one after the other. Many contacts are in chunks of equal size, with room to grow; then ranks are renewed, too.
+   Returns 0 when out of memory. */
 static inline int dem__reorder_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t n = contacts->count;
-    const int chunks = n < DEM__CHUNKS * 512 ? 1 : DEM__CHUNKS;
-    dem__chunk chunk[DEM__CHUNKS];
+    const int chunks = dem__chunks_for(n);
+    dem__run_of_slots run[DEM__CHUNKS];
     dem__array list[DEM__ARRAYS_MAX];
-    int32_t *place = w->engine->scratch.index, sum = 0, before = INT32_MAX;
-    ptrdiff_t end = 0, cut = 0;
-    int in_order = chunks == contacts->chunk_count;
-    DEM__EACH_CONTACT(w, c) {
-        in_order &= before >= contacts->i[c];
-        before = contacts->i[c];
+    if (!dem__is_order_due(w)) return 1;
+    const ptrdiff_t room = chunks > 1 ? n + n / 4 + (ptrdiff_t)chunks * (DEM__BLOCK + 1) : n;
+    if (!dem__grow_contacts(w, room + 1) || !dem__fit_wall_forces(w, chunks)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
     }
-    if (!in_order) {
-        for (ptrdiff_t i = 0; i < w->count; i++) place[i] = 0;
-        DEM__EACH_CONTACT(w, c) { place[contacts->i[c]]++; }
-        for (ptrdiff_t i = w->count - 1; i >= 0; i--) {
-            const int32_t of = place[i];
-            place[i] = sum;
-            sum += of;
-        }
-        DEM__EACH_CONTACT(w, c) { contacts->slots[place[contacts->i[c]]++] = (int32_t)c; }
-        memset(chunk, 0, sizeof chunk);
-        for (int q = 0; q < chunks; q++) {
-            const ptrdiff_t first = cut;
-            if (dem__part(n, q + 1, chunks) > cut) cut = dem__part(n, q + 1, chunks);
-            while (cut < n && contacts->i[contacts->slots[cut]] == contacts->i[contacts->slots[cut - 1]]) cut++;
-            chunk[q].first_particle = q < chunks - 1 ? contacts->i[contacts->slots[cut - 1]] : 0;
-            chunk[q].first = end;
-            chunk[q].count = cut - first;
-            chunk[q].capacity = chunks > 1 ? chunk[q].count + chunk[q].count / 4 + DEM__BLOCK : 0;
-            end += chunk[q].capacity;
-        }
-        if (!dem__grow_contacts(w, end + 1)) {
-            w->status = DEM_OUT_OF_MEMORY;
-            return 0;
-        }
-        dem__arrange(w, n, chunk, chunks, list, dem__kept_arrays(w, list));
-        contacts->chunk_count = chunks;
-        memcpy(contacts->chunk, chunk, sizeof chunk);
-        dem__list_wall_contacts(w);
-    }
+    if (chunks > 1 && w->step % DEM__RANK_STEPS == 0) dem__renew_ranks(w);
+    else if (dem__are_in_order(w)) return 1;
+    dem__list_by_rank(w);
+    dem__cut_chunks(w, chunks, run);
+    dem__arrange(w, n, run, chunks, list, dem__kept_arrays(w, list));
+    dem__list_wall_contacts(w);
     return 1;
 }

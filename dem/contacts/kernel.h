@@ -12,7 +12,8 @@ struct dem__work {
         past[DEM_STATE_MAX]; /* of the step before: force, gap; whether it ended; history at the start */
     dem__wall_row wall[DEM__BLOCK];
     int walls;
-    dem__timer_batch batch; /* for tests of pairs */
+    dem__timer_batch batch;                       /* for tests of pairs */
+    int32_t head[DEM__CHUNKS], tail[DEM__CHUNKS]; /* lists of postponed forces for each share: see dem__postponed */
 };
 
 /* Returns the working memory of a thread. It begins with a cache line: otherwise every second vector of a row would lie
@@ -22,12 +23,13 @@ DEM_INLINE dem__work *dem__work_of(const dem_world *w, int part) {
     return (dem__work *)(void *)(w->engine->scratch.work + (size_t)part * DEM__WORK_BYTES);
 }
 
-/* Allocates the working memory of `threads` threads. Returns 0 when out of memory. */
-static inline int dem__make_work(dem_world *w, int threads) {
+/* Allocates the working memory of the threads of a run. Returns 0 when out of memory. */
+static inline int dem__make_work(dem_world *w) {
     dem__scratch *scratch = &w->engine->scratch;
     const dem_allocator *a = &w->def.allocator;
-    const int wanted = threads < DEM__CHUNKS ? threads : DEM__CHUNKS;
+    const int usable = dem__usable_threads(w), wanted = usable < DEM__CHUNKS ? usable : DEM__CHUNKS;
     const size_t bytes = (size_t)wanted * DEM__WORK_BYTES + 64;
+    scratch->threads = usable;
     if (wanted <= scratch->works) return 1;
     char *block = (char *)a->fn(a->user, NULL, 0, bytes);
     if (!block) return 0;
@@ -87,32 +89,61 @@ DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j,
         if (has_friction) sum[3] += turn_j[0], sum[4] += turn_j[1], sum[5] += turn_j[2];
         return;
     }
+    w->engine->contacts.chunk[q].at_walls = 1;
     dem__wall_force *push = &w->engine->contacts.wall_force[q * w->engine->walls.capacity - 1 - j];
     const dem_vec f = dem_vec3(-fx, -fy, -fz), arm = dem__sub(w->particle[i].x, w->wall[-1 - j].position);
     push->force = dem__add(push->force, f);
     push->torque = dem__add(push->torque, dem__sub(dem__cross(arm, f), dem__first(turn_i)));
 }
 
-/* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. Stores those that another
-   thread must add first for dem__add_postponed. */
-DEM_INLINE void dem__gather_forces(dem_world *w, ptrdiff_t q, ptrdiff_t base, int n, double *const *out,
-                                   int has_friction) {
+/* Returns the share to which the particle of a rank belongs. */
+DEM_INLINE int dem__owner_of(const dem__contacts *contacts, int32_t rank) {
+    int low = 0, high = contacts->shares - 1;
+    while (low < high) {
+        const int middle = (low + high) / 2;
+        if (contacts->share_from[middle] <= rank) high = middle;
+        else low = middle + 1;
+    }
+    return low;
+}
+
+/* Appends one side of a postponed force to the list of the share to which its particle belongs. */
+DEM_INLINE void dem__postpone(dem_world *w, dem__work *x, int32_t entry, int side, int32_t rank) {
+    dem__postponed *all = w->engine->contacts.postponed;
+    const int share = dem__owner_of(&w->engine->contacts, rank);
+    const int32_t last = x->tail[share], own = 2 * entry + side;
+    if (last < 0) x->head[share] = own;
+    else if (last & 1) all[last >> 1].next_j = own;
+    else all[last >> 1].next_i = own;
+    x->tail[share] = own;
+    if (side) all[entry].next_j = -1;
+    else all[entry].next_i = -1;
+}
+
+/* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. postpone_from: INT32_MAX, or
+   ranks from it on belong to earlier shares, whose threads must add first; what they get is postponed for
+   dem__add_postponed. */
+DEM_INLINE void dem__gather_forces(dem_world *w, dem__work *x, ptrdiff_t q, ptrdiff_t base, int n, double *const *out,
+                                   int has_friction, int32_t postpone_from) {
     dem__contacts *contacts = &w->engine->contacts;
+    const int32_t *rank = w->engine->bodies.rank;
     dem__chunk *in = &contacts->chunk[q];
-    const int32_t own = in->postpone_from;
-    int waits = 0;
-    for (int k = 0; k < n; k++) waits |= (contacts->i[base + k] >= own) | (contacts->j[base + k] >= own);
-    for (int k = 0; k < n && !waits; k++)
-        dem__add_forces(w, q, contacts->i[base + k], contacts->j[base + k], out, k, has_friction, 1, 1);
-    for (int k = 0; k < n && waits; k++) {
-        const int32_t i = contacts->i[base + k], j = contacts->j[base + k], last = j > i ? j : i; /* a wall has j < 0 */
-        dem__add_forces(w, q, i, j, out, k, has_friction, i < own, j < own);
-        if (last < own) continue;
-        dem__postponed *later = &contacts->postponed[in->first + in->postponed++];
+    if (postpone_from == INT32_MAX) {
+        for (int k = 0; k < n; k++)
+            dem__add_forces(w, q, contacts->i[base + k], contacts->j[base + k], out, k, has_friction, 1, 1);
+        return;
+    }
+    for (int k = 0; k < n; k++) {
+        const int32_t i = contacts->i[base + k], j = contacts->j[base + k], rank_i = rank[i],
+                      rank_j = j < 0 ? -1 : rank[j];
+        dem__add_forces(w, q, i, j, out, k, has_friction, rank_i < postpone_from, rank_j < postpone_from);
+        if (rank_i < postpone_from && rank_j < postpone_from) continue;
+        const ptrdiff_t entry = in->first + in->postponed++;
+        dem__postponed *later = &contacts->postponed[entry];
         for (int a = 0; a < (has_friction ? 9 : 3); a++) later->out[a] = out[a][k];
         later->i = i, later->j = j;
-        const int32_t first = i < own ? j : i;
-        in->low = first < in->low ? first : in->low, in->high = last > in->high ? last : in->high;
+        if (rank_i >= postpone_from) dem__postpone(w, x, (int32_t)entry, 0, rank_i);
+        if (rank_j >= postpone_from) dem__postpone(w, x, (int32_t)entry, 1, rank_j);
     }
 }
 
@@ -286,7 +317,7 @@ static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdi
    and writes its own slot; therefore any division among threads gives the same bits. Each block is summed while it is
    in the cache. */
 DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law,
-                                    dem__edge_fn *correct, int features) {
+                                    dem__edge_fn *correct, int features, int32_t postpone_from) {
     const dem__run *run = &w->engine->run;
     const int has_friction = (features & DEM_FRICTION) != 0;
     const int only_ledger = (features & DEM_ENERGY) && run->only_ledger;
@@ -313,7 +344,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         if (w->engine->convex.calls) dem__leave_other_edges(w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
-        dem__gather_forces(w, chunk, base, n, at.out, has_friction);
+        dem__gather_forces(w, x, chunk, base, n, at.out, has_friction, postpone_from);
         if (x->walls > 0) dem__add_belts(w, x, chunk, at.out);
     }
 }
@@ -323,15 +354,16 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
                             dem__edge_fn *correct, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__work *work = dem__work_of(w, part);
+    const int32_t postpone_from = part > 0 && contacts->shares > 1 ? contacts->share_from[part - 1] : INT32_MAX;
     for (int k = 0; k < DEM__BLOCK; k++) work->types.kind[k] = -2;
+    for (int k = 0; k < contacts->shares; k++) work->head[k] = work->tail[k] = -1;
     for (ptrdiff_t q = first; q < end; q++) {
-        contacts->chunk[q].marked = contacts->chunk[q].postponed = 0;
-        contacts->chunk[q].low = INT32_MAX, contacts->chunk[q].high = 0;
+        contacts->chunk[q].marked = contacts->chunk[q].postponed = 0, contacts->chunk[q].at_walls = 0;
         for (ptrdiff_t k = 0; k < w->walls; k++) {
             dem__wall_force *push = &contacts->wall_force[q * w->engine->walls.capacity + k];
             push->force = push->torque = dem_vec3(0.0, 0.0, 0.0), push->belt_power = 0.0;
         }
-        dem__evaluate_chunk(w, work, q, law, correct, features);
+        dem__evaluate_chunk(w, work, q, law, correct, features, postpone_from);
     }
 }
 

@@ -154,6 +154,7 @@ DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     if (bodies->activity[i]) return;
     bodies->activity[i] = 1;
+    bodies->active_at[i] = (int32_t)bodies->active_count;
     bodies->active[bodies->active_count++] = (int32_t)i;
 }
 /* Makes particle i, or all particles of its rigid body, take steps from now on. */

@@ -1,6 +1,6 @@
 /* Lists of active particles, and arrays without the particles that are gone. */
 #pragma once
-#include "particles.h"
+#include "ranks.h"
 
 /* Lets particles fly that nothing touches or loads any more, after changes by the caller. */
 static inline void dem__release_unloaded(dem_world *w) {
@@ -17,7 +17,7 @@ static inline void dem__list_active(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     bodies->active_count = bodies->to_check_count = 0;
     for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        bodies->active[bodies->active_count] = i;
+        bodies->active[bodies->active_count] = i, bodies->active_at[i] = (int32_t)bodies->active_count;
         bodies->active_count += bodies->activity[i] != 0;
         if (bodies->activity[i] == 2) bodies->to_check[bodies->to_check_count++] = i;
     }
@@ -43,10 +43,16 @@ DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, p
     }
 }
 
-/* Returns the new number of particle i, or of the first after it that stays. */
-static inline int32_t dem__remapped(const dem_world *w, int32_t i) {
-    while (i < (int32_t)w->count && w->engine->scratch.index[i] < 0) i++;
-    return i < (int32_t)w->count ? w->engine->scratch.index[i] : (int32_t)(w->count - w->engine->bodies.dropped);
+/* Closes the gaps in the order of particles, and in the ranks where chunks begin: before the arrays are moved. */
+static inline void dem__close_ranks(dem_world *w, const int32_t *remap) {
+    dem__contacts *contacts = &w->engine->contacts;
+    int32_t *by_rank = w->engine->bodies.by_rank, left = 0;
+    int q = contacts->chunk_count - 1; /* the last chunk begins with the first rank */
+    for (int32_t r = 0; r < (int32_t)w->count; r++) {
+        for (; q >= 0 && contacts->chunk[q].first_rank == r; q--) contacts->chunk[q].first_rank = left;
+        if (remap[by_rank[r]] >= 0) by_rank[left++] = remap[by_rank[r]];
+    }
+    for (; q >= 0; q--) contacts->chunk[q].first_rank = left;
 }
 
 /* Removes dropped particles from the arrays; the others keep their order. */
@@ -59,11 +65,12 @@ static inline void dem__compact(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) w->engine->scratch.index[i] = w->alive[i] ? (int32_t)to++ : -1;
     int32_t *remap = w->engine->scratch.index;
     ptrdiff_t first = 0;
+    dem__close_ranks(w, remap);
     while (first < w->count && remap[first] == first) first++;
     for (int k = 0; k < n; k++) {
         char *base;
         memcpy(&base, list[k].address, sizeof base);
-        if ((void *)base == (void *)remap) continue;
+        if ((void *)base == (void *)remap || (void *)base == (void *)w->engine->bodies.by_rank) continue;
         if (list[k].size == sizeof(double)) dem__close_gaps(base, sizeof(double), remap, first, w->count);
         else if (list[k].size == sizeof(int32_t)) dem__close_gaps(base, sizeof(int32_t), remap, first, w->count);
         else dem__close_gaps(base, list[k].size, remap, first, w->count);
@@ -73,9 +80,8 @@ static inline void dem__compact(dem_world *w) {
         contacts->i[c] = remap[contacts->i[c]];
         if (contacts->j[c] >= 0) contacts->j[c] = remap[contacts->j[c]];
     }
-    for (int q = 0; q < contacts->chunk_count; q++)
-        contacts->chunk[q].first_particle = dem__remapped(w, contacts->chunk[q].first_particle);
     w->count = to;
+    dem__set_ranks(w);
     w->engine->bodies.dropped = 0;
     DEM__TELL(w, renumber, (w, remap));
 }

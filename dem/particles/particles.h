@@ -38,6 +38,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     w->particle[i].origin = w->step;
     w->id[i] = bodies->next_id++;
     bodies->number[i] = (int32_t)(i - bodies->dropped);
+    bodies->rank[i] = bodies->by_rank[i] = (int32_t)i; /* the last one */
     w->material[i] = material;
     w->group[i] = group;
     w->alive[i] = 1;

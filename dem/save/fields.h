@@ -179,19 +179,28 @@ static inline void dem__passed_fields(dem_passed *p, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 7);
 }
 
-/* A chunk, which tells the slots of its contacts. In a file a count has 8 bytes on every machine. */
+/* A chunk, which tells the slots of its contacts. In a file a count has 8 bytes on every machine. first_rank: without the
+   ranks of particles that are gone. */
 typedef struct dem__saved_chunk {
     int64_t count, capacity;
-    int32_t first_particle;
+    int32_t first_rank;
 } dem__saved_chunk;
 static inline void dem__chunk_fields(dem__saved_chunk *chunk, dem__group *g) {
     const size_t s = sizeof *chunk;
     const dem__saved_field fields[] = {
         DEM__INTEGER("chunk.count", chunk->count, s),
         DEM__INTEGER("chunk.capacity", chunk->capacity, s),
-        DEM__INTEGER("chunk.first_particle", chunk->first_particle, s),
+        DEM__INTEGER("chunk.first_rank", chunk->first_rank, s),
     };
     dem__set_fields(g, fields, sizeof fields, 3);
+}
+
+/* The particles in the order of their ranks. */
+static inline void dem__rank_fields(dem_world *w, dem__group *g) {
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("particle.by_rank", w->engine->bodies.by_rank[0], sizeof(int32_t)),
+    };
+    dem__set_fields(g, fields, sizeof fields, 1);
 }
 
 /* Lists corners and triangles of the mesh of a wall: two groups of one field each. */

@@ -141,12 +141,43 @@ static inline int dem__read_chunks(const dem__file *file, dem_world *w, dem__gro
         if (!is_last && count > capacity) return 0;
         contacts->chunk[q].first = first, contacts->chunk[q].count = (ptrdiff_t)count,
         contacts->chunk[q].capacity = (ptrdiff_t)capacity;
-        contacts->chunk[q].first_particle = is_last ? 0 : chunk[q].first_particle;
+        contacts->chunk[q].first_rank = is_last ? 0 : chunk[q].first_rank;
         first += (ptrdiff_t)capacity, left -= (ptrdiff_t)count;
     }
     contacts->chunk_count = (int)n;
     contacts->count = all;
     return left == 0;
+}
+
+/* Reads the order of particles. Returns 0 if it does not contain each of them once. */
+static inline int dem__read_ranks(const dem__file *file, dem_world *w, dem__group *g) {
+    dem__bodies *bodies = &w->engine->bodies;
+    if (w->count == 0) return 1;
+    dem__rank_fields(w, g);
+    if (!dem__read_group(file, g, w->count)) return 0;
+    for (ptrdiff_t i = 0; i < w->count; i++) bodies->rank[i] = -1;
+    for (ptrdiff_t r = 0; r < w->count; r++) {
+        const int32_t i = bodies->by_rank[r];
+        if (i < 0 || i >= w->count || bodies->rank[i] >= 0) return 0;
+        bodies->rank[i] = (int32_t)r;
+    }
+    return 1;
+}
+
+/* Returns whether every contact lies in the chunk of its rank or in the last one. */
+static inline int dem__are_sound_chunks(const dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    int32_t before = INT32_MAX;
+    for (int q = 0; q < contacts->chunk_count - 1; q++) {
+        const dem__chunk *in = &contacts->chunk[q];
+        if (in->first_rank < 0 || in->first_rank > before) return 0;
+        for (ptrdiff_t c = in->first; c < in->first + in->count; c++) {
+            const int32_t low = dem__rank_in_slot(w, c);
+            if (low < in->first_rank || low >= before) return 0;
+        }
+        before = in->first_rank;
+    }
+    return 1;
 }
 
 /* Makes room for what a file contains, and sets the counts. Returns 0 when out of memory. */
@@ -158,7 +189,7 @@ static inline int dem__make_loaded_room(dem_world *w, ptrdiff_t present, ptrdiff
     if (!dem__grow_group(w, list, dem__particle_arrays(w, list), &e->bodies.block, &e->bodies.bytes,
                          &e->bodies.capacity, present + 1))
         return 0;
-    if (!dem__grow_contacts(w, dem__next_slot(w) + 1)) return 0;
+    if (!dem__grow_contacts(w, dem__next_slot(w) + 1) || !dem__fit_wall_forces(w, e->contacts.chunk_count)) return 0;
     if (passed > 0) {
         w->passed =
             (dem_passed *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, (size_t)passed * sizeof *w->passed);
@@ -183,7 +214,8 @@ static inline dem_status dem__read_state(const dem__file *file, dem_world *w, de
         w->engine->walls.first_contact[i] = -1;
         DEM__TELL(w, add_particle, (w, i));
     }
-    if (!dem__read_group(file, g, present) || !dem__read_contacts(file, w, g)) return DEM_BAD_DATA;
+    if (!dem__read_group(file, g, present) || !dem__read_ranks(file, w, g) || !dem__read_contacts(file, w, g))
+        return DEM_BAD_DATA;
     dem_status status = DEM_OK;
     DEM__CHECK(w, status, load, (file, w, g));
     if (status != DEM_OK) return status;
@@ -213,6 +245,7 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
         if (w->particle[i].origin != w->step || (j >= 0 && w->particle[j].origin != w->step)) return 0;
         contacts->slots[n++] = (int32_t)c;
     }
+    if (!dem__are_sound_chunks(w)) return 0;
     dem__sort(w, contacts->slots, n); /* no contact is there twice */
     for (ptrdiff_t c = 1; c < n; c++) {
         if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;

@@ -16,15 +16,25 @@ static inline void dem__write_particles(dem__stream *s, dem_world *w, dem__group
     }
 }
 
+static inline void dem__write_ranks(dem__stream *s, dem_world *w, dem__group *g) {
+    const ptrdiff_t present = w->count - w->engine->bodies.dropped;
+    if (present == 0) return;
+    dem__rank_fields(w, g);
+    dem__begin_record(s, &g->field[0], (uint64_t)present);
+    for (ptrdiff_t r = 0; r < w->count; r++) {
+        if (w->alive[w->engine->bodies.by_rank[r]]) dem__write_entry(s, w, &g->field[0], r, 1);
+    }
+}
+
 static inline void dem__write_contacts(dem__stream *s, dem_world *w, dem__group *g) {
     const dem__contacts *contacts = &w->engine->contacts;
     dem__saved_chunk chunk[DEM__CHUNKS];
-    for (int q = 0; q < contacts->chunk_count; q++) {
-        const int32_t from = contacts->chunk[q].first_particle;
+    int32_t rank = 0, present = 0; /* present: particles with a lower rank */
+    for (int q = contacts->chunk_count - 1; q >= 0; q--) {
+        for (; rank < contacts->chunk[q].first_rank && rank < (int32_t)w->count; rank++)
+            present += w->alive[w->engine->bodies.by_rank[rank]] != 0;
         chunk[q].count = contacts->chunk[q].count, chunk[q].capacity = contacts->chunk[q].capacity;
-        chunk[q].first_particle = from == 0         ? 0
-                                  : from < w->count ? w->engine->bodies.number[from]
-                                                    : (int32_t)(w->count - w->engine->bodies.dropped);
+        chunk[q].first_rank = present;
     }
     dem__chunk_fields(chunk, g);
     dem__write_group(s, w, g, contacts->chunk_count, 0);
@@ -65,6 +75,7 @@ static inline void dem__write_world(dem__stream *s, dem_world *w) {
     dem__wall_fields(w->wall, &g), dem__write_group(s, w, &g, w->walls, 0);
     dem__write_meshes(s, w, &g);
     dem__write_particles(s, w, &g);
+    dem__write_ranks(s, w, &g);
     dem__write_contacts(s, w, &g);
     DEM__TELL(w, save, (s, w, &g));
     if (w->passed_count > 0) dem__passed_fields(w->passed, &g), dem__write_group(s, w, &g, w->passed_count, 0);

@@ -248,64 +248,94 @@ static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
     return -1;
 }
 
-/* Returns 0 if no near pair of particle i has a number from low to high - 1; its list is in ascending order. */
-DEM_INLINE int dem__has_pairs(const dem_world *w, ptrdiff_t i, ptrdiff_t low, ptrdiff_t high) {
-    const dem__pairs *pairs = &w->engine->pairs;
-    const int32_t begin = pairs->adjacent_start[i], stop = pairs->adjacent_start[i + 1];
-    return begin < stop && pairs->adjacent[2 * begin] < high && pairs->adjacent[2 * stop - 2] >= low;
-}
+/* New timers of the near pairs of n particles with new bounds. */
+typedef struct dem__reset_list {
+    const int32_t *particle;
+    ptrdiff_t n, room; /* room: entries of a thread's list; 0: timers are set at once, by one thread */
+    int64_t step;
+    ptrdiff_t listed[DEM__PARTS_MAX];
+    int parts;
+} dem__reset_list;
 
-/* Sets new timers for those pairs of n particles with new bounds that are in pages first .. end-1. */
-DEM_INLINE void dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end,
-                                     int64_t step) {
+/* Computes the timers of the pairs of particles reset[0 .. n-1]: sets them, or lists them from `list` on, where there is
+   room for `room`. Returns the number listed, or -1 if there is no room. */
+DEM_INLINE ptrdiff_t dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step, int32_t *list,
+                                          ptrdiff_t room) {
     dem__pairs *pairs = &w->engine->pairs;
-    const ptrdiff_t low = first * DEM__PAGE, high = end * DEM__PAGE;
     const double t = dem__since_listed(w, step);
+    ptrdiff_t listed = 0;
     dem__timer_batch waits;
     dem__clear_batch(&waits);
     for (ptrdiff_t m = dem__prefetch_from(n, 16); m < n; m++) {
         /* prefetch in three stages: where a list of neighbours begins, the list, what it names */
         if (m + 16 < n) DEM__PREFETCH(&pairs->adjacent_start[reset[m + 16]]);
         if (m >= -8 && m + 8 < n) {
-            const int32_t *list = &pairs->adjacent[2 * pairs->adjacent_start[reset[m + 8]]];
-            DEM__PREFETCH(list);
-            DEM__PREFETCH(list + 16);
+            const int32_t *neighbours = &pairs->adjacent[2 * pairs->adjacent_start[reset[m + 8]]];
+            DEM__PREFETCH(neighbours);
+            DEM__PREFETCH(neighbours + 16);
         }
-        if (m >= -2 && m + 2 < n && dem__has_pairs(w, reset[m + 2], low, high))
-            dem__prefetch_neighbours(w, reset[m + 2]);
-        if (m < 0 || !dem__has_pairs(w, reset[m], low, high)) continue;
+        if (m >= -2 && m + 2 < n) dem__prefetch_neighbours(w, reset[m + 2]);
+        if (m < 0) continue;
         const int32_t i = reset[m], begin = pairs->adjacent_start[i], stop = pairs->adjacent_start[i + 1];
         const dem__bound own = dem__bound_at(&w->engine->bodies.bound[i], t);
         for (int32_t k = begin; k < stop; k++) {
             const int32_t p = pairs->adjacent[2 * k];
-            if (p < low || p >= high || pairs->timers.due[p] == DEM__STOPPED) continue;
+            if (pairs->timers.due[p] == DEM__STOPPED) continue;
+            if (list && waits.n == DEM__BLOCK) {
+                if (listed + 2 * DEM__BLOCK > room) return -1;
+                listed = dem__list_batch(w, &waits, list, listed);
+            }
             const dem__bound other = dem__bound_at(&w->engine->bodies.bound[pairs->adjacent[2 * k + 1]], t);
             dem__batch_bounds(w, &waits, p, step, &own, &other);
         }
     }
+    if (list) return dem__list_batch(w, &waits, list, listed);
     dem__flush_batch(w, &waits, step);
+    return 0;
 }
 DEM__AVX2_CLONE(dem__reset_timers_part,
-                (dem_world * w, const int32_t *reset, ptrdiff_t n, ptrdiff_t first, ptrdiff_t end, int64_t step),
-                (w, reset, n, first, end, step), dem__reset_timers_of(w, reset, n, first, end, step))
+                (dem_world * w, const int32_t *reset, ptrdiff_t n, int64_t step, int32_t *list, ptrdiff_t room,
+                 ptrdiff_t *listed),
+                (w, reset, n, step, list, room, listed), *listed = dem__reset_timers_of(w, reset, n, step, list, room))
 
-/* Particles with new bounds. */
-typedef struct dem__reset_list {
-    const int32_t *particle;
-    ptrdiff_t n;
-    int64_t step;
-} dem__reset_list;
-static inline void dem__reset_timers_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const dem__reset_list *list = (const dem__reset_list *)context;
-    (void)part;
-    dem__reset_timers_part(w, list->particle, list->n, first, end, list->step);
+/* Lists the timers of the pairs of particles first .. end-1 of the list, in this thread's part of timers.list, which is
+   free between two searches for what is due. */
+static inline void dem__list_resets(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__reset_list *q = (dem__reset_list *)context;
+    dem__reset_timers_part(w, q->particle + first, end - first, q->step,
+                           w->engine->pairs.timers.list + 2 * q->room * part, q->room, &q->listed[part]);
+}
+/* Sets those of the listed timers that are in this thread's lines: every `parts`-th group of 64. */
+static inline void dem__set_resets(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__reset_list *q = (const dem__reset_list *)context;
+    dem__timers *t = &w->engine->pairs.timers;
+    const int32_t now = (int32_t)(q->step - t->from), parts = (int32_t)q->parts;
+    (void)first, (void)end;
+    for (int of = 0; of < q->parts; of++) {
+        const int32_t *list = t->list + 2 * q->room * of;
+        for (ptrdiff_t k = 0; k < q->listed[of]; k++) {
+            const int32_t p = list[2 * k], steps = list[2 * k + 1];
+            if (p / (64 * DEM__LINE) % parts == part) dem__set_due(t, p, steps > 0 ? now + steps : DEM__NEVER);
+        }
+    }
 }
 
-/* Sets new timers for the near pairs of n particles with new bounds. */
+/* Sets new timers for the near pairs of n particles with new bounds. Several threads compute them; then each sets those
+   of its lines, because timers of a line share a number. */
 static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
-    dem__reset_list list;
-    list.particle = reset, list.n = n, list.step = step;
+    dem__reset_list q;
+    ptrdiff_t nothing, listed = 0, least = 0;
+    q.particle = reset, q.n = n, q.step = step, q.parts = dem__parts(w, 8 * n);
     if (n == 0 || w->engine->pairs.count == 0) return; /* without pairs there is no list of neighbours */
-    if (w->def.skip & DEM_SKIP_PAIRS)
-        dem__in_parts(w, dem__parts(w, 4 * n), w->engine->pairs.timers.pages, dem__reset_timers_range, &list);
+    if (!(w->def.skip & DEM_SKIP_PAIRS)) return;
+    q.room = w->engine->pairs.timers.pages * DEM__PAGE / 2 / q.parts;
+    if (q.parts > 1 && q.room > 2 * DEM__BLOCK) {
+        dem__in_parts(w, q.parts, n, dem__list_resets, &q);
+        for (int k = 0; k < q.parts; k++) listed += q.listed[k], least = q.listed[k] < least ? q.listed[k] : least;
+        if (least >= 0 && dem__parts(w, listed / 4) > 1) dem__in_parts(w, q.parts, q.parts, dem__set_resets, &q);
+        for (int k = 0; k < q.parts && least >= 0 && dem__parts(w, listed / 4) == 1; k++)
+            dem__set_listed(w, w->engine->pairs.timers.list + 2 * q.room * k, q.listed[k], step);
+        if (least >= 0) return;
+    }
+    dem__reset_timers_part(w, reset, n, step, NULL, 0, &nothing);
 }

@@ -62,13 +62,13 @@ DEM_INLINE void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p,
 }
 
 /* Begins the contacts that tests of pairs have found. Allocates memory for all of them at once. */
-static inline void dem__new_pair_contacts(dem_world *w, const dem__timer_batch *waits) {
+static inline void dem__new_pair_contacts(dem_world *w, const int32_t *found, ptrdiff_t touch, int64_t looks) {
     dem__pairs *pairs = &w->engine->pairs;
-    const ptrdiff_t slots = dem__next_slot(w) + waits->touch;
-    w->looks += waits->looks;
+    const ptrdiff_t slots = dem__next_slot(w) + touch;
+    w->looks += looks;
     if (!dem__grow_contacts(w, slots > w->engine->contacts.capacity ? slots + slots / 2 : slots))
         w->status = DEM_OUT_OF_MEMORY;
-    for (const int32_t *p = waits->found; p < waits->found + waits->touch && w->status == DEM_OK; p++) {
+    for (const int32_t *p = found; p < found + touch && w->status == DEM_OK; p++) {
         if (dem__new_contact(w, pairs->near[*p].i, pairs->near[*p].j, 0, *p)) dem__stop_timer(&pairs->timers, *p);
     }
 }

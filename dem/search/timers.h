@@ -155,6 +155,27 @@ static inline void dem__flush_batch(dem_world *w, dem__timer_batch *q, int64_t s
     q->n = 0;
 }
 
+/* Computes the steps until the pairs in the batch are due, stores pairs and steps as a list of n entries at `to`, and
+   empties the batch. Returns the new number. */
+static inline ptrdiff_t dem__list_batch(const dem_world *w, dem__timer_batch *q, int32_t *to, ptrdiff_t n) {
+    dem__compute_due(q, w->engine->pairs.steps_per_second);
+    for (int k = 0; k < q->n; k++, n++) to[2 * n] = q->pair[k], to[2 * n + 1] = q->steps[k];
+    q->n = 0;
+    return n;
+}
+/* Sets n timers that dem__list_batch has listed. */
+static inline void dem__set_listed(dem_world *w, const int32_t *list, ptrdiff_t n, int64_t step) {
+    dem__timers *t = &w->engine->pairs.timers;
+    const int32_t now = (int32_t)(step - t->from);
+    for (ptrdiff_t k = 0; k < n; k++) {
+        if (k + DEM__AHEAD < n) {
+            DEM__PREFETCH(&t->due[list[2 * (k + DEM__AHEAD)]]);
+            DEM__PREFETCH(&t->earliest[list[2 * (k + DEM__AHEAD)] / DEM__LINE]);
+        }
+        dem__set_due(t, list[2 * k], list[2 * k + 1] > 0 ? now + list[2 * k + 1] : DEM__NEVER);
+    }
+}
+
 /* Returns the time since the list was built [s], on which bounds depend. */
 DEM_INLINE double dem__since_listed(const dem_world *w, int64_t step) {
     return (double)(step - w->engine->pairs.listed_step) * w->engine->run.dt;

@@ -43,17 +43,42 @@ static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
     dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 0);
 }
 
+/* What tests of a group of pages have found; threads take groups in turn, because what is due lies close together. */
+typedef struct dem__tested {
+    int32_t *found;
+    ptrdiff_t touch;
+    int64_t looks;
+} dem__tested;
+typedef struct dem__due_tests {
+    dem__tested of[DEM__PARTS_MAX];
+    int groups, parts;
+    int64_t step;
+} dem__due_tests;
+static inline void dem__test_due_groups(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__due_tests *t = (dem__due_tests *)context;
+    const ptrdiff_t pages = w->engine->pairs.timers.pages;
+    dem__timer_batch *batch = &dem__work_of(w, part)->batch;
+    (void)first, (void)end;
+    for (int g = part; g < t->groups; g += t->parts) {
+        const ptrdiff_t from = dem__part(pages, g, t->groups), to = dem__part(pages, g + 1, t->groups);
+        if (w->engine->bodies.rigid) w->engine->bodies.calls->test_due(w, from, to, part, &t->step);
+        else dem__test_due_range(w, from, to, part, &t->step);
+        t->of[g].found = batch->found, t->of[g].touch = batch->touch, t->of[g].looks = batch->looks;
+    }
+}
+
 /* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
-    const int parts = dem__parts_of(w, pairs->due_count, w->engine->scratch.works);
-    dem__in_parts(w, parts, pairs->timers.pages,
-                  w->engine->bodies.rigid ? w->engine->bodies.calls->test_due : dem__test_due_range, &step);
+    dem__due_tests t;
+    t.parts = dem__parts_of(w, 4 * pairs->due_count, w->engine->scratch.works), t.step = step;
+    t.groups = t.parts == 1 ? 1 : 8 * t.parts < DEM__PARTS_MAX ? 8 * t.parts : DEM__PARTS_MAX;
+    if (t.groups > pairs->timers.pages) t.groups = (int)pairs->timers.pages;
+    dem__in_parts(w, t.parts, t.parts, dem__test_due_groups, &t);
     pairs->due_count = 0;
-    for (int q = 0; q < parts; q++) {
-        dem__timer_batch *batch = &dem__work_of(w, q)->batch;
-        pairs->due_count += (ptrdiff_t)batch->looks;
-        dem__new_pair_contacts(w, batch);
+    for (int g = 0; g < t.groups; g++) {
+        pairs->due_count += (ptrdiff_t)t.of[g].looks;
+        dem__new_pair_contacts(w, t.of[g].found, t.of[g].touch, t.of[g].looks);
     }
 }
 
@@ -66,7 +91,7 @@ static inline void dem__test_all_pairs(dem_world *w, int64_t step) {
     for (int32_t p = 0; p < (int32_t)pairs->count; p++) {
         if (pairs->timers.due[p] != DEM__STOPPED) dem__test_pair(w, &waits, p, step, 1);
     }
-    dem__new_pair_contacts(w, &waits);
+    dem__new_pair_contacts(w, waits.found, waits.touch, waits.looks);
 }
 
 /* Tests everything that is due at a step. */

@@ -11,25 +11,36 @@ DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, pt
 }
 
 /* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out
-   those of rigid bodies. */
-DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid) {
+   those of rigid bodies; turns: a constant, 0 where spins do not change. */
+DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid, int turns) {
     const int64_t step = w->step + (h > 0.0);
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
     const double dt = w->engine->run.dt;
+    dem_vec low = dem_vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL), high = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
+    for (int a = 0; a < 3; a++) {
+        if (!w->def.periodic[a]) continue;
+        *dem_axis_of(&low, a) = dem_axis(w->def.low, a), *dem_axis_of(&high, a) = dem_axis(w->def.high, a);
+    }
     for (ptrdiff_t k = first; k < end; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         if (k < apart) dem__prefetch_particle(w, w->engine->bodies.active[k + DEM__AHEAD]);
         if (rigid && dem__rigid_of(w, i)) continue;
         dem_particle *p = &w->particle[i];
         const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
-        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle),
-        p->spin = dem__sphere_spin_at(w, i, middle);
+        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle);
+        if (turns) p->spin = dem__sphere_spin_at(w, i, middle);
         p->origin = w->step; /* for hooks, whose step is the present one */
-        if (w->engine->run.has_periodic) dem__wrap(w, i);
+        const int inside = (p->x.x >= low.x) & (p->x.x < high.x) & (p->x.y >= low.y) & (p->x.y < high.y) &
+                           (p->x.z >= low.z) & (p->x.z < high.z);
+        if (!inside && w->engine->run.has_periodic) dem__wrap(w, i);
     }
 }
+DEM_INLINE void dem__advance_turning_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
+    if (w->engine->run.turns) dem__advance_all(w, h, first, end, 0, 1);
+    else dem__advance_all(w, h, first, end, 0, 0);
+}
 DEM__AVX2_CLONE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
-                dem__advance_all(w, h, first, end, 0))
+                dem__advance_turning_or_not(w, h, first, end))
 static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
     (void)part;
     dem__advance_part(w, *(const double *)h, first, end);
@@ -38,9 +49,8 @@ static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int books =
         w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
-    dem__in_parts(w, books ? 1 : dem__parts(w, n / 4), n,
-                  w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range,
-                  &h); /* n / 4: little work for each particle */
+    dem__in_parts(w, books ? 1 : dem__parts(w, n / 2), n,    /* n / 2: little work for each particle */
+                  w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range, &h);
 }
 
 /* Returns the deviation of particle i [m/s], whose velocity is known at time t of the bounds [s]. */
@@ -73,10 +83,10 @@ DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
 
 /* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step
    to its end. Sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
-   scratch.index from `first` on. check: 0, or NaN if a force is not finite; strays: length of the list; loads: a
-   constant, 0 where nothing has a load. */
+   scratch.index from `first` on. check: 0, or NaN if a force is not finite; strays: length of the list; loads, turns:
+   constants, 0 where nothing has a load, and where no spin changes. */
 DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays,
-                              int loads) {
+                              int loads, int turns) {
     dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
@@ -91,7 +101,7 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         if (k < apart) dem__prefetch_body(w->particle, bodies->sum, bodies->active[k + DEM__AHEAD]);
         dem__sum *sum = &bodies->sum[i];
         dem_particle *p = &w->particle[i];
-        dem_vec force = dem__first(sum->load), torque = dem__second(sum->load), pull;
+        dem_vec force = dem__first(sum->load), torque = dem__second(sum->load), turn = dem_vec3(0.0, 0.0, 0.0), pull;
         if (loads) {
             force = dem__add(force, dem__first(bodies->load[i]));
             torque = dem__add(torque, dem__second(bodies->load[i]));
@@ -101,12 +111,13 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
             pull = dem__scale(-1.0, gravity), torque = dem_vec3(0.0, 0.0, 0.0);
         } else pull = dem__scale(sum->per_mass, force);
         p->a = dem__add(gravity, pull);
-        const dem_vec turn = dem__scale(sum->per_inertia, torque);
-        w->spin_rate[i] = turn;
         p->v = dem__flushed_vec(dem__plus(p->v, half, p->a));
-        p->spin = dem__flushed_vec(dem__plus(p->spin, half, turn));
+        if (turns) {
+            w->spin_rate[i] = turn = dem__scale(sum->per_inertia, torque);
+            p->spin = dem__flushed_vec(dem__plus(p->spin, half, turn));
+        }
         p->origin = step;
-        for (int a = 0; a < 6; a++) sum->load[a] = 0.0;
+        for (int a = 0; a < (turns ? 6 : 3); a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
         doubtful[n] = (int32_t)i; /* without a branch, which would be mispredicted */
         n += !dem__surely_within(p, dt, pull);
@@ -117,8 +128,9 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
 /* Does so without loads where there are none: whether there are any is a constant of the loop. */
 DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
                                         ptrdiff_t *strays) {
-    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, strays, 1);
-    else dem__kick_all(w, h, first, end, check, strays, 0);
+    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, strays, 1, 1);
+    else if (w->engine->run.turns) dem__kick_all(w, h, first, end, check, strays, 0, 1);
+    else dem__kick_all(w, h, first, end, check, strays, 0, 0);
 }
 DEM__AVX2_CLONE(dem__kick_part,
                 (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
@@ -139,6 +151,19 @@ static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *dou
     }
     return strays;
 }
+/* Marks n particles that move by themselves, and moves those that were not marked before to the front of the list.
+   Returns their number. */
+static inline ptrdiff_t dem__mark_strays(dem_world *w, int32_t *stray, ptrdiff_t n) {
+    int32_t *activity = w->engine->bodies.activity;
+    ptrdiff_t marked = 0;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const int32_t i = stray[k];
+        if (activity[i] != DEM__STEPPING) continue;
+        activity[i] = DEM__TO_CHECK;
+        stray[marked++] = i;
+    }
+    return marked;
+}
 typedef struct dem__kicked {
     double h, check[DEM__PARTS_MAX]; /* check: 0, or NaN if a force is not finite */
     ptrdiff_t strays[DEM__PARTS_MAX];
@@ -147,6 +172,8 @@ static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     dem__kicked *kicked = (dem__kicked *)context;
     dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
     kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
+    if (!w->engine->bodies.rigid)
+        kicked->strays[part] = dem__mark_strays(w, w->engine->scratch.index + first, kicked->strays[part]);
 }
 /* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them.
    dem__kick_all finds them from sums over particles, which round differently; which bodies are checked depends on what
@@ -161,11 +188,18 @@ static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
     }
 }
 
+/* Returns whether spins may change in the steps of this run. */
+static inline int dem__may_turn(const dem_world *w) {
+    int may = (w->engine->run.features & DEM_FRICTION) || w->engine->bodies.adds_loads || w->engine->bodies.rigid;
+    for (int k = 0; k < w->engine->features; k++) may |= w->engine->feature[k].add_forces != NULL;
+    return may;
+}
+
 /* Moves the velocities of active particles to the end of the step, and marks those that leave their bounds. Returns 0
    if a force is not finite. */
 static inline int dem__kick(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
-    const int parts = dem__parts(w, n / 4); /* n / 4: little work for each particle */
+    const int parts = dem__parts(w, n / 2);
     dem__kicked kicked;
     double all = 0.0;
     if (n == 0) return 1;
@@ -174,9 +208,13 @@ static inline int dem__kick(dem_world *w, double h) {
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
         const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < kicked.strays[q]; k++) dem__mark_to_check(w, stray[k]);
+        dem__bodies *bodies = &w->engine->bodies;
+        for (ptrdiff_t k = 0; k < kicked.strays[q] && bodies->rigid; k++) dem__mark_to_check(w, stray[k]);
+        for (ptrdiff_t k = 0; k < kicked.strays[q] && !bodies->rigid; k++)
+            bodies->to_check[bodies->to_check_count++] = stray[k];
         all += kicked.check[q];
     }
+    w->engine->run.turns = dem__may_turn(w); /* what does not turn has no spin rate from now on */
     if (w->engine->bodies.rigid && w->engine->bodies.loads_on) dem__place_loaded_bodies(w);
     return all == 0.0;
 }
@@ -197,8 +235,9 @@ DEM_INLINE int dem__has_body(const dem_world *w, int32_t c) {
     return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
 }
 
-/* Applies the impulse and the shift of the contact in slot c, which began or ended within the step. */
-static inline void dem__apply_correction(dem_world *w, int32_t c, int has_friction) {
+/* Applies the impulse and the shift of the contact in slot c, which began or ended within the step. marks: whether to
+   mark its particles for a check of their bounds. */
+static inline void dem__apply_correction(dem_world *w, int32_t c, int has_friction, int marks) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
@@ -214,7 +253,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
             dem__strike_fixed(w, a, dem__scale(side ? -1.0 : 1.0, impulse), turn);
             continue;
         }
-        dem__mark_to_check(w, a);
+        if (marks) dem__mark_to_check(w, a);
         dem_particle *p = &w->particle[a];
         const double m = (side ? -1.0 : 1.0) / p->mass;
         p->v = dem__plus(p->v, m, impulse);
@@ -239,15 +278,63 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     b->v = dem__plus(b->v, -dem__per_mass(w, j), slower);
     dem__expect_impact(w, i, j, n, -dem__dot(v, n));
 }
-/* Applies the corrections of all edge steps; the shifts of rigid bodies come last. */
-static inline void dem__apply_corrections(dem_world *w, int has_friction) {
+/* Returns whether the contact in slot c changes nothing but two spheres whose own contacts are in chunk q. */
+DEM_INLINE int dem__is_inner(const dem_world *w, ptrdiff_t q, int32_t c) {
+    const dem__chunk *in = &w->engine->contacts.chunk[q];
+    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c], *rank = w->engine->bodies.rank;
+    const int32_t stop = q > 0 ? in[-1].first_rank : INT32_MAX;
+    if (j < 0 || dem__has_body(w, c) || dem__is_fixed(w, i) || dem__is_fixed(w, j)) return 0;
+    return rank[i] >= in->first_rank && rank[i] < stop && rank[j] >= in->first_rank && rank[j] < stop;
+}
+/* Prefetches what the correction of the contact in slot c changes. */
+DEM_INLINE void dem__prefetch_correction(const dem_world *w, int32_t c) {
+    dem__prefetch_flight(w, w->engine->contacts.i[c]);
+    if (w->engine->contacts.j[c] >= 0) dem__prefetch_flight(w, w->engine->contacts.j[c]);
+    DEM__PREFETCH(&w->engine->contacts.correction[c]);
+}
+static inline void dem__correct_inner_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *friction) {
+    dem__contacts *contacts = &w->engine->contacts;
+    (void)part;
+    for (ptrdiff_t q = first; q < end; q++) {
+        const int32_t *slot = contacts->slots + contacts->chunk[q].first;
+        const ptrdiff_t n = contacts->chunk[q].marked;
+        for (ptrdiff_t k = 0; k < n; k++) dem__prefetch_correction(w, slot[k]);
+        for (ptrdiff_t k = 0; k < n; k++) {
+            if (!contacts->edge[slot[k]] || !dem__is_inner(w, q, slot[k])) continue;
+            dem__apply_correction(w, slot[k], *(const int *)friction, 0);
+            contacts->edge[slot[k]] = 2; /* done, but for the marks */
+        }
+    }
+}
+/* Applies the corrections of contacts that are not within one chunk, and marks the particles of the others. */
+static inline void dem__correct_others(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
+    int32_t waits[DEM__BLOCK]; /* their memory is on its way */
+    int n = 0;
     for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c]) dem__apply_correction(w, c, has_friction);
+            if (contacts->edge[c] == 2) dem__mark_one(w, contacts->i[c]), dem__mark_one(w, contacts->j[c]);
+            if (contacts->edge[c] != 1) continue;
+            dem__prefetch_correction(w, c);
+            waits[n++] = c;
+            for (int m = 0; m < n && n == DEM__BLOCK; m++) dem__apply_correction(w, waits[m], has_friction, 1);
+            n = n == DEM__BLOCK ? 0 : n;
         }
     }
+    for (int m = 0; m < n; m++) dem__apply_correction(w, waits[m], has_friction, 1);
+}
+/* Applies the corrections of all edge steps: where there are chunks, those within one first, so that threads share
+   them; the shifts of rigid bodies last. */
+static inline void dem__apply_corrections(dem_world *w, int has_friction) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const int chunks = contacts->chunk_count;
+    ptrdiff_t marked = 0;
+    for (int q = 0; q < chunks; q++) marked += contacts->chunk[q].marked;
+    if (marked == 0) return;
+    if (chunks > 1)
+        dem__in_parts(w, dem__parts_of(w, 8 * marked, chunks), chunks, dem__correct_inner_range, &has_friction);
+    dem__correct_others(w, has_friction);
     for (int q = 0; w->engine->bodies.rigid && q < contacts->chunk_count; q++) {
         const dem__chunk *in = &contacts->chunk[q];
         for (ptrdiff_t k = 0; k < in->marked; k++) {
@@ -300,7 +387,7 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
                 dem__set_bound(w, i, w->step, p->x, p->v);
                 w->engine->scratch.index[first + q->reset++] = i;
                 if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news))
-                    bodies->to_check[first + q->hurried++] = i;
+                    w->engine->pairs.cell_of[first + q->hurried++] = i;
             } else dem__set_tolerance_left(w, i, dem__length(stray));
         }
         bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
@@ -313,33 +400,36 @@ static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdif
     dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
 }
 
+/* Takes a particle whose flight has begun from the list of active ones: the last of them takes its place. */
+DEM_INLINE void dem__rest_from_steps(dem_world *w, ptrdiff_t i) {
+    dem__bodies *bodies = &w->engine->bodies;
+    const int32_t last = bodies->active[--bodies->active_count], at = bodies->active_at[i];
+    bodies->active[at] = last, bodies->active_at[last] = at;
+}
+
 /* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out
    of the active list. */
 static inline void dem__check_bounds(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
-    const ptrdiff_t n = bodies->to_check_count, active = bodies->active_count;
+    const ptrdiff_t n = bodies->to_check_count;
     const int parts = dem__parts(w, 4 * n);
     dem__checked watched[DEM__PARTS_MAX];
-    ptrdiff_t reset = 0, kept = 0;
+    ptrdiff_t reset = 0;
     int flown = 0;
     dem__in_parts(w, parts, n, dem__check_bounds_range, watched);
     for (int q = 0; q < parts; q++) {
         const ptrdiff_t first = dem__part(n, q, parts);
         for (ptrdiff_t k = 0; k < watched[q].hurried; k++)
-            dem__advance_wall_timers(w, bodies->to_check[first + k], w->step);
+            dem__advance_wall_timers(w, w->engine->pairs.cell_of[first + k], w->step);
         for (ptrdiff_t k = 0; k < watched[q].reset; k++)
             w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
         dem__apply_outcome(w, &watched[q].news);
         flown |= watched[q].flown;
     }
     dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
-    bodies->to_check_count = 0;
-    if (!flown) return;
-    for (ptrdiff_t k = 0; k < active; k++) {
-        const int32_t i = bodies->active[k];
-        bodies->active[kept] = i;
-        kept += bodies->activity[i] != 0;
+    for (ptrdiff_t k = 0; k < n && flown; k++) {
+        if (!bodies->activity[bodies->to_check[k]]) dem__rest_from_steps(w, bodies->to_check[k]);
     }
-    bodies->active_count = kept;
-    if (2 * kept > w->count && w->step % 16 == 0) dem__list_active(w);
+    bodies->to_check_count = 0;
+    if (flown && 2 * bodies->active_count > w->count && w->step % 64 == 0) dem__list_active(w);
 }

@@ -110,6 +110,7 @@ static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel
     dem__run *run = &w->engine->run;
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
+    run->turns = 1; /* in the first step: a run before this one may have left spin rates */
     w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
     for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k].adds_loads;
     dem__prepare_pairs(w);
@@ -233,7 +234,8 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     DEM__CHECK(w, status, check_run, (w, kernel));
     if (status != DEM_OK) return status;
     const double narrowest = dem__narrowest(w);
-    for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL; i++) {
+    /* what has been listed fits */
+    for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL && w->engine->run.needs_lists; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
     if (!dem__takes_over(w, kernel, features)) return DEM_LAW_MISMATCH;
@@ -285,8 +287,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
     w->status = DEM_OK; /* the caller may have mended any other failure */
-    if (!dem__make_work(w, w->def.threads) || !dem__fit_contact_arrays(w, kernel->law, features))
-        return DEM_OUT_OF_MEMORY;
+    if (!dem__make_work(w) || !dem__fit_contact_arrays(w, kernel->law, features)) return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     w->engine->contacts.law = dem__law_mark(kernel->law);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;

@@ -48,10 +48,10 @@ typedef struct filtration__ball {
 #define FILTRATION__NEAR 24  /* most gaps to other spheres that a sphere lists */
 #define FILTRATION__PUSHES 5 /* sums over a gap */
 
-/* A gap between a sphere and another one near it. */
+/* A gap between a sphere and another one near it, or a face. */
 typedef struct filtration__near {
-    int32_t other;
-    double normal[3], gap; /* from the sphere to the other; [nodes], 0 where they touch */
+    int32_t other;         /* -1: a face */
+    double normal[3], gap; /* towards the other; [nodes], 0 where they touch */
     double cap;            /* the surface farther along the normal, from the centre, belongs to the gap [nodes] */
     double push[FILTRATION__PUSHES]; /* along the normal, of its links in the gap, and of a density and slopes of 1 there */
 } filtration__near;

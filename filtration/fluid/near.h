@@ -1,4 +1,4 @@
-/* Spheres so near to each other that the lattice does not resolve how the liquid leaves the gap. There the lattice's force along the line
+/* Spheres so near to each other or to a wall that the lattice does not resolve how the liquid leaves the gap. There the lattice's force along the line
    of centres gives way to lubrication; the force of the liquid around the gap stays. */
 #pragma once
 #include "batch.h"
@@ -9,15 +9,31 @@
 /* The gap between two spheres at some distance from their line is h + rho^2 / (2 r), r: reduced radius. Where it is below `cap`, the pressure
    is that of lubrication: integrated, 6 pi mu r^2 v (1 / h - 1 / cap). 1.75 voxels: calibrated (docs/filtration.md, two spheres). */
 #define FILTRATION__CAP 1.75
+#define FILTRATION__WALL_CAP 1.0 /* at a wall, which lies between two nodes */
 /* The same force at this gap [voxel] acts below it, because a larger one would need an implicit step: filtration_lubrication_force with this
    cutoff adds what is missing. */
 #define FILTRATION__FILM (2.0 / 3.0)
 
-/* Lists the spheres near sphere n, in their order; at most FILTRATION__NEAR. */
+/* Sets the cap of a gap, up to `most`, beside a sphere of that radius; share: of the gap's widening that the other surface does. */
+static inline void filtration__set_cap(filtration__near *f, double radius, double gap, double most, double share) {
+    f->gap = gap > 0.0 ? gap : 0.0;
+    f->cap = radius - (most - f->gap) * (1.0 - share);
+    if (!(f->cap > 0.0)) f->cap = 0.0;
+}
+
+/* Lists the spheres near sphere n, in their order, and the walls; at most FILTRATION__NEAR. */
 static inline void filtration__find_near(const filtration__lattice *l, ptrdiff_t n, filtration__gaps *gaps) {
     const int nodes[3] = {l->nx, l->ny, l->nz};
     const filtration__ball *b = &l->balls[n];
     gaps->count = 0;
+    for (int face = 0; face < 6; face++) {
+        const int a = face / 2, high = face & 1;
+        const double gap = (high ? nodes[a] - 0.5 - b->centre[a] : b->centre[a] + 0.5) - b->radius;
+        if (!l->face[face]->is_touched || !(gap < FILTRATION__WALL_CAP) || !(gap > -b->radius)) continue;
+        filtration__near *f = &gaps->near[gaps->count++];
+        f->other = -1, f->normal[0] = f->normal[1] = f->normal[2] = 0.0, f->normal[a] = high ? 1.0 : -1.0;
+        filtration__set_cap(f, b->radius, gap, FILTRATION__WALL_CAP, 0.0);
+    }
     for (ptrdiff_t k = 0; k < l->ball_count && gaps->count < FILTRATION__NEAR; k++) {
         const filtration__ball *other = &l->balls[k];
         const double sum = b->radius + other->radius, reach = sum + FILTRATION__CAP;
@@ -28,12 +44,11 @@ static inline void filtration__find_near(const filtration__lattice *l, ptrdiff_t
             dd += d[a] * d[a];
         }
         if (!(dd < reach * reach) || !(dd > 0.0) || !(other->radius > 0.0) || k == n) continue;
-        const double distance = sqrt(dd), gap = distance - sum > 0.0 ? distance - sum : 0.0;
+        const double distance = sqrt(dd);
         filtration__near *f = &gaps->near[gaps->count++];
-        f->other = (int32_t)k, f->gap = gap;
+        f->other = (int32_t)k;
         for (int a = 0; a < 3; a++) f->normal[a] = d[a] / distance;
-        f->cap = b->radius - (FILTRATION__CAP - gap) * other->radius / sum;
-        if (!(f->cap > 0.0)) f->cap = 0.0;
+        filtration__set_cap(f, b->radius, distance - sum, FILTRATION__CAP, b->radius / sum);
     }
 }
 
@@ -74,22 +89,32 @@ static inline double filtration__cap_force(const filtration__ball *b, const filt
            f->push[4] * b->slope[2];
 }
 
-/* Exchanges the lattice's force in the gaps beside sphere n, the mean of both spheres', for lubrication: equal and opposite forces. */
+/* Returns the force with which a film of reduced radius r resists an approach, over its velocity. */
+static inline double filtration__film_rate(double r, double gap, double most, double viscosity) {
+    const double h = gap > FILTRATION__FILM ? gap : FILTRATION__FILM;
+    return 6.0 * RIDDLE_PI * viscosity * r * r * (1.0 / h - 1.0 / most);
+}
+
+/* Exchanges the lattice's force in the gaps beside sphere n for lubrication: between two spheres the mean of both forces, so that what each
+   gets is equal and opposite. */
 static inline void filtration__lubricate(filtration__lattice *l, ptrdiff_t n, double viscosity) {
     filtration__ball *b = &l->balls[n];
     for (int m = 0; m < l->gaps[n].count; m++) {
         const filtration__near *f = &l->gaps[n].near[m];
-        const filtration__gaps *back = &l->gaps[f->other];
-        const filtration__ball *other = &l->balls[f->other];
-        int at = 0;
-        while (at < back->count && back->near[at].other != (int32_t)n) at++;
-        if (at == back->count) continue; /* its list is full */
-        const double r = b->radius * other->radius / (b->radius + other->radius),
-                     h = f->gap > FILTRATION__FILM ? f->gap : FILTRATION__FILM;
-        double closing = 0.0;
-        for (int a = 0; a < 3; a++) closing += (b->velocity[a] - other->velocity[a]) * f->normal[a];
-        const double push = 0.5 * (filtration__cap_force(b, f) + filtration__cap_force(other, &back->near[at])) +
-                            6.0 * RIDDLE_PI * viscosity * r * r * (1.0 / h - 1.0 / FILTRATION__CAP) * closing;
+        double closing = filtration__dot(b->velocity, f->normal), push = filtration__cap_force(b, f), r = b->radius;
+        if (f->other >= 0) {
+            const filtration__gaps *back = &l->gaps[f->other];
+            const filtration__ball *other = &l->balls[f->other];
+            int at = 0;
+            while (at < back->count && back->near[at].other != (int32_t)n) at++;
+            if (at == back->count) continue; /* its list is full */
+            push = 0.5 * (push + filtration__cap_force(other, &back->near[at]));
+            r = b->radius * other->radius / (b->radius + other->radius);
+            closing = 0.0;
+            for (int a = 0; a < 3; a++) closing += (b->velocity[a] - other->velocity[a]) * f->normal[a];
+        }
+        push += filtration__film_rate(r, f->gap, f->other >= 0 ? FILTRATION__CAP : FILTRATION__WALL_CAP, viscosity) *
+                closing;
         for (int a = 0; a < 3; a++) b->force[0][a] -= push * f->normal[a];
     }
 }

@@ -161,7 +161,7 @@ static inline double filtration__normal_matrix(const filtration__readings *r, si
 /* Fits a level, or a level and a slope (unknowns 1, 2), by the normal matrix of a kind of scatter. drift: standard error
    of an ordinate at the line's end by a drift of the balance, over that of a reading there; 0: none. It is an unknown
    that is expected to be 0, which an observation of its own says. */
-static inline void filtration__fit_line(const double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], double drift, double rate,
+static inline void filtration__fit_line(double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], double drift, double rate,
                                         double logs, double least, int unknowns, const filtration__line *line,
                                         filtration__kind *kind) {
     const int of_line[4] = {0, 1, 4, 5}, of_drift[4] = {4, 0, 1, 5}, *columns = drift > 0.0 ? of_drift : of_line;
@@ -194,7 +194,7 @@ static inline void filtration__fit_line(const double g[FILTRATION__COLUMNS][FILT
 }
 
 /* Fits the same with a parabola and a cubic in addition. */
-static inline void filtration__fit_bend(const double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], double logs, double least,
+static inline void filtration__fit_bend(double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], double logs, double least,
                                         const filtration__line *line, filtration__kind *kind) {
     const int columns[5] = {0, 1, 2, 3, 5};
     double bent[5][5];
