@@ -146,5 +146,6 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
     a.advised = a.contact / 20.0;
     if (0.5 * a.dashpot < a.advised) a.advised = 0.5 * a.dashpot;
     if ((features & DEM_HERTZ) && 0.2 * a.rayleigh < a.advised) a.advised = 0.2 * a.rayleigh;
+    if (w->engine->convex.shapes > 0) a.advised *= 0.4; /* first and last steps of their contacts are not corrected */
     return a;
 }

@@ -94,7 +94,7 @@ static int choose_step(scene *s, dem_def def, double *dt) {
         }
     }
     if (status == DEM_OK)
-        *dt = dem_advise(&trial, s->features, EXPECTED_SPEED).advised * (scene_has_polyhedra(s) ? 0.4 : 1.0);
+        *dt = dem_advise(&trial, s->features, EXPECTED_SPEED).advised;
     dem_free(&trial);
     return status == DEM_OK && *dt > 0.0 && isfinite(*dt)
                ? 0
