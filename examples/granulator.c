@@ -796,9 +796,9 @@ static int study_map(const program *self, json *report, granulation_def def, int
                                             {NULL, "St_v II / I", "%.1f"},
                                             {NULL, "St_def II / I", "%.0f"}};
     result_table *t = RESULTS(columns);
-    const double events = (double)all.n / runs, st_v = median[1][1] / median[type1][1],
+    const double a_run = (double)all.n / runs, st_v = median[1][1] / median[type1][1],
                  st_def = median[1][0] / median[type1][0];
-    results_row(t, TEXTS("here, a mean run"), share[0], share[1], share[2], share[3], events, st_v, st_def);
+    results_row(t, TEXTS("here, a mean run"), share[0], share[1], share[2], share[3], a_run, st_v, st_def);
     results_row(t, TEXTS("paper, one run, its ratios about"), 82, 12, 2, 4, 320, 10, 100);
     results_print(t);
     results_free(t);

@@ -128,6 +128,7 @@ static inline int dem__find_behind(const dem_wall *wall, dem_vec centre, dem_vec
     q.x = dem__to_frame(wall, dem__sub(x, wall->position));
     q.first = dem__first_passed(q.tree, q.centre, q.x, &q.at);
     if (q.first < 0) return 0;
+    q.best = q.first, q.normal = dem_vec3(0.0, 0.0, 0.0);
     dem__try_behind(&q, q.first);
     for (int32_t b = 0; b < q.tree->nodes;) {
         const dem__node *node = &q.tree->node[b];

@@ -914,7 +914,7 @@ static void report_fit(json *report, const screen_fit_result *fit, double deviat
         if (!fit->determined[j]) json_string(report, NULL, screen_parameter_name(fit->model, j));
     json_array_end(report);
     results_values(report, {"starts", fit->starts}, {"starts_at_best", fit->starts_at_best},
-                   {"evaluations", fit->evaluations});
+                   {"evaluations", (double)fit->evaluations});
 }
 
 static void report_results(json *report, const study *s, const results *r, double shrink, finding f[2][FINDINGS]) {

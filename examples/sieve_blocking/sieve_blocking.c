@@ -290,9 +290,9 @@ static void report_simulation(json *report, const sieve_patch *patch, const read
     json_object_begin(report, "simulation");
     results_values(report, {"holes", def->across * def->across}, {"opening_m", def->opening}, {"wire_m", def->wire},
                    {"K", def->K}, {"frequency_hz", def->frequency}, {"amplitude_m", sieve_patch_amplitude(def)},
-                   {"x_h", patch->hard_mass / patch->mass}, {"load_kg_per_m2", def->load}, {"spheres", patch->grains},
-                   {"passed", w->passed_total}, {"forced_through", too_large}, {"vibrated_s", r->t[r->n - 1]},
-                   {"contact_steps", w->contact_steps});
+                   {"x_h", patch->hard_mass / patch->mass}, {"load_kg_per_m2", def->load}, {"spheres", (double)patch->grains},
+                   {"passed", (double)w->passed_total}, {"forced_through", (double)too_large}, {"vibrated_s", r->t[r->n - 1]},
+                   {"contact_steps", (double)w->contact_steps});
     json_array(report, "time_s", r->t, r->n);
     json_array(report, "free_holes", r->free_holes, r->n);
     json_object_end(report);
