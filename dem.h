@@ -1187,6 +1187,21 @@ typedef struct dem_apertures {
 } dem_apertures;
 DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall);
 
+/* ---- pure laws, NaN outside their domain ---- */
+
+/* Returns the damping ratio zeta = gamma/(2 sqrt(k m_eff)) that gives the coefficient of restitution e, 0 < e <= 1. */
+DEM_API double dem_damping_ratio(double e, dem_restitution mode);
+/* Returns the coefficient of restitution of a damping ratio >= 0 (naive: < 1). */
+DEM_API double dem_restitution_of(double zeta, dem_restitution mode);
+/* Returns the duration of a contact [s]: stiffness k [N/m] > 0, effective mass [kg] > 0. */
+DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitution mode);
+/* Returns the duration of an elastic Hertz contact [s] (Hertz 1881): E* [Pa], R* [m], m_eff [kg], impact speed [m/s],
+   all > 0. */
+DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
+
+/* ----------------------------------------------------------------------------------------------- >>base/measures.h */
+/* The public functions that measure, and those that save, declared and explained. */
+
 /* ---- measuring: readers of a world, into arrays of the caller; DEM_BAD_ARGUMENT for what is not finite or out of
  * range ---- */
 
@@ -1288,18 +1303,6 @@ DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
    of states of that which made the contacts (see dem_law). As for dem_init, *world must not be in use. allocator may be
    NULL. DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
-
-/* ---- pure laws, NaN outside their domain ---- */
-
-/* Returns the damping ratio zeta = gamma/(2 sqrt(k m_eff)) that gives the coefficient of restitution e, 0 < e <= 1. */
-DEM_API double dem_damping_ratio(double e, dem_restitution mode);
-/* Returns the coefficient of restitution of a damping ratio >= 0 (naive: < 1). */
-DEM_API double dem_restitution_of(double zeta, dem_restitution mode);
-/* Returns the duration of a contact [s]: stiffness k [N/m] > 0, effective mass [kg] > 0. */
-DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitution mode);
-/* Returns the duration of an elastic Hertz contact [s] (Hertz 1881): E* [Pa], R* [m], m_eff [kg], impact speed [m/s],
-   all > 0. */
-DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
 
 /* --------------------------------------------------------------------------------------------- >>base/polyhedron.h */
 /* Convex polyhedra: public types and functions. */
@@ -8898,91 +8901,6 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     dem__fill_gaps(w, chunks, chunks + 1, 0, &gaps);
 }
 
-/* Returns the number of chunks for n contacts. */
-static inline int dem__chunks_for(ptrdiff_t n) {
-    if (n < DEM__CHUNKED) return 1;
-    return n / DEM__OF_CHUNK < DEM__CHUNKS ? (int)(n / DEM__OF_CHUNK) : DEM__CHUNKS;
-}
-
-/* Returns whether contacts lie by rank, the last first. */
-static inline int dem__are_in_order(const dem_world *w) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    int32_t before = INT32_MAX;
-    int in_order = dem__chunks_for(contacts->count) == contacts->chunk_count;
-    DEM__EACH_CONTACT(w, c) {
-        const int32_t low = dem__rank_in_slot(w, c);
-        in_order &= before >= low;
-        before = low;
-    }
-    return in_order;
-}
-
-/* Lists the slots of contacts by rank, the last first, otherwise as they were. */
-static inline void dem__list_by_rank(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    int32_t *place = w->engine->scratch.index, sum = 0;
-    for (ptrdiff_t r = 0; r < w->count; r++) place[r] = 0;
-    DEM__EACH_CONTACT(w, c) { place[dem__rank_in_slot(w, c)]++; }
-    for (ptrdiff_t r = w->count - 1; r >= 0; r--) {
-        const int32_t of = place[r];
-        place[r] = sum;
-        sum += of;
-    }
-    DEM__EACH_CONTACT(w, c) { contacts->slots[place[dem__rank_in_slot(w, c)]++] = (int32_t)c; }
-}
-
-/* Divides the listed contacts among chunks of equal size, with room to grow. */
-static inline void dem__cut_chunks(dem_world *w, int chunks, dem__run_of_slots *run) {
-    dem__contacts *contacts = &w->engine->contacts;
-    const ptrdiff_t n = contacts->count;
-    ptrdiff_t end = 0, cut = 0;
-    for (int q = 0; q < chunks; q++) {
-        const ptrdiff_t first = cut;
-        dem__chunk *in = &contacts->chunk[q];
-        if (dem__part(n, q + 1, chunks) > cut) cut = dem__part(n, q + 1, chunks);
-        while (cut < n && dem__rank_in_slot(w, contacts->slots[cut]) == dem__rank_in_slot(w, contacts->slots[cut - 1]))
-            cut++;
-        memset(in, 0, sizeof *in);
-        in->first_rank = q < chunks - 1 ? dem__rank_in_slot(w, contacts->slots[cut - 1]) : 0;
-        in->first = run[q].first = end, in->count = run[q].count = cut - first;
-        in->capacity = chunks > 1 ? in->count + in->count / 4 + DEM__BLOCK : 0;
-        end += in->capacity;
-    }
-    contacts->chunk_count = chunks;
-}
-
-/* Returns whether contacts are to be ordered anew: few always, many seldom, or when chunks have run full. */
-static inline int dem__is_order_due(const dem_world *w) {
-    const dem__contacts *contacts = &w->engine->contacts;
-    const int chunks = contacts->chunk_count;
-    return chunks == 1 || w->step % DEM__RANK_STEPS == 0 ||
-           contacts->chunk[chunks - 1].count > 2 * (contacts->count / chunks) + DEM__BLOCK;
-}
-
-/* Orders all contacts by their particles' ranks, the last first, otherwise as they were: neighbours in space are then
-   read one after the other. Many contacts are in chunks of equal size, with room to grow; then ranks are renewed, too.
-   Returns 0 when out of memory. */
-static inline int dem__reorder_contacts(dem_world *w) {
-    dem__contacts *contacts = &w->engine->contacts;
-    const ptrdiff_t n = contacts->count;
-    const int chunks = dem__chunks_for(n);
-    dem__run_of_slots run[DEM__CHUNKS];
-    dem__array list[DEM__ARRAYS_MAX];
-    if (!dem__is_order_due(w)) return 1;
-    const ptrdiff_t room = chunks > 1 ? n + n / 4 + (ptrdiff_t)chunks * (DEM__BLOCK + 1) : n;
-    if (!dem__grow_contacts(w, room + 1) || !dem__fit_wall_forces(w, chunks)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        return 0;
-    }
-    if (chunks > 1 && w->step % DEM__RANK_STEPS == 0) dem__renew_ranks(w);
-    else if (dem__are_in_order(w)) return 1;
-    dem__list_by_rank(w);
-    dem__cut_chunks(w, chunks, run);
-    dem__arrange(w, n, run, chunks, list, dem__kept_arrays(w, list));
-    dem__list_wall_contacts(w);
-    return 1;
-}
-
 /* --------------------------------------------------------------------------------------------------- >>walls/stl.h */
 /* Reading STL files: facets from bytes, corners welded. */
 
@@ -9927,6 +9845,95 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
         }
         dem__book_push(wall, h, wall->force, wall->torque, belt_power);
     }
+}
+
+/* ---------------------------------------------------------------------------------------------- >>contacts/order.h */
+/* The order of contacts in memory: by place, in chunks of equal size that threads share. Reads ranks; writes contacts.
+   Promises: the order depends only on the history of the scene, never on threads. */
+
+/* Returns the number of chunks for n contacts. */
+static inline int dem__chunks_for(ptrdiff_t n) {
+    if (n < DEM__CHUNKED) return 1;
+    return n / DEM__OF_CHUNK < DEM__CHUNKS ? (int)(n / DEM__OF_CHUNK) : DEM__CHUNKS;
+}
+
+/* Returns whether contacts lie by rank, the last first. */
+static inline int dem__are_in_order(const dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    int32_t before = INT32_MAX;
+    int in_order = dem__chunks_for(contacts->count) == contacts->chunk_count;
+    DEM__EACH_CONTACT(w, c) {
+        const int32_t low = dem__rank_in_slot(w, c);
+        in_order &= before >= low;
+        before = low;
+    }
+    return in_order;
+}
+
+/* Lists the slots of contacts by rank, the last first, otherwise as they were. */
+static inline void dem__list_by_rank(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    int32_t *place = w->engine->scratch.index, sum = 0;
+    for (ptrdiff_t r = 0; r < w->count; r++) place[r] = 0;
+    DEM__EACH_CONTACT(w, c) { place[dem__rank_in_slot(w, c)]++; }
+    for (ptrdiff_t r = w->count - 1; r >= 0; r--) {
+        const int32_t of = place[r];
+        place[r] = sum;
+        sum += of;
+    }
+    DEM__EACH_CONTACT(w, c) { contacts->slots[place[dem__rank_in_slot(w, c)]++] = (int32_t)c; }
+}
+
+/* Divides the listed contacts among chunks of equal size, with room to grow. */
+static inline void dem__cut_chunks(dem_world *w, int chunks, dem__run_of_slots *run) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t n = contacts->count;
+    ptrdiff_t end = 0, cut = 0;
+    for (int q = 0; q < chunks; q++) {
+        const ptrdiff_t first = cut;
+        dem__chunk *in = &contacts->chunk[q];
+        if (dem__part(n, q + 1, chunks) > cut) cut = dem__part(n, q + 1, chunks);
+        while (cut < n && dem__rank_in_slot(w, contacts->slots[cut]) == dem__rank_in_slot(w, contacts->slots[cut - 1]))
+            cut++;
+        memset(in, 0, sizeof *in);
+        in->first_rank = q < chunks - 1 ? dem__rank_in_slot(w, contacts->slots[cut - 1]) : 0;
+        in->first = run[q].first = end, in->count = run[q].count = cut - first;
+        in->capacity = chunks > 1 ? in->count + in->count / 4 + DEM__BLOCK : 0;
+        end += in->capacity;
+    }
+    contacts->chunk_count = chunks;
+}
+
+/* Returns whether contacts are to be ordered anew: few always, many seldom, or when chunks have run full. */
+static inline int dem__is_order_due(const dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const int chunks = contacts->chunk_count;
+    return chunks == 1 || w->step % DEM__RANK_STEPS == 0 ||
+           contacts->chunk[chunks - 1].count > 2 * (contacts->count / chunks) + DEM__BLOCK;
+}
+
+/* Orders all contacts by their particles' ranks, the last first, otherwise as they were: neighbours in space are then
+   read one after the other. Many contacts are in chunks of equal size, with room to grow; then ranks are renewed, too.
+   Returns 0 when out of memory. */
+static inline int dem__reorder_contacts(dem_world *w) {
+    dem__contacts *contacts = &w->engine->contacts;
+    const ptrdiff_t n = contacts->count;
+    const int chunks = dem__chunks_for(n);
+    dem__run_of_slots run[DEM__CHUNKS];
+    dem__array list[DEM__ARRAYS_MAX];
+    if (!dem__is_order_due(w)) return 1;
+    const ptrdiff_t room = chunks > 1 ? n + n / 4 + (ptrdiff_t)chunks * (DEM__BLOCK + 1) : n;
+    if (!dem__grow_contacts(w, room + 1) || !dem__fit_wall_forces(w, chunks)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
+    }
+    if (chunks > 1 && w->step % DEM__RANK_STEPS == 0) dem__renew_ranks(w);
+    else if (dem__are_in_order(w)) return 1;
+    dem__list_by_rank(w);
+    dem__cut_chunks(w, chunks, run);
+    dem__arrange(w, n, run, chunks, list, dem__kept_arrays(w, list));
+    dem__list_wall_contacts(w);
+    return 1;
 }
 
 /* --------------------------------------------------------------------------------------------- >>records/records.h */
@@ -17990,8 +17997,8 @@ DEM_INLINE int dem__corners_at(const dem_wall *wall) {
     return wall->kind__->corners ? wall->kind__->corners(wall) : DEM__CORNERS_SOME;
 }
 
-/* Finds the points of a polyhedron at a wall, both at the end of the step; the sphere around it touches the wall. Returns their number; may_cut: whether a
-   sheet may cut its core. */
+/* Finds the points of a polyhedron at a wall, both at the end of the step; the sphere around it touches the wall.
+   Returns their number; may_cut: whether a sheet may cut its core. */
 static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
                                              dem__convex_point *out, int *may_cut) {
     dem__at_wall q;

@@ -3278,17 +3278,18 @@ static inline void filtration__mark_solid(const filtration_fluid_def *def, filtr
 }
 
 /* -------------------------------------------------------------------------------------------------- >>fluid/near.h */
-/* Spheres so near to each other or to a wall that the lattice does not resolve how the liquid leaves the gap. There the lattice's force along the line
-   of centres gives way to lubrication; the force of the liquid around the gap stays. */
+/* Spheres so near to each other or to a wall that the lattice does not resolve how the liquid leaves the gap. There the
+   lattice's force along the line of centres gives way to lubrication; the force of the liquid around the gap stays. */
 
 /* ==== >>near ==== */
 
-/* The gap between two spheres at some distance from their line is h + rho^2 / (2 r), r: reduced radius. Where it is below `cap`, the pressure
-   is that of lubrication: integrated, 6 pi mu r^2 v (1 / h - 1 / cap). 1.75 voxels: calibrated (docs/filtration.md, two spheres). */
+/* The gap between two spheres at some distance from their line is h + rho^2 / (2 r), r: reduced radius. Where it is
+   below `cap`, the pressure is that of lubrication: integrated, 6 pi mu r^2 v (1 / h - 1 / cap). 1.75 voxels: calibrated
+   (docs/filtration.md, two spheres). */
 #define FILTRATION__CAP 1.75
 #define FILTRATION__WALL_CAP 1.0 /* at a wall, which lies between two nodes */
-/* The same force at this gap [voxel] acts below it, because a larger one would need an implicit step: filtration_lubrication_force with this
-   cutoff adds what is missing. */
+/* The same force at this gap [voxel] acts below it, because a larger one would need an implicit step:
+   filtration_lubrication_force with this cutoff adds what is missing. */
 #define FILTRATION__FILM (2.0 / 3.0)
 
 /* Sets the cap of a gap, up to `most`, beside a sphere of that radius; share: of the gap's widening that the other surface does. */

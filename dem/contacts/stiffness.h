@@ -3,6 +3,7 @@
 #pragma once
 #include "laws.h"
 #include "../motion/motion.h"
+#include "../walls/kind.h"
 
 #define DEM__DEEP_SPHERE 0.1 /* overlap of a sphere over its radius that is deep */
 

@@ -1,5 +1,6 @@
 /* The forces between particles and the vectors along which they act: what a stress is made of. */
 #pragma once
+#include "../base/measures.h"
 #include "getters.h"
 
 /* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */

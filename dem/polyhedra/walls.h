@@ -272,8 +272,8 @@ DEM_INLINE int dem__corners_at(const dem_wall *wall) {
     return wall->kind__->corners ? wall->kind__->corners(wall) : DEM__CORNERS_SOME;
 }
 
-/* Finds the points of a polyhedron at a wall, both at the end of the step; the sphere around it touches the wall. Returns their number; may_cut: whether a
-   sheet may cut its core. */
+/* Finds the points of a polyhedron at a wall, both at the end of the step; the sphere around it touches the wall.
+   Returns their number; may_cut: whether a sheet may cut its core. */
 static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
                                              dem__convex_point *out, int *may_cut) {
     dem__at_wall q;

@@ -3,6 +3,7 @@
 #pragma once
 #include "../removal/remove.h"
 #include "../contacts/forces.h"
+#include "../contacts/order.h"
 #include "../ledger/ledger.h"
 #include "integrate.h"
 #include "detect.h"
