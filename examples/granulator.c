@@ -806,7 +806,7 @@ static int study_map(const program *self, json *report, granulation_def def, int
     json_string(report, "study", "map");
     results_values(report, {"rpm", 360}, {"binder", 0.33}, {"replicates", runs}, {"rebound_pct", share[0]},
                    {"type2_pct", share[1]}, {"type1_pct", share[2] + share[3]}, {"both_pct", share[3]},
-                   {"interactions", events}, {"st_v_type2_over_type1", st_v}, {"st_def_type2_over_type1", st_def});
+                   {"interactions", a_run}, {"st_v_type2_over_type1", st_v}, {"st_def_type2_over_type1", st_def});
     json_object_end(report);
     free(all.list);
     free(xy);
