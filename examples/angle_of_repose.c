@@ -310,8 +310,8 @@ static void report(const program *self, const heap *all, int n, int heaps, const
     json_array_begin(j, "why_no_angle"); /* of each heap; null: it has one */
     for (int k = 0; k < n * heaps; k++) json_string(j, NULL, all[k].why);
     json_array_end(j);
-    results_values(j, {"stl_facets", stl->facets}, {"stl_open_edges", stl->open_edges},
-                   {"stl_wrong_normals", stl->wrong_normals});
+    results_values(j, {"stl_facets", (double)stl->facets}, {"stl_open_edges", (double)stl->open_edges},
+                   {"stl_wrong_normals", (double)stl->wrong_normals});
     json_bool(j, "deterministic_build", dem_build_is_deterministic());
     json_close(j);
     results_free(t);

@@ -64,7 +64,7 @@ static const char *const columns =
 
 static void refuse_file(const program *self, const char *path, const char *reason) {
     char text[1000];
-    snprintf(text, sizeof text, "%s; %s", columns, reason);
+    snprintf(text, sizeof text, "%s; %.800s", columns, reason);
     program_refuse(self, "data", path, text);
 }
 

@@ -561,10 +561,10 @@ static void report(const gap *g, const dem_world *w, const record *r) {
         {"particle_contacts_mean", contacts.mean - paddles.mean}, {"impact_radius_mean_m", radius.mean},
         {"impact_radius_sd_m", deviation(&radius)}, {"impact_speed_mean_m_s", speed.mean},
         {"impact_speed_over_rim", speed.mean / (omega(g) * g->machine.wheel.outer_radius)}, {"cor_mean", cor},
-        {"cor_sd", cor_sd}, {"rebound_angle_sd_deg", turned_sd}, {"rebounds", r->rebounds},
+        {"cor_sd", cor_sd}, {"rebound_angle_sd_deg", turned_sd}, {"rebounds", (double)r->rebounds},
         {"contact_time_s", g->contact_time}, {"outward_share", n > 0 ? outward / n : (double)NAN},
-        {"present", (double)w->count}, {"steps", w->step}, {"particle_steps", w->particle_steps},
-        {"contact_steps", w->contact_steps}, {"core_overlaps", r->overlaps});
+        {"present", (double)w->count}, {"steps", (double)w->step}, {"particle_steps", (double)w->particle_steps},
+        {"contact_steps", (double)w->contact_steps}, {"core_overlaps", (double)r->overlaps});
     if (r->overlaps > 0)
         common_print("bricks overlap deeper than their rounding, in one another or in a paddle (%d at a time): shorten --contact-ns\n",
                      (int)r->overlaps);
