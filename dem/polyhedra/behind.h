@@ -149,7 +149,7 @@ static inline int dem__find_behind(const dem_wall *wall, dem_vec centre, dem_vec
 }
 
 /* Returns whether a curved sheet may cut a core: an edge passes through it. */
-static inline int dem__sheet_cuts(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
+static DEM__NOINLINE int dem__sheet_cuts(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
     dem_vec corner[DEM_CORNERS_MAX];
     for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
     for (int e = 0; e < s->edges; e++) {
