@@ -302,14 +302,15 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
 }
 
 /* Adds up the power of belts: that of the rest of a wall's motion follows from the sums of its forces. */
-static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdiff_t chunk, double *const *out) {
+static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdiff_t chunk, const double *fx,
+                                         const double *fy, const double *fz) {
     for (int q = 0; q < x->walls; q++) {
         const dem_wall *wall = x->wall[q].wall;
         const int k = x->wall[q].row;
         if (!dem__is_belt(wall)) continue;
         const dem_vec along = dem__belt_velocity(wall, dem_vec3(x->rows.nx[k], x->rows.ny[k], x->rows.nz[k]));
         w->engine->contacts.wall_force[chunk * w->engine->walls.capacity + (wall - w->wall)].belt_power +=
-            out[0][k] * along.x + out[1][k] * along.y + out[2][k] * along.z;
+            fx[k] * along.x + fy[k] * along.y + fz[k] * along.z;
     }
 }
 
@@ -345,7 +346,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, x, chunk, base, n, at.out, has_friction, postpone_from);
-        if (x->walls > 0) dem__add_belts(w, x, chunk, at.out);
+        if (x->walls > 0) dem__add_belts(w, x, chunk, at.out[0], at.out[1], at.out[2]);
     }
 }
 
