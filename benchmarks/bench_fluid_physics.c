@@ -341,6 +341,11 @@ int main(int argc, char **argv) {
     if (part == ALL || part == MOVING) shear_and_frame(&self, t, tau);
     if (part == ALL || part == SETTLING) ten_cate(&self, t);
     results_write(t, report, "cases", self.out, "physics.csv");
+    riddle_plot *figure = riddle_plot_new("The resolved fluid: error of each case", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "cells a diameter", "error [%]");
+    riddle_plot_points(figure, NULL, results_column(t, "cells_per_diameter", 1.0), results_column(t, "error", 100.0), results_rows(t));
+    riddle_plot_horizontal(figure, NULL, 0.0);
+    riddle_plot_write(figure, self.out, "physics.svg");
     results_free(t);
     json_program(report, &self);
     json_close(report);
