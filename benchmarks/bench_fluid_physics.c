@@ -16,8 +16,7 @@
 
 #include "common.h"
 #include "filtration.h"
-
-static const double pi = 3.14159265358979323846;
+#include "random.h"
 
 static const result_column columns[] = {{"case", "case", "%s"},
                                         {"cells_per_diameter", "cells a diameter", "%.3g"},
@@ -37,8 +36,7 @@ static filtration_fluid_def lattice_def(int x, int y, int z, double tau) {
     return def;
 }
 
-static double smaller_of(double a, double b) { return fabs(a) < fabs(b) ? a : b; }
-static double larger_of(double a, double b) { return a + b - smaller_of(a, b); }
+static double larger_of(double a, double b) { return fabs(a) < fabs(b) || b != b ? b : a; }
 
 /* ---- periodic arrays ---- */
 
@@ -64,12 +62,12 @@ static double drag_of(const pack *p, double tau) {
         status = filtration_fluid_permeability(&fluid, &spheres, 2, 1e-7 * p->side, 1e-5, 1000000, &result);
     filtration_fluid_free(&fluid);
     if (status != FILTRATION_OK) return (double)NAN;
-    return 1e-7 * p->side * p->side * p->side / p->n / (6.0 * pi * def.viscosity * p->radius * result.velocity);
+    return 1e-7 * p->side * p->side * p->side / p->n / (6.0 * RIDDLE_PI * def.viscosity * p->radius * result.velocity);
 }
 
 static double array_error(int spheres, double solid, double drag, int n, double tau, double place) {
     static const double at[4][3] = {{0, 0, 0}, {0.5, 0.5, 0}, {0.5, 0, 0.5}, {0, 0.5, 0.5}};
-    pack p = {spheres, n, n * cbrt(3.0 * solid / (4.0 * pi * spheres)), {0}};
+    pack p = {spheres, n, n * cbrt(3.0 * solid / (4.0 * RIDDLE_PI * spheres)), {0}};
     for (int i = 0; i < spheres; i++)
         for (int a = 0; a < 3; a++)
             p.centre[3 * i + a] = n * (0.25 + (spheres == 2 ? 0.5 * i : at[i][a])) + place * (0.6 + 0.2 * a);
@@ -93,7 +91,7 @@ static void arrays(const program *self, result_table *t, double tau) {
         for (int c = 0; c < (self->quick ? 1 : 3) && !common_interrupted(); c++) {
             const array_case *a = &cases[k];
             if (a->spheres == 4 && k > 4 && c == 2) continue;
-            const double per_side = cbrt(6.0 * a->solid / (pi * a->spheres)); /* diameter over side */
+            const double per_side = cbrt(6.0 * a->solid / (RIDDLE_PI * a->spheres)); /* diameter over side */
             const int n = (int)(cells[k > 4][c] / per_side + 0.5), once = self->quick || k > 4;
             const double began = machine_processor_seconds(),
                          first = array_error(a->spheres, a->solid, a->drag, n, tau, 0.0);
@@ -103,20 +101,13 @@ static void arrays(const program *self, result_table *t, double tau) {
         }
 }
 
-static double uniform(uint64_t *s) { /* 0 < u < 1, splitmix64 */
-    uint64_t x = *s += 0x9e3779b97f4a7c15u;
-    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-    return ((double)((x ^ x >> 31) >> 11) + 0.5) * 0x1p-53;
-}
-
 /* Spheres at random places where they overlap none. */
 static pack random_pack(int n, double solid, int side, uint64_t seed) {
-    pack p = {0, side, side * cbrt(3.0 * solid / (4.0 * pi * n)), {0}};
+    pack p = {0, side, side * cbrt(3.0 * solid / (4.0 * RIDDLE_PI * n)), {0}};
     while (p.n < n) {
         double *x = p.centre + 3 * p.n;
         int is_free = 1;
-        for (int a = 0; a < 3; a++) x[a] = side * uniform(&seed);
+        for (int a = 0; a < 3; a++) x[a] = side * random_inner(&seed);
         for (int k = 0; k < p.n && is_free; k++) {
             double square = 0.0;
             for (int a = 0; a < 3; a++) {
@@ -184,7 +175,7 @@ static double approach_error(double cells, double h, int wall, const double alon
     if (status != FILTRATION_OK) return (double)NAN;
     for (int a = 0; a < 3; a++) towards += (wall ? -force[a] : 0.5 * (force[3 + a] - force[a])) * along[a] / unit;
     towards += filtration_lubrication_force(R, wall ? HUGE_VAL : R, h, v, def.viscosity, 2.0 / 3.0, 1e-9);
-    const double exact = 6.0 * pi * def.viscosity * R * v *
+    const double exact = 6.0 * RIDDLE_PI * def.viscosity * R * v *
                          (wall ? brenner(acosh(1.0 + h / R), 1) : 0.5 * brenner(acosh(1.0 + 0.5 * h / R), 0));
     return towards / exact - 1.0;
 }
@@ -246,7 +237,7 @@ static double drag_over_slip(double cells, double tau, double speed) {
     double centre[3] = {0.5 * n + 0.13, 0.5 * n + 0.27, 0.5 * n + 0.4}, velocity[3] = {0, 0, speed},
            zero[3] = {0, 0, 0}, r = R, force[3], torque[3], drag = 0.0, slip = 0.0;
     const filtration_spheres spheres = {1, centre, velocity, zero, &r, force, torque};
-    const double porosity = 1.0 - 4.0 / 3.0 * pi * R * R * R / ((double)n * n * n);
+    const double porosity = 1.0 - 4.0 / 3.0 * RIDDLE_PI * R * R * R / ((double)n * n * n);
     def.body_force[2] = 1e-5 * def.viscosity;
     if (filtration_fluid_init(&fluid, &def) != FILTRATION_OK) return (double)NAN;
     if (speed != 0.0) filtration_fluid_set_flow(&fluid, uniform_flow, &speed);
