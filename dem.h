@@ -1313,11 +1313,13 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
 
 /* A convex polyhedron with rounded edges and corners: all points within a radius of a core. Its flat faces are those of
    the polyhedron that it was made of; the core is that polyhedron, eroded by the radius. Volume, centroid and inertia
-   are those of the sharp polyhedron. Lengths are from the centroid, along the principal axes. Made by the three
+   are those of the sharp polyhedron. Corners and planes are measured from the centroid, along the axes of the frame in
+   which the polyhedron was given; in the copy that a world keeps (dem_get_shape), along the principal axes. Made by the
    functions below. */
 typedef struct dem_convex {
     int corners, edges, faces;
-    int is_box;       /* 1: the core is a box along the axes with half lengths `half` */
+    int is_box;       /* 1: the core is a box along the principal axes with half lengths `half` */
+    int along_axes;   /* 1: corners and planes lie along the principal axes; 0: as they were given */
     double radius;    /* of rounding [m] */
     double reach;     /* from the centroid to the farthest point [m] */
     double volume;    /* [m3] */
@@ -1349,7 +1351,8 @@ DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rou
    triangles, and a corner outside of a triangle's plane. Triangles in one plane make one face. */
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);
 
-/* Adds a shape to a world, which keeps a copy of it. Returns its number from 0 on, or minus a dem_status. */
+/* Adds a shape to a world, which keeps a copy of it, turned to the principal axes. Returns its number from 0 on, or minus
+   a dem_status. */
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 /* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any
    length but 0, scalar first, from the frame in which the shape was given to the world's; NULL: as it was given.
@@ -16598,6 +16601,40 @@ static inline double dem__mean_share(const dem_convex *s) {
     return sum / weights;
 }
 
+/* Turns corners and planes of a shape: column k of the rotation is where its axis k lies. */
+static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec z) {
+    if (x.x == 1.0 && y.y == 1.0 && z.z == 1.0) return;
+    for (int k = 0; k < s->corners + s->faces; k++) {
+        double *v = k < s->corners ? s->corner[k] : s->plane[k - s->corners];
+        const dem_vec at = dem__plus(dem__plus(dem__scale(v[0], x), v[1], y), v[2], z);
+        v[0] = at.x, v[1] = at.y, v[2] = at.z;
+    }
+}
+/* Turns them from the principal axes to the frame in which the shape was given. */
+static inline void dem__turn_to_given(dem_convex *s) {
+    dem__turn_shape(s, s->axis[0], s->axis[1], s->axis[2]);
+    s->along_axes = 0;
+}
+/* Turns them to the principal axes. A box has its corners at the half lengths again, to the last bit. */
+static inline void dem__turn_to_axes(dem_convex *s) {
+    const dem_vec *a = s->axis;
+    if (!s->along_axes)
+        dem__turn_shape(s, dem_vec3(a[0].x, a[1].x, a[2].x), dem_vec3(a[0].y, a[1].y, a[2].y),
+                        dem_vec3(a[0].z, a[1].z, a[2].z));
+    for (int k = 0; k < 3 * s->corners && s->is_box; k++) {
+        double *v = &s->corner[k / 3][k % 3], half = dem_axis(s->half, k % 3);
+        *v = *v < 0.0 ? -half : half;
+    }
+    s->along_axes = 1;
+}
+/* Returns whether the axes of a shape are a right-handed frame. */
+static inline int dem__are_axes(const dem_vec *a) {
+    const double size = dem__dot(a[0], dem__cross(a[1], a[2]));
+    int right = fabs(size - 1.0) < 1e-6;
+    for (int k = 0; k < 3; k++) right &= fabs(dem__dot(a[k], a[k]) - 1.0) < 1e-6;
+    return right;
+}
+
 /* Makes the shape from corners about their middle. Returns NULL, or what is wrong. */
 static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding) {
     dem_convex core;
@@ -16620,6 +16657,7 @@ static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double 
     }
     dem__find_box(&core);
     core.share = dem__mean_share(&core);
+    dem__turn_to_given(&core);
     *s = core;
     return NULL;
 }
@@ -18901,6 +18939,7 @@ static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, d
     g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
     for (ptrdiff_t k = 0; k < n; k++) {
+        convex->shape[k].along_axes = 1;
         if (!dem__is_sound_shape(&convex->shape[k])) return DEM_BAD_DATA;
     }
     return DEM_OK;
@@ -18938,16 +18977,19 @@ static inline dem__feature dem__feature_polyhedra(void) {
 
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape)) return -(int)DEM_BAD_ARGUMENT;
+    if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape) || !dem__are_axes(shape->axis))
+        return -(int)DEM_BAD_ARGUMENT;
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
     const size_t size = sizeof *convex->shape, old = (size_t)convex->shapes * size;
+    dem_convex own = *shape; /* `shape` may lie in the array that grows */
+    dem__turn_to_axes(&own);
     if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
     dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
     if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
     convex->shape = fresh, convex->calls = dem__polyhedra();
-    convex->shape[convex->shapes++] = *shape;
+    convex->shape[convex->shapes++] = own;
     if (convex->shapes > 1) return convex->shapes - 1;
     if (dem__take_feature(w, dem__feature_polyhedra()) == DEM_OK) return 0;
     dem__release(a, convex->shape, size);

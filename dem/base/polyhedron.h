@@ -8,11 +8,13 @@
 
 /* A convex polyhedron with rounded edges and corners: all points within a radius of a core. Its flat faces are those of
    the polyhedron that it was made of; the core is that polyhedron, eroded by the radius. Volume, centroid and inertia
-   are those of the sharp polyhedron. Lengths are from the centroid, along the principal axes. Made by the three
+   are those of the sharp polyhedron. Corners and planes are measured from the centroid, along the axes of the frame in
+   which the polyhedron was given; in the copy that a world keeps (dem_get_shape), along the principal axes. Made by the
    functions below. */
 typedef struct dem_convex {
     int corners, edges, faces;
-    int is_box;       /* 1: the core is a box along the axes with half lengths `half` */
+    int is_box;       /* 1: the core is a box along the principal axes with half lengths `half` */
+    int along_axes;   /* 1: corners and planes lie along the principal axes; 0: as they were given */
     double radius;    /* of rounding [m] */
     double reach;     /* from the centroid to the farthest point [m] */
     double volume;    /* [m3] */
@@ -44,7 +46,8 @@ DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rou
    triangles, and a corner outside of a triangle's plane. Triangles in one plane make one face. */
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);
 
-/* Adds a shape to a world, which keeps a copy of it. Returns its number from 0 on, or minus a dem_status. */
+/* Adds a shape to a world, which keeps a copy of it, turned to the principal axes. Returns its number from 0 on, or minus
+   a dem_status. */
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 /* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any
    length but 0, scalar first, from the frame in which the shape was given to the world's; NULL: as it was given.

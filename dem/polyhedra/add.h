@@ -93,6 +93,7 @@ static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, d
     g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
     for (ptrdiff_t k = 0; k < n; k++) {
+        convex->shape[k].along_axes = 1;
         if (!dem__is_sound_shape(&convex->shape[k])) return DEM_BAD_DATA;
     }
     return DEM_OK;
@@ -130,16 +131,19 @@ static inline dem__feature dem__feature_polyhedra(void) {
 
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape)) return -(int)DEM_BAD_ARGUMENT;
+    if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape) || !dem__are_axes(shape->axis))
+        return -(int)DEM_BAD_ARGUMENT;
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
     const size_t size = sizeof *convex->shape, old = (size_t)convex->shapes * size;
+    dem_convex own = *shape; /* `shape` may lie in the array that grows */
+    dem__turn_to_axes(&own);
     if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
     dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
     if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
     convex->shape = fresh, convex->calls = dem__polyhedra();
-    convex->shape[convex->shapes++] = *shape;
+    convex->shape[convex->shapes++] = own;
     if (convex->shapes > 1) return convex->shapes - 1;
     if (dem__take_feature(w, dem__feature_polyhedra()) == DEM_OK) return 0;
     dem__release(a, convex->shape, size);

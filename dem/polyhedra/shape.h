@@ -326,6 +326,40 @@ static inline double dem__mean_share(const dem_convex *s) {
     return sum / weights;
 }
 
+/* Turns corners and planes of a shape: column k of the rotation is where its axis k lies. */
+static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec z) {
+    if (x.x == 1.0 && y.y == 1.0 && z.z == 1.0) return;
+    for (int k = 0; k < s->corners + s->faces; k++) {
+        double *v = k < s->corners ? s->corner[k] : s->plane[k - s->corners];
+        const dem_vec at = dem__plus(dem__plus(dem__scale(v[0], x), v[1], y), v[2], z);
+        v[0] = at.x, v[1] = at.y, v[2] = at.z;
+    }
+}
+/* Turns them from the principal axes to the frame in which the shape was given. */
+static inline void dem__turn_to_given(dem_convex *s) {
+    dem__turn_shape(s, s->axis[0], s->axis[1], s->axis[2]);
+    s->along_axes = 0;
+}
+/* Turns them to the principal axes. A box has its corners at the half lengths again, to the last bit. */
+static inline void dem__turn_to_axes(dem_convex *s) {
+    const dem_vec *a = s->axis;
+    if (!s->along_axes)
+        dem__turn_shape(s, dem_vec3(a[0].x, a[1].x, a[2].x), dem_vec3(a[0].y, a[1].y, a[2].y),
+                        dem_vec3(a[0].z, a[1].z, a[2].z));
+    for (int k = 0; k < 3 * s->corners && s->is_box; k++) {
+        double *v = &s->corner[k / 3][k % 3], half = dem_axis(s->half, k % 3);
+        *v = *v < 0.0 ? -half : half;
+    }
+    s->along_axes = 1;
+}
+/* Returns whether the axes of a shape are a right-handed frame. */
+static inline int dem__are_axes(const dem_vec *a) {
+    const double size = dem__dot(a[0], dem__cross(a[1], a[2]));
+    int right = fabs(size - 1.0) < 1e-6;
+    for (int k = 0; k < 3; k++) right &= fabs(dem__dot(a[k], a[k]) - 1.0) < 1e-6;
+    return right;
+}
+
 /* Makes the shape from corners about their middle. Returns NULL, or what is wrong. */
 static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding) {
     dem_convex core;
@@ -348,6 +382,7 @@ static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double 
     }
     dem__find_box(&core);
     core.share = dem__mean_share(&core);
+    dem__turn_to_given(&core);
     *s = core;
     return NULL;
 }
