@@ -45,6 +45,16 @@ static const scene_field material_fields[] = {
 };
 SECTION(material, material_def, "material", "A material of particles or walls. At most 8.");
 
+static const scene_field bond_fields[] = {
+    NUMBER(bond_def, modulus, UNIT_STRESS, POSITIVE, MUST, "Young's modulus of the bond, a round beam between the centres"),
+    NUMBER(bond_def, shear_ratio, UNIT_NONE, AT_LEAST_0, "0.4", "its shear stiffness over the normal one"),
+    NUMBER(bond_def, radius, UNIT_NONE, POSITIVE, "1", "its radius over the smaller sphere's"),
+    NUMBER(bond_def, damping, UNIT_NONE, AT_LEAST_0, "0.1", "share of the critical damping of its stretching"),
+    NUMBER(bond_def, tensile, UNIT_STRESS, POSITIVE, MUST, "strength against pull and bending"),
+    NUMBER(bond_def, shear, UNIT_STRESS, POSITIVE, MUST, "strength against shear and twisting"),
+};
+SECTION(bond, bond_def, "bond", "A bond that breaks, of two spheres or a sphere and a wall; once broken, an ordinary contact.");
+
 static const scene_field contact_fields[] = {
     {"between", FIELD_TWO, UNIT_NONE, offsetof(contact_def, between), ANY, MUST, 0, NO_WORDS, "names of two materials, or of one twice"},
     NUMBER(contact_def, stiffness, UNIT_STIFFNESS, POSITIVE, "1e5",
@@ -55,9 +65,19 @@ static const scene_field contact_fields[] = {
      "coefficient of restitution"},
     NUMBER(contact_def, friction, UNIT_NONE, AT_LEAST_0, "0.3", "Coulomb's coefficient"),
     NUMBER(contact_def, rolling, UNIT_LENGTH, AT_LEAST_0, "0",
-           "lever arm of rolling resistance; on a slope below this limit a ball creeps at 5 g sin(slope) dt"),
+           "lever arm of rolling resistance; on a slope below this limit a ball creeps at 5 g sin(slope) dt: `law: epsd` holds it"),
     NUMBER(contact_def, tangential_damping, UNIT_NONE, AT_LEAST_0, "0", "tangential dashpot over the normal one"),
     CHOICE(contact_def, dashpot, "clipped|naive", "clipped", "clipped: it never pulls; `law: linear` only"),
+    NUMBER(contact_def, rolling_coefficient, UNIT_NONE, AT_LEAST_0, "0",
+           "the greatest rolling torque over normal force and R* = R_i R_j/(R_i + R_j), the tangent of the slope on which a ball begins "
+           "to roll; `law: epsd, epsd_hertz`"),
+    NUMBER(contact_def, rolling_damping, UNIT_NONE, AT_LEAST_0, "0.3",
+           "share of the critical damping of the rolling spring; `law: epsd, epsd_hertz`"),
+    NUMBER(contact_def, twisting_coefficient, UNIT_NONE, AT_LEAST_0, "0",
+           "as `rolling_coefficient`, about the normal; `law: epsd, epsd_hertz`"),
+    NUMBER(contact_def, surface_energy, UNIT_TENSION, AT_LEAST_0, "0",
+           "work of adhesion of both surfaces together; `law: dmt, jkr`"),
+    PART(contact_def, bond, bond, "", 0, "without it this pair does not bond; `law: bonds`"),
 };
 SECTION(contact, contact_def, "contact",
         "How two materials touch. A material has the defaults with itself; two that differ and touch must be listed.");
@@ -400,7 +420,7 @@ SECTION(measure, measure_def, "measure",
         "liquid `bridges`, `liquid_kg`; with polyhedra `core_overlaps`, pairs pressed deeper than their rounding: 0 is "
         "right, else contacts "
         "are "
-        "too soft.");
+        "too soft; with `law: bonds` `bonds`, the whole ones.");
 static const scene_field output_fields[] = {
     NUMBER(output_def, frames, UNIT_TIME, POSITIVE, "",
            "time between two frames of the ParaView series `scene.pvd`, `scene_walls.pvd`; default: none"),
@@ -453,7 +473,12 @@ static const scene_field scene_fields[] = {
     VECTOR(scene_def, gravity, UNIT_ACCELERATION, "[0, 0, -9.81]", "or inclined, for a machine that is"),
     {"seed", FIELD_WHOLE, UNIT_NONE, offsetof(scene_def, seed), 0.0, 9007199254740992.0, false, "1", 0, NO_WORDS,
      "of random places and sizes; `--seed` overrides it"},
-    CHOICE(scene_def, law, "linear|hertz", "linear", "normal law; friction and rolling resistance where a contact has them"),
+    CHOICE(scene_def, law, "linear|hertz|epsd|epsd_hertz|dmt|jkr|bonds", "linear",
+           "linear, hertz: friction and rolling resistance where a contact has them. epsd, epsd_hertz: these with rolling that rests "
+           "(a spring that yields). dmt, jkr: hertz with adhesion, of stiff small and of soft large spheres. bonds: linear, with bonds "
+           "that break. Equations: [contact_laws.md](contact_laws.md). The last five know spheres and clumps, bonds spheres only"),
+    NUMBER(scene_def, bond_at, UNIT_TIME, AT_LEAST_0, "",
+           "`law: bonds`: when what touches becomes a bond, where its contact has `bond`"),
     LIST(scene_def, materials, FIELD_NAMED, material, 8, MUST, "materials with names"),
     LIST(scene_def, contacts, FIELD_LIST, contact, 64, "", "pairs of materials"),
     LIST(scene_def, walls, FIELD_NAMED, wall, 32, "", "walls with names"),
