@@ -2,7 +2,7 @@
 #pragma once
 #include "law.h"
 
-#define DEM_CORNERS_MAX 32                      /* corners of a polyhedron, at most: a set of them fits into 32 bits */
+#define DEM_CORNERS_MAX 32                      /* corners of a core, at most: a set of them fits into 32 bits */
 #define DEM_FACES_MAX (2 * DEM_CORNERS_MAX - 4) /* by Euler's formula, if all are triangles */
 #define DEM_EDGES_MAX (3 * DEM_CORNERS_MAX - 6)
 
@@ -15,7 +15,9 @@ typedef struct dem_convex {
     int corners, edges, faces;
     int is_box;       /* 1: the core is a box along the principal axes with half lengths `half` */
     int along_axes;   /* 1: corners and planes lie along the principal axes; 0: as they were given */
+    int given;        /* corners of the polyhedron that it was made of */
     double radius;    /* of rounding [m] */
+    double deviation; /* of its surface, at most, from that of the given polyhedron with this rounding [m]; 0: none */
     double reach;     /* from the centroid to the farthest point [m] */
     double volume;    /* [m3] */
     double moment[3]; /* principal moments of inertia over density [m5] */
@@ -33,16 +35,25 @@ typedef struct dem_convex {
                      [2]; /* its faces; it runs along the first one's corners, against the second one's */
 } dem_convex;
 
-/* Makes a polyhedron from its corners, in any order. n: 4 .. DEM_CORNERS_MAX; corners: shape [n][3] [m]; rounding:
-   radius over the smallest distance of a face from the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good value.
-   DEM_BAD_ARGUMENT, with the cause in *reason (may be NULL): a number that is not finite or out of range, corners in
-   one plane, a point that is no corner (it lies inside, in a face, on an edge or on another), or a core of more than
-   DEM_CORNERS_MAX corners (it may have more of them where more than three faces meet). */
+/* Makes a polyhedron from its corners, in any order. n: 4 or more; corners: shape [n][3] [m]; rounding: radius over the
+   smallest distance of a face from the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good value. Volume, centroid
+   and moments are those of all corners. A core of more than DEM_CORNERS_MAX corners (where more than three faces meet,
+   it has more of them than the polyhedron) is replaced by a near one, whose `deviation` tells how near.
+   DEM_BAD_ARGUMENT, with the cause in *reason (may be NULL): a number that is not finite or out of range, corners in one
+   plane, a point that is no corner (it lies inside, in a face, on an edge or on another), or a rounding that leaves no
+   core. DEM_OUT_OF_MEMORY: only for more than DEM_CORNERS_MAX corners, here or of the core. */
 DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding,
                                    const char **reason);
+/* Makes a polyhedron from the convex hull of points, for instance of a scan: of the corners of an STL file. points:
+   shape [n][3] [m], at least 4, with at most 65536 on the hull; those within it do not matter. tolerance: of the surface,
+   over the diameter of the sphere of the same volume [-], 0 .. 0.2: the core has as few corners as keep `deviation`
+   below it, and is refused if DEM_CORNERS_MAX are not enough; 0: as near as these can be. allocator: of the work space;
+   NULL: realloc and free. Otherwise as dem_make_convex. */
+DEM_API dem_status dem_make_hull(dem_convex *shape, ptrdiff_t n, const double *points, double rounding,
+                                 double tolerance, const dem_allocator *allocator, const char **reason);
 /* Makes a box of these lengths along its axes [m] > 0. rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason);
-/* Makes a polyhedron from a closed surface of triangles that is convex. Also refuses an edge that has not two
+/* Makes a polyhedron from a closed surface of up to 4000 triangles that is convex. Also refuses an edge that has not two
    triangles, and a corner outside of a triangle's plane. Triangles in one plane make one face. */
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);
 

@@ -5,6 +5,7 @@
 #include "save.h"
 #include "pairs.h"
 #include "block.h"
+#include "make.h"
 
 static inline const dem__convex_calls *dem__polyhedra(void) {
     static const dem__convex_calls row = {dem__prepare_convex, dem__fill_convex_rows, dem__finish_convex_rows,
@@ -17,8 +18,9 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
     if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
         c->faces > DEM_FACES_MAX)
         return 0;
-    int sound = dem__positive(c->radius) && dem__positive(c->reach) && dem__positive(c->volume) && c->share > 0.0 &&
-                c->share <= 1.0 && c->face_start[0] == 0 && c->face_start[c->faces] == 2 * c->edges;
+    int sound = c->deviation >= 0.0 && c->deviation <= DBL_MAX && dem__positive(c->radius) && dem__positive(c->reach) &&
+                dem__positive(c->volume) && c->share > 0.0 && c->share <= 1.0 && c->face_start[0] == 0 &&
+                c->face_start[c->faces] == 2 * c->edges;
     for (int k = 0; k < 3; k++) sound &= dem__positive(c->moment[k]);
     for (int k = 0; k < 3 * c->corners; k++) sound &= fabs(c->corner[k / 3][k % 3]) <= c->reach;
     for (int k = 0; k < 4 * c->faces; k++) sound &= fabs(c->plane[k / 4][k % 4]) <= (k % 4 < 3 ? 1.0 + 1e-9 : c->reach);
@@ -90,7 +92,7 @@ static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, d
     memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
     convex->shapes = (int)n, convex->calls = dem__polyhedra();
     w->engine->walls.touch_keepers++;
-    g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
+    g->fields = dem__shape_fields(convex->shape, g->field), g->needed = g->fields - DEM__SHAPE_OPTIONAL;
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
     for (ptrdiff_t k = 0; k < n; k++) {
         convex->shape[k].along_axes = 1;
