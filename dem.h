@@ -821,6 +821,9 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
    whole in the worst case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere
    within another is left out: it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
+/* Makes a capsule along the x axis: spheres in a row, so near that the grooves between them are 1 % of the radius deep.
+   diameter, length: over all [m] > 0, length >= diameter. DEM_TOO_MANY from 9.8 diameters on. */
+DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double length);
 DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
 /* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n]
    [m], to which the shape is scaled, NULL: as it was made; orientations: shape [n][4], quaternions (scalar first, of
@@ -1358,6 +1361,16 @@ DEM_API dem_status dem_make_hull(dem_convex *shape, ptrdiff_t n, const double *p
                                  double tolerance, const dem_allocator *allocator, const char **reason);
 /* Makes a box of these lengths along its axes [m] > 0. rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason);
+/* Makes a round tablet, lens or cylinder about the z axis. diameter, height: over all [m] > 0; band: height of its
+   straight side [m]: as `height`, a cylinder; less, with caps that are parts of balls, at most half ones; 0, a lens. Drawn
+   with 16 sides and the volume of the round body. With caps the core is a reduced one: `deviation` tells by how much. rounding, reason: as in dem_make_convex. */
+DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double height, double band, double rounding,
+                                   const char **reason);
+/* Makes a grain of gravel: corners on an ellipsoid with half axes in the ratio 1 : elongation : elongation flatness along
+   x, y, z, evenly spread and shaken. diameter: of the sphere of the same volume [m] > 0; elongation, flatness: 0.1 .. 1
+   [-]; corners: 6 .. 200; seed: any number, other grains for other ones. rounding, reason: as in dem_make_convex. */
+DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double elongation, double flatness, int corners,
+                                   uint64_t seed, double rounding, const char **reason);
 /* Makes a polyhedron from a closed surface of up to 4000 triangles that is convex. Also refuses an edge that has not two
    triangles, and a corner outside of a triangle's plane. Triangles in one plane make one face. */
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);
@@ -13898,6 +13911,19 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
     return DEM_OK;
 }
 
+DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double length) {
+    double centre[DEM_CLUMP_MAX][3], width[DEM_CLUMP_MAX];
+    if (!clump || !dem__positive(diameter) || !(length >= diameter && length <= DBL_MAX)) return DEM_BAD_ARGUMENT;
+    const double spheres = 1.0 + ceil((length - diameter) / (0.141 * diameter)); /* (s/2)^2 = r^2 - (0.99 r)^2 */
+    if (!(spheres <= (double)DEM_CLUMP_MAX)) return DEM_TOO_MANY;
+    const int n = (int)spheres;
+    for (int k = 0; k < n; k++) {
+        centre[k][0] = n > 1 ? (length - diameter) * ((double)k / (double)(n - 1) - 0.5) : 0.0;
+        centre[k][1] = centre[k][2] = 0.0, width[k] = diameter;
+    }
+    return dem_make_clump(n, centre[0], width, clump);
+}
+
 /* ----------------------------------------------------------------------------------------------------- >>gas/gas.h */
 /* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures. */
 
@@ -19811,6 +19837,84 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
     if (!wrong) return dem_make_hull(shape, mesh->vertices, mesh->vertex, rounding, 0.0, NULL, reason);
     if (reason) *reason = wrong;
     return DEM_BAD_ARGUMENT;
+}
+
+/* --------------------------------------------------------------------------------------------- >>polyhedra/ready.h */
+/* Polyhedra by a few lengths: tablets, lenses, cylinders, gravel. */
+
+enum { DEM__TABLET_SIDES = 16, DEM__GRAVEL_MAX = 200 };
+
+/* Adds a ring of n points about the z axis, turned by a share of a side. Returns the new number of points. */
+static inline int dem__add_ring(double (*x)[3], int at, int n, double radius, double height, double share) {
+    for (int k = 0; k < n; k++) {
+        const double angle = 2.0 * RIDDLE_PI * ((double)k + share) / (double)n;
+        x[at + k][0] = radius * riddle_cos(angle), x[at + k][1] = radius * riddle_sin(angle), x[at + k][2] = height;
+    }
+    return at + n;
+}
+
+/* Makes a hull of n points that is scaled to a volume. flat: along x and y alone. */
+static inline dem_status dem__make_of_volume(dem_convex *shape, int n, double (*x)[3], double volume, int flat,
+                                             double rounding, const char **reason) {
+    dem_status status = dem_make_hull(shape, n, x[0], rounding, 0.0, NULL, reason);
+    if (status != DEM_OK) return status;
+    const double factor = flat ? sqrt(volume / shape->volume) : riddle_cbrt(volume / shape->volume);
+    for (int k = 0; k < (flat ? 2 : 3) * n; k++) x[flat ? k / 2 : k / 3][flat ? k % 2 : k % 3] *= factor;
+    return dem_make_hull(shape, n, x[0], rounding, 0.0, NULL, reason);
+}
+
+DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double height, double band, double rounding,
+                                   const char **reason) {
+    double x[8 * DEM__TABLET_SIDES][3];
+    const double cap = 0.5 * (height - band), r = 0.5 * diameter;
+    const char *wrong = !dem__positive(diameter) || !dem__positive(height) ? "a length is not a number above 0"
+                        : !(band >= 0.0 && band <= height)                 ? "the band is not 0 .. the height"
+                        : !(cap <= r)                                      ? "a cap is higher than a half ball"
+                                                                           : NULL;
+    if (reason) *reason = wrong;
+    if (wrong) return DEM_BAD_ARGUMENT;
+    const int sides = DEM__TABLET_SIDES, is_flat = !(cap > 1e-6 * diameter);
+    const double volume = RIDDLE_PI * (r * r * band + cap / 3.0 * (3.0 * r * r + cap * cap));
+    int n = dem__add_ring(x, 0, sides, r, 0.5 * (is_flat ? height : band), 0.0);
+    if (is_flat || band > 1e-3 * height) n = dem__add_ring(x, n, sides, r, -0.5 * (is_flat ? height : band), 0.0);
+    for (int k = 0; k < 6 && !is_flat; k++) { /* two rings and a pole on each cap, which is a part of a ball */
+        const double ball = 0.5 * (r * r + cap * cap) / cap,
+                     at = r * (k % 3 == 0   ? 0.7
+                               : k % 3 == 1 ? 0.35
+                                            : 0.0),
+                     up = sqrt(ball * ball - at * at) - (ball - cap);
+        n = dem__add_ring(x, n,
+                          k % 3 == 0   ? 11
+                          : k % 3 == 1 ? 6
+                                       : 1,
+                          at, (k < 3 ? 1.0 : -1.0) * (0.5 * band + up), 0.5 * k);
+    }
+    return dem__make_of_volume(shape, n, x, volume, is_flat, rounding, reason);
+}
+
+DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double elongation, double flatness, int corners,
+                                   uint64_t seed, double rounding, const char **reason) {
+    double x[DEM__GRAVEL_MAX][3];
+    const char *wrong = !dem__positive(diameter)                    ? "the diameter is not a number above 0"
+                        : corners < 6 || corners > DEM__GRAVEL_MAX  ? "the number of corners is not 6 .. 200"
+                        : !(elongation >= 0.1 && elongation <= 1.0) ? "the elongation is not 0.1 .. 1"
+                        : !(flatness >= 0.1 && flatness <= 1.0)     ? "the flatness is not 0.1 .. 1"
+                                                                    : NULL;
+    if (reason) *reason = wrong;
+    if (wrong) return DEM_BAD_ARGUMENT;
+    const double jitter = 1.8 / sqrt((double)corners), axis[3] = {1.0, elongation, elongation * flatness};
+    uint64_t random = seed;
+    for (int k = 0; k < corners; k++) { /* a spiral over the ball, shaken */
+        const double up = 1.0 - (2.0 * (double)k + 1.0) / (double)corners, across = sqrt(1.0 - up * up);
+        const double angle = 2.0 * RIDDLE_PI * (0.618033988749895 * (double)k - floor(0.618033988749895 * (double)k));
+        dem_vec v = dem_vec3(up, across * riddle_cos(angle), across * riddle_sin(angle));
+        v.x += jitter * (dem__uniform(&random) - 0.5), v.y += jitter * (dem__uniform(&random) - 0.5);
+        v.z += jitter * (dem__uniform(&random) - 0.5);
+        v = dem__scale(0.5 * diameter / dem__length(v), v);
+        for (int a = 0; a < 3; a++) x[k][a] = axis[a] * dem_axis(v, a);
+    }
+    return dem__make_of_volume(shape, corners, x, RIDDLE_PI / 6.0 * diameter * diameter * diameter, 0, rounding,
+                               reason);
 }
 
 /* ----------------------------------------------------------------------------------------------- >>polyhedra/add.h */
