@@ -434,7 +434,7 @@ static void test_hull_memory(void **state) {
     assert_int_equal(status, DEM_OK);
 }
 
-/* Ready shapes have the volume of the round body, its moments and lengths to the error of 16 sides and of caps of 18 corners, in any unit; wrong lengths are refused. */
+/* Ready shapes have the volume of the round body, its moments and lengths to the error of 16 sides and of caps of 58 corners, in any unit; wrong lengths are refused. */
 static void test_ready(void **state) {
     (void)state;
     const char *reason = NULL;

@@ -26,7 +26,7 @@ static inline dem_status dem__make_of_volume(dem_convex *shape, int n, double (*
 
 DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double height, double band, double rounding,
                                    const char **reason) {
-    double x[8 * DEM__TABLET_SIDES][3];
+    double x[10 * DEM__TABLET_SIDES][3];
     const double cap = 0.5 * (height - band), r = 0.5 * diameter;
     const char *wrong = !dem__positive(diameter) || !dem__positive(height) ? "a length is not a number above 0"
                         : !(band >= 0.0 && band <= height)                 ? "the band is not 0 .. the height"
@@ -38,17 +38,12 @@ DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double he
     const double volume = RIDDLE_PI * (r * r * band + cap / 3.0 * (3.0 * r * r + cap * cap));
     int n = dem__add_ring(x, 0, sides, r, 0.5 * (is_flat ? height : band), 0.0);
     if (is_flat || band > 1e-3 * height) n = dem__add_ring(x, n, sides, r, -0.5 * (is_flat ? height : band), 0.0);
-    for (int k = 0; k < 6 && !is_flat; k++) { /* two rings and a pole on each cap, which is a part of a ball */
-        const double ball = 0.5 * (r * r + cap * cap) / cap,
-                     at = r * (k % 3 == 0   ? 0.7
-                               : k % 3 == 1 ? 0.35
-                                            : 0.0),
+    for (int k = 0; k < 12 && !is_flat; k++) { /* rings and a pole on each cap, which is a part of a ball */
+        static const int of_ring[6] = {16, 16, 12, 8, 5, 1};
+        static const double place[6] = {0.95, 0.8, 0.6, 0.4, 0.2, 0.0};
+        const double ball = 0.5 * (r * r + cap * cap) / cap, at = r * place[k % 6],
                      up = sqrt(ball * ball - at * at) - (ball - cap);
-        n = dem__add_ring(x, n,
-                          k % 3 == 0   ? 11
-                          : k % 3 == 1 ? 6
-                                       : 1,
-                          at, (k < 3 ? 1.0 : -1.0) * (0.5 * band + up), 0.5 * k);
+        n = dem__add_ring(x, n, of_ring[k % 6], at, (k < 6 ? 1.0 : -1.0) * (0.5 * band + up), 0.5 * k);
     }
     return dem__make_of_volume(shape, n, x, volume, is_flat, rounding, reason);
 }
