@@ -1368,7 +1368,7 @@ DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double he
                                    const char **reason);
 /* Makes a grain of gravel: corners on an ellipsoid with half axes in the ratio 1 : elongation : elongation flatness along
    x, y, z, evenly spread and shaken. diameter: of the sphere of the same volume [m] > 0; elongation, flatness: 0.1 .. 1
-   [-]; corners: 6 .. 200; seed: any number, other grains for other ones. rounding, reason: as in dem_make_convex. */
+   [-]; corners: 6 .. 300; seed: any number, other grains for other ones. rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double elongation, double flatness, int corners,
                                    uint64_t seed, double rounding, const char **reason);
 /* Makes a polyhedron from a closed surface of up to 4000 triangles that is convex. Also refuses an edge that has not two
@@ -17209,8 +17209,9 @@ DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     return 1;
 }
 
-/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. */
-static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
+/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. Beyond `enough`,
+   any larger value. */
+static inline double dem__from_near_faces(const dem_convex *s, dem_vec p, double enough, dem_vec *n) {
     int top = -1;
     double highest = -HUGE_VAL, least = HUGE_VAL;
     for (int f = 0; f < s->faces; f++) {
@@ -17218,25 +17219,29 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
         if (height > highest) highest = height, top = f;
     }
     *n = top < 0 ? dem_vec3(0.0, 0.0, 1.0) : dem__point(s->plane[top]);
+    if (highest > enough) return highest;
     for (int f = 0; f < s->faces; f++) {
         const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
         if ((f != top && !(height > 0.0)) || !dem__over_face(s, f, p)) continue;
         *n = dem__point(s->plane[f]);
         return height;
     }
-    const dem_vec outward = *n;
+    dem_vec off = dem_vec3(0.0, 0.0, 0.0);
     for (int e = 0; e < s->edges || e == 0; e++) { /* a point has a corner, but no edge */
         const dem_vec from = dem__point(s->corner[s->edge[e][0]]),
                       u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
         const double length = dem__dot(u, u),
                      t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
         const dem_vec d = dem__sub(p, dem__plus(from, t, u));
-        const double distance = dem__length(d);
-        if (!(distance < least)) continue;
-        least = distance;
-        *n = distance > 1e-12 * s->reach ? dem__scale(1.0 / distance, d) : outward;
+        const double square = dem__dot(d, d);
+        if (square < least) least = square, off = d;
     }
-    return least;
+    const double distance = sqrt(least);
+    if (distance > 1e-12 * s->reach) *n = dem__scale(1.0 / distance, off);
+    return distance;
+}
+static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
+    return dem__from_near_faces(s, p, HUGE_VAL, n);
 }
 
 /* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger
@@ -17244,7 +17249,7 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
 DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
     const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);
-    const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_faces(s, x, &m);
+    const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_near_faces(s, x, enough, &m);
     *n = distance > enough ? m : dem__from_core_frame(place, m);
     return distance;
 }
@@ -19842,7 +19847,7 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
 /* --------------------------------------------------------------------------------------------- >>polyhedra/ready.h */
 /* Polyhedra by a few lengths: tablets, lenses, cylinders, gravel. */
 
-enum { DEM__TABLET_SIDES = 16, DEM__GRAVEL_MAX = 200 };
+enum { DEM__TABLET_SIDES = 16, DEM__GRAVEL_MAX = 300 };
 
 /* Adds a ring of n points about the z axis, turned by a share of a side. Returns the new number of points. */
 static inline int dem__add_ring(double (*x)[3], int at, int n, double radius, double height, double share) {
@@ -19891,7 +19896,7 @@ DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double el
                                    uint64_t seed, double rounding, const char **reason) {
     double x[DEM__GRAVEL_MAX][3];
     const char *wrong = !dem__positive(diameter)                    ? "the diameter is not a number above 0"
-                        : corners < 6 || corners > DEM__GRAVEL_MAX  ? "the number of corners is not 6 .. 200"
+                        : corners < 6 || corners > DEM__GRAVEL_MAX  ? "the number of corners is not 6 .. 300"
                         : !(elongation >= 0.1 && elongation <= 1.0) ? "the elongation is not 0.1 .. 1"
                         : !(flatness >= 0.1 && flatness <= 1.0)     ? "the flatness is not 0.1 .. 1"
                                                                     : NULL;

@@ -60,7 +60,7 @@ DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double he
                                    const char **reason);
 /* Makes a grain of gravel: corners on an ellipsoid with half axes in the ratio 1 : elongation : elongation flatness along
    x, y, z, evenly spread and shaken. diameter: of the sphere of the same volume [m] > 0; elongation, flatness: 0.1 .. 1
-   [-]; corners: 6 .. 200; seed: any number, other grains for other ones. rounding, reason: as in dem_make_convex. */
+   [-]; corners: 6 .. 300; seed: any number, other grains for other ones. rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double elongation, double flatness, int corners,
                                    uint64_t seed, double rounding, const char **reason);
 /* Makes a polyhedron from a closed surface of up to 4000 triangles that is convex. Also refuses an edge that has not two

@@ -3,7 +3,7 @@
 #include "../feed/sizes.h"
 #include "make.h"
 
-enum { DEM__TABLET_SIDES = 16, DEM__GRAVEL_MAX = 200 };
+enum { DEM__TABLET_SIDES = 16, DEM__GRAVEL_MAX = 300 };
 
 /* Adds a ring of n points about the z axis, turned by a share of a side. Returns the new number of points. */
 static inline int dem__add_ring(double (*x)[3], int at, int n, double radius, double height, double share) {
@@ -52,7 +52,7 @@ DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double el
                                    uint64_t seed, double rounding, const char **reason) {
     double x[DEM__GRAVEL_MAX][3];
     const char *wrong = !dem__positive(diameter)                    ? "the diameter is not a number above 0"
-                        : corners < 6 || corners > DEM__GRAVEL_MAX  ? "the number of corners is not 6 .. 200"
+                        : corners < 6 || corners > DEM__GRAVEL_MAX  ? "the number of corners is not 6 .. 300"
                         : !(elongation >= 0.1 && elongation <= 1.0) ? "the elongation is not 0.1 .. 1"
                         : !(flatness >= 0.1 && flatness <= 1.0)     ? "the flatness is not 0.1 .. 1"
                                                                     : NULL;

@@ -263,7 +263,7 @@ static const scene_field shape_gravel_fields[] = {
      "middle over longest axis"},
     {"flatness", FIELD_NUMBER, UNIT_NONE, offsetof(shape_gravel, flatness), 0.1, 1.0, false, "0.8", 0, NO_WORDS,
      "shortest over middle axis"},
-    {"corners", FIELD_WHOLE, UNIT_NONE, offsetof(shape_gravel, corners), 6.0, 200.0, false, "12", 0, NO_WORDS, "of the grain"},
+    {"corners", FIELD_WHOLE, UNIT_NONE, offsetof(shape_gravel, corners), 6.0, 300.0, false, "12", 0, NO_WORDS, "of the grain"},
     {"seed", FIELD_WHOLE, UNIT_NONE, offsetof(shape_gravel, seed), 0.0, 9007199254740992.0, false, "1", 0, NO_WORDS,
      "another number, another grain"},
 };
