@@ -1392,7 +1392,17 @@ targets:
 
             done = run(scene)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("with: --set contacts.friction=0.5", done.stdout)
+            self.assertRegex(done.stdout, r"with: --set contacts.friction=0\.(5[01]|4[89])")
+            self.assertIn("with: --set contacts.friction=" + pathlib.Path(folder, "found.set").read_text(encoding="utf-8").split("friction=")[1][:3], done.stdout)
+            twice = scene.replace("targets:\n", f"""targets:
+  - {{command: "{sys.executable} {folder}/heap.py 0.5 {{json}}", result: heap.angle_deg.0, value: 25, error: 0.3}}
+""")  # another program with a result of this name
+            done = run(twice.replace("runs: 14", "runs: 12"))
+            self.assertIn("other parameters or targets", done.stderr)
+            os.remove(os.path.join(folder, "runs.jsonl"))
+            done = run(twice.replace("runs: 14", "runs: 12"))
+            self.assertEqual((done.returncode, done.stdout.count("heap.angle_deg.0")), (0, 2), done.stderr)
+            os.remove(os.path.join(folder, "runs.jsonl"))
             with open(os.path.join(folder, "result.json"), encoding="utf-8") as file:
                 self.assertLess(abs(json.load(file)["parameters"]["mu"]["value"] - 0.5), 0.02)
             for text, said in ((scene.replace("low: 0.1, ", ""), "low is missing"), (scene.replace("error: 0.3", "error: -1"), "error above 0"),
