@@ -313,6 +313,7 @@ typedef struct dem__field {
     int64_t *until;        /* step in which a particle's flight ends, or DEM__NO_FLIGHT */
     dem_vec *end_velocity; /* velocity there [m/s] */
     dem_vec *force;        /* on a particle that takes steps, in its last one [N] */
+    dem_vec *torque;       /* the same [N m] */
     double *work;          /* of the field along the flight [J] */
     double *booked;        /* part of the work that the ledger contains [J] */
 } dem__field;
