@@ -220,6 +220,8 @@ extern "C" {
 #define DEM__OF_CHUNK (6 * DEM__BLOCK)
 #define DEM__CHUNKS 256
 #define DEM__RANK_STEPS 2048 /* steps between two renewals of the order of particles by place: they move little in them */
+/* Steps of a run that pay for putting particles into another order in memory and back, which takes as long as six. */
+#define DEM__MOVE_STEPS 64
 #define DEM__SHARE 256       /* items that pay for waking a thread, at about 20 ns each */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */
 /* Speeds, spins and histories of contacts are rounded to 2^-52 of this: what decays ends at 0. */
@@ -821,6 +823,9 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
    whole in the worst case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere
    within another is left out: it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
+/* Makes a capsule along the x axis: spheres in a row, so near that the grooves between them are 1 % of the radius deep.
+   diameter, length: over all [m] > 0, length >= diameter. DEM_TOO_MANY from 9.8 diameters on. */
+DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double length);
 DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
 /* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n]
    [m], to which the shape is scaled, NULL: as it was made; orientations: shape [n][4], quaternions (scalar first, of
@@ -1358,6 +1363,16 @@ DEM_API dem_status dem_make_hull(dem_convex *shape, ptrdiff_t n, const double *p
                                  double tolerance, const dem_allocator *allocator, const char **reason);
 /* Makes a box of these lengths along its axes [m] > 0. rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason);
+/* Makes a round tablet, lens or cylinder about the z axis. diameter, height: over all [m] > 0; band: height of its
+   straight side [m]: as `height`, a cylinder; less, with caps that are parts of balls, at most half ones; 0, a lens. Drawn
+   with 16 sides and the volume of the round body. With caps the core is a reduced one: `deviation` tells by how much. rounding, reason: as in dem_make_convex. */
+DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double height, double band, double rounding,
+                                   const char **reason);
+/* Makes a grain of gravel: corners on an ellipsoid with half axes in the ratio 1 : elongation : elongation flatness along
+   x, y, z, evenly spread and shaken. diameter: of the sphere of the same volume [m] > 0; elongation, flatness: 0.1 .. 1
+   [-]; corners: 6 .. 300; seed: any number, other grains for other ones. rounding, reason: as in dem_make_convex. */
+DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double elongation, double flatness, int corners,
+                                   uint64_t seed, double rounding, const char **reason);
 /* Makes a polyhedron from a closed surface of up to 4000 triangles that is convex. Also refuses an edge that has not two
    triangles, and a corner outside of a triangle's plane. Triangles in one plane make one face. */
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);
@@ -1988,13 +2003,58 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
 }
 
+/* Returns how a component of values at nodes changes along an axis of the grid, per cell. */
+DEM_INLINE double dem__gas_slope(const double *values, const dem__gas_cell *cell, int of, int along) {
+    double sum = 0.0;
+    for (int corner = 0; corner < 8; corner++) {
+        ptrdiff_t node = cell->first;
+        double weight = corner >> along & 1 ? 1.0 : -1.0;
+        for (int a = 0; a < 3; a++) {
+            node += corner >> a & 1 ? cell->next[a] : 0;
+            if (a != along) weight *= corner >> a & 1 ? cell->part[a] : 1.0 - cell->part[a];
+        }
+        sum += weight * values[node * 3 + of];
+    }
+    return sum;
+}
+/* Returns the curl of the gas's velocity in its frame, at a place of the grid. */
+DEM_INLINE dem_vec dem__gas_curl(const dem_gas *gas, const dem__gas_cell *cell) {
+    double curl[3];
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        const double across = (double)(gas->n[b] - 1) / (dem_axis(gas->high, b) - dem_axis(gas->low, b)),
+                     up = (double)(gas->n[c] - 1) / (dem_axis(gas->high, c) - dem_axis(gas->low, c));
+        curl[a] = across * dem__gas_slope(gas->velocity, cell, c, b) - up * dem__gas_slope(gas->velocity, cell, b, c);
+    }
+    return dem_vec3(curl[0], curl[1], curl[2]);
+}
+
+/* Returns the coefficient c of the torque -c (spin - spin of the gas) on a sphere of a particle's volume [N m s]: pi
+   viscosity d^3 up to Re = density d^2 spin/viscosity = 32 (Stokes), beyond that by Dennis, Singh & Ingham 1980; 0
+   beyond the grid. The gas turns with its frame, and with half the curl of its velocity. *spin: in, of the particle
+   [rad/s]; out, relative to the gas. */
+DEM_INLINE double dem_gas_turning(const dem_force_point *at, dem_vec *spin) {
+    const dem_gas *gas = (const dem_gas *)at->user;
+    const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
+    const double d = 2.0 * at->radius;
+    dem_vec place = dem__sub(at->position, f.centre);
+    dem__gas_cell cell;
+    if (gas->spin != 0.0) place = dem__turned(gas, &f, place, -1.0);
+    if (!dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell)) return 0.0;
+    *spin = dem__plus(*spin, -gas->spin, gas->axis);
+    if (gas->velocity) *spin = dem__plus(*spin, -0.5, dem__turned(gas, &f, dem__gas_curl(gas, &cell), 1.0));
+    const double reynolds = gas->density * d * d * dem__length(*spin) / gas->viscosity;
+    const double over = (12.9 * sqrt(reynolds) + 128.4) / (64.0 * RIDDLE_PI); /* Stokes's torque */
+    return RIDDLE_PI * gas->viscosity * d * d * d * (over > 1.0 ? over : 1.0);
+}
+
 /* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or
    one of yours. */
 #define DEM_GAS(name, drag)                                                                                            \
     DEM_INLINE dem_vec name##_force(const dem_force_point *at) {                                                       \
         return dem_gas_force(at, (const dem_gas *)at->user, drag);                                                     \
     }                                                                                                                  \
-    DEM_FORCE_FIELD(name, name##_force)
+    DEM__FIELD(name, name##_force, dem_gas_turning)
 
 /* Bodies: the parts that no other one includes. */
 #ifdef DEM__BODIES
@@ -2041,6 +2101,8 @@ enum {
 typedef struct dem__feature {
     int place;      /* DEM__LEDGER_FEATURE and so on */
     int adds_loads; /* it adds to the loads of particles */
+    int sorts;      /* in a run particles may lie in another order: it knows them by its arrays alone, and adds up nothing
+                       in the order of particles */
     int exclusive;  /* it moves particles between steps: a world has at most one such feature */
 
     /* Memory. */
@@ -2267,7 +2329,7 @@ enum {
 
 /* Two particles that may touch before the list is built anew. */
 typedef struct dem__near {
-    int32_t i, j;    /* i < j */
+    int32_t i, j;    /* that of the lower number first */
     double distance; /* of centres, below which they touch [m] */
 } dem__near;
 
@@ -2385,6 +2447,8 @@ typedef struct dem__bodies {
     int32_t *number;         /* number of particles present before it: its number without gaps */
     int32_t *rank, *by_rank; /* place in the order in which contacts lie; the particle of a rank. Every particle has a
                                    rank, those that are gone too, until arrays are made without them */
+    int by_place;               /* in a run: they lie in the order of ranks, */
+    int32_t *given;             /* and this is the number that the caller knows of each */
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     int32_t *active_at;         /* where it is in the first list */
     ptrdiff_t active_count, to_check_count;
@@ -2502,6 +2566,7 @@ typedef struct dem__field {
     int64_t *until;        /* step in which a particle's flight ends, or DEM__NO_FLIGHT */
     dem_vec *end_velocity; /* velocity there [m/s] */
     dem_vec *force;        /* on a particle that takes steps, in its last one [N] */
+    dem_vec *torque;       /* the same [N m] */
     double *work;          /* of the field along the flight [J] */
     double *booked;        /* part of the work that the ledger contains [J] */
 } dem__field;
@@ -2660,6 +2725,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
                             &bodies->number,
                             &bodies->rank,
                             &bodies->by_rank,
+                            &bodies->given,
                             &bodies->to_check};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
@@ -6114,11 +6180,12 @@ typedef struct dem__curve_box {
 
 /* Lays the cube over four standard deviations each way from the mean, within the particles' range: the few outside go
    into the cells at the border. */
-static inline dem__curve_box dem__curve_of(const dem_world *w) {
+static inline dem__curve_box dem__curve_of(const dem_world *w, const int32_t *by_number) {
     double low[3], high[3], sum[3] = {0.0, 0.0, 0.0}, square[3] = {0.0, 0.0, 0.0}, n = 0.0, longest = 0.0;
     dem__curve_box box;
     for (int a = 0; a < 3; a++) low[a] = HUGE_VAL, high[a] = -HUGE_VAL;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
+    for (ptrdiff_t k = 0; k < w->count; k++) {
+        const ptrdiff_t i = by_number ? by_number[k] : k;
         if (!w->alive[i]) continue;
         const dem_vec x = dem__at(w, i, dem__now(w, i));
         n += 1.0;
@@ -6185,9 +6252,11 @@ static DEM__NOINLINE void dem__renew_ranks(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const int32_t *place = w->engine->pairs.cell_of;
     int32_t *other = w->engine->scratch.index;
-    dem__curve_box box = dem__curve_of(w);
+    const int32_t *by_number = bodies->by_place ? other : NULL; /* sums, and particles of one cell, follow numbers */
+    for (ptrdiff_t i = 0; i < w->count && by_number; i++) other[bodies->given[i]] = (int32_t)i;
+    dem__curve_box box = dem__curve_of(w, by_number);
     dem__in_parts(w, dem__parts(w, 4 * w->count), w->count, dem__place_on_curve, &box);
-    dem__sort_by_place(place, 0, w->count, NULL, bodies->by_rank);
+    dem__sort_by_place(place, 0, w->count, by_number, bodies->by_rank);
     dem__sort_by_place(place, 10, w->count, bodies->by_rank, other);
     dem__sort_by_place(place, 20, w->count, other, bodies->by_rank);
     dem__set_ranks(w);
@@ -6275,6 +6344,8 @@ static inline void dem__compact(dem_world *w) {
         if (contacts->j[c] >= 0) contacts->j[c] = remap[contacts->j[c]];
     }
     w->count = to;
+    for (ptrdiff_t i = 0; i < to && w->engine->bodies.by_place; i++)
+        w->engine->bodies.given[i] = w->engine->bodies.number[i];
     dem__set_ranks(w);
     w->engine->bodies.dropped = 0;
     DEM__TELL(w, renumber, (w, remap));
@@ -7035,8 +7106,9 @@ typedef struct dem__found_pairs {
 static inline int dem__add_near(const dem_world *w, dem__found_pairs *finds, int32_t i, int32_t j) {
     if (finds->n == finds->room) return 0;
     dem__near *q = &finds->pair[finds->n++];
-    q->i = i < j ? i : j;
-    q->j = i < j ? j : i;
+    const int in_order = w->id[i] < w->id[j]; /* so are their numbers, in whatever order they lie */
+    q->i = in_order ? i : j;
+    q->j = in_order ? j : i;
     q->distance = w->particle[i].radius + w->particle[j].radius;
     return 1;
 }
@@ -9710,9 +9782,12 @@ static inline void dem__free_untouched(dem_world *w) {
 
 /* Numbers the particles present, after a removal. */
 static inline void dem__number_present(dem_world *w) {
-    int32_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        w->engine->bodies.number[i] = n;
+    const dem__bodies *bodies = &w->engine->bodies;
+    int32_t n = 0, *by_number = w->engine->scratch.index;
+    for (ptrdiff_t i = 0; i < w->count && bodies->by_place; i++) by_number[bodies->given[i]] = (int32_t)i;
+    for (ptrdiff_t k = 0; k < w->count; k++) {
+        const ptrdiff_t i = bodies->by_place ? by_number[k] : k;
+        bodies->number[i] = n;
         n += w->alive[i] != 0;
     }
 }
@@ -9949,6 +10024,158 @@ static inline int dem__reorder_contacts(dem_world *w) {
     dem__arrange(w, n, run, chunks, list, dem__kept_arrays(w, list));
     dem__list_wall_contacts(w);
     return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------- >>step/memory.h */
+/* The order of particles in memory. In a run of many contacts particles lie by rank, so that what is near in space is
+   near in memory, whatever the order in which they were added; before the run returns they lie by their numbers again.
+   Reads ranks; moves all that belongs to particles, and the numbers in contacts and lists. Promises: no result depends
+   on it, because sums have the order of contacts, and contacts that of ranks. */
+
+/* Copies the entries of particles first .. end-1 of an array from where they lie. */
+static inline void dem__take_entries(char *to, const char *base, size_t size, const int32_t *from, ptrdiff_t first,
+                                     ptrdiff_t end) {
+    for (ptrdiff_t k = first; k < end; k++) {
+        const char *entry = base + (size_t)from[k] * size;
+        if (size == 4) memcpy(to + 4 * k, entry, 4);
+        else if (size == sizeof(dem_vec)) memcpy(to + (size_t)k * sizeof(dem_vec), entry, sizeof(dem_vec));
+        else if (size == sizeof(dem__bound)) memcpy(to + (size_t)k * sizeof(dem__bound), entry, sizeof(dem__bound));
+        else if (size == sizeof(dem_particle))
+            memcpy(to + (size_t)k * sizeof(dem_particle), entry, sizeof(dem_particle));
+        else memcpy(to + (size_t)k * size, entry, size);
+    }
+}
+
+/* An array on its way into another order. */
+typedef struct dem__move {
+    char *base, *scratch;
+    size_t size;
+    const int32_t *from;
+} dem__move;
+static inline void dem__take_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__move *m = (const dem__move *)context;
+    (void)w, (void)part;
+    dem__take_entries(m->scratch, m->base, m->size, m->from, first, end);
+}
+static inline void dem__put_back_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__move *m = (const dem__move *)context;
+    (void)w, (void)part;
+    memcpy(m->base + (size_t)first * m->size, m->scratch + (size_t)first * m->size, (size_t)(end - first) * m->size);
+}
+
+/* Returns whether an array of particles has nothing to move: scratch memory, lists that are made anew, loads that are
+   all 0. */
+static inline int dem__stays(const dem_world *w, const void *base) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    return base == w->engine->scratch.index || base == w->engine->pairs.cell_of ||
+           base == w->engine->pairs.adjacent_start || base == bodies->active || base == bodies->active_at ||
+           base == bodies->to_check || base == bodies->by_rank ||
+           (!bodies->loads_on && (base == bodies->load || base == bodies->external));
+}
+
+/* Moves all that belongs to particles: place k gets what lies at from[k]. */
+static inline void dem__move_entries(dem_world *w, const int32_t *from) {
+    dem__array list[DEM__ARRAYS_MAX];
+    dem__timers *t = &w->engine->walls.timers;
+    dem__move m;
+    int n = dem__particle_arrays(w, list);
+    const int parts = dem__parts(w, w->count);
+    const size_t walls = (size_t)w->walls * sizeof(int32_t);
+    m.from = from, m.scratch = (char *)w->engine->contacts.correction; /* free between steps */
+    if (walls > 0 && !w->engine->run.needs_lists) {
+        list[n].address = &t->due, list[n++].size = walls;
+        list[n].address = &w->engine->walls.sure, list[n++].size = walls;
+    }
+    for (int k = 0; k < n; k++) {
+        memcpy(&m.base, list[k].address, sizeof m.base);
+        m.size = list[k].size;
+        if (!m.base || dem__stays(w, m.base)) continue;
+        dem__in_parts(w, parts, w->count, dem__take_range, &m);
+        dem__in_parts(w, parts, w->count, dem__put_back_range, &m);
+    }
+    if (walls > 0 && !w->engine->run.needs_lists) dem__stop_timers(t, w->count * w->walls, w->count * w->walls);
+}
+
+/* Gives contacts and near pairs the new places of their particles; each keeps which of the two comes first. */
+static inline void dem__rename_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const int32_t *to = (const int32_t *)context;
+    dem__near *near = w->engine->pairs.near;
+    (void)part;
+    for (ptrdiff_t p = first; p < end; p++) near[p].i = to[near[p].i], near[p].j = to[near[p].j];
+}
+static inline void dem__rename_particles(dem_world *w, int32_t *to) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__pairs *pairs = &w->engine->pairs;
+    DEM__EACH_CONTACT(w, c) {
+        contacts->i[c] = to[contacts->i[c]];
+        if (contacts->j[c] >= 0) contacts->j[c] = to[contacts->j[c]];
+    }
+    if (w->engine->run.needs_lists) return;
+    dem__in_parts(w, dem__parts(w, pairs->count / 4), pairs->count, dem__rename_range, to);
+    dem__find_adjacent(w); /* there is room: the pairs are the same */
+}
+
+/* Puts particles into another order in memory. from: pairs.cell_of, the places where they lie. */
+static DEM__NOINLINE void dem__put_in_order(dem_world *w, const int32_t *from) {
+    dem__bodies *bodies = &w->engine->bodies;
+    int32_t *to = w->engine->scratch.index;
+    for (ptrdiff_t k = 0; k < w->count; k++) to[from[k]] = (int32_t)k;
+    dem__move_entries(w, from);
+    for (ptrdiff_t r = 0; r < w->count; r++) bodies->by_rank[r] = to[bodies->by_rank[r]];
+    dem__rename_particles(w, to);
+    dem__list_active(w);
+}
+
+/* Puts particles into the order of their ranks. */
+static inline void dem__lie_by_rank(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    int32_t *from = w->engine->pairs.cell_of;
+    for (ptrdiff_t k = 0; k < w->count && !bodies->by_place; k++) bodies->given[k] = (int32_t)k;
+    for (ptrdiff_t k = 0; k < w->count; k++) from[k] = bodies->by_rank[k];
+    bodies->by_place = 1;
+    dem__put_in_order(w, from);
+}
+
+/* Puts particles into the order of their numbers. */
+static inline void dem__lie_by_number(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    int32_t *from = w->engine->pairs.cell_of;
+    if (!bodies->by_place) return;
+    for (ptrdiff_t k = 0; k < w->count; k++) from[bodies->given[k]] = (int32_t)k;
+    dem__put_in_order(w, from);
+    bodies->by_place = 0;
+}
+
+/* Returns whether only the engine reads particles in a run of this kernel, so that they may lie in any order: nobody's
+   functions are called, and every feature allows it. */
+static inline int dem__may_lie_by_rank(const dem_world *w, const dem_kernel *kernel) {
+    for (int k = 0; k < w->engine->features; k++) {
+        if (!w->engine->feature[k].sorts) return 0;
+    }
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].asked.motion) return 0;
+    }
+    return !kernel->law->born && !kernel->law->ended && w->engine->contacts.chunk_count > 1 &&
+           (size_t)w->engine->contacts.capacity * sizeof(dem__correction) >= (size_t)w->count * sizeof(dem_particle);
+}
+
+/* Returns whether particles that follow each other in the order of ranks are apart in memory so often that it pays to
+   move them, for a run of some more steps. */
+static inline int dem__pays_to_move(const dem_world *w, int64_t steps) {
+    const int32_t *by_rank = w->engine->bodies.by_rank;
+    ptrdiff_t apart = 0, far = 0;
+    if (steps < DEM__MOVE_STEPS) return 0;
+    for (ptrdiff_t r = 1; r < w->count; r++) {
+        const int32_t d = by_rank[r] - by_rank[r - 1];
+        apart += d > 8 || d < -8;
+        far += d > 1024 || d < -1024;
+    }
+    return 4 * far > w->count || (4 * apart > w->count && steps >= 8 * DEM__MOVE_STEPS);
+}
+
+/* Puts particles into the order of their ranks where it pays. steps: left in this run. */
+static inline void dem__order_memory(dem_world *w, const dem_kernel *kernel, int64_t steps) {
+    if (dem__may_lie_by_rank(w, kernel) && dem__pays_to_move(w, steps)) dem__lie_by_rank(w);
 }
 
 /* --------------------------------------------------------------------------------------------- >>records/records.h */
@@ -10439,6 +10666,7 @@ static inline void dem__hash_fixed(uint64_t *hash, const dem_world *w, ptrdiff_t
 
 static inline dem__feature dem__feature_fixed(void) {
     dem__feature f = dem__new_feature(DEM__FIXED_FEATURE);
+    f.sorts = 1;
     f.list_arrays = dem__list_arrays_of_fixed;
     f.add_particle = dem__add_unfixed;
     f.world_fields = dem__world_fields_of_fixed;
@@ -10960,15 +11188,14 @@ static inline void dem__check_bounds(dem_world *w) {
 
 /* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
 static inline int dem__fail(dem_world *w, dem_status status) {
+    int failed = 0;
     w->status = status;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem_particle *p = &w->particle[i];
         const dem_vec sum = dem__add(dem__add(p->v, p->a), dem__add(p->spin, w->spin_rate[i]));
         const double v = sum.x + sum.y + sum.z;
-        if (!(fabs(v) <= DBL_MAX)) {
-            w->failed_id = w->id[i];
-            break;
-        }
+        if (fabs(v) <= DBL_MAX || (failed && w->failed_id < w->id[i])) continue;
+        failed = 1, w->failed_id = w->id[i];
     }
     return 0;
 }
@@ -11394,7 +11621,12 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
     w->engine->run.running = 1;
     int going = dem__prepare_run(w, kernel, features);
-    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
+    if (going) dem__order_memory(w, kernel, steps);
+    for (int64_t n = steps; n > 0 && going; n--) {
+        going = dem__step(w, kernel, n == 1);
+        if (w->step % DEM__RANK_STEPS == 1 && going) dem__order_memory(w, kernel, n - 1); /* ranks are new */
+    }
+    dem__lie_by_number(w);
     for (int k = 0; k < w->engine->features; k++) {
         if (w->engine->feature[k].end_run) going = w->engine->feature[k].end_run(w, going);
     }
@@ -12704,9 +12936,10 @@ static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem
     p->origin = w->step;
 }
 
-/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
-DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
-                                   dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
+
+/* Returns what a law gets to know of particle i at x with v. */
+DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time) {
     dem_force_point at;
     at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
     at.velocity = v;
@@ -12714,10 +12947,58 @@ DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, d
     at.time = time;
     at.gravity = dem__free_fall(w);
     at.user = w->engine->field.def.user;
+    return at;
+}
+
+/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
+DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
+                                   dem_vec (*law)(const dem_force_point *)) {
+    const dem_force_point at = dem__field_point(w, i, x, v, time);
     return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
 }
 
-DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
+/* A law of torque: -c times the spin relative to the field. In: *spin of a particle [rad/s]; out: the relative one.
+   Returns c [N m s]. NULL: there is no torque. */
+typedef double (*dem__turning_fn)(const dem_force_point *at, dem_vec *spin);
+
+/* The torque of a field on a particle: c and the relative spin, the particle's moment of inertia about that. */
+typedef struct dem__turning {
+    double c, inertia; /* c = 0: none */
+    dem_vec spin;
+} dem__turning;
+/* Returns it for particle i, which spins, or its body, at x. */
+DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin, double time,
+                                        dem__turning_fn turning) {
+    const dem_force_point at = dem__field_point(w, i, x, dem_vec3(0.0, 0.0, 0.0), time);
+    const dem__rigid *r = dem__rigid_of(w, i);
+    dem__turning q;
+    q.spin = spin, q.c = 0.0, q.inertia = 1.0;
+    if (!turning || (!r && !(w->engine->run.features & DEM_FRICTION) && dem__is_zero(spin)))
+        return q; /* spheres without friction do not turn */
+    q.c = turning(&at, &q.spin);
+    const double square = dem__dot(q.spin, q.spin);
+    if (!(q.c > 0.0 && square > 0.0 && square <= DBL_MAX)) {
+        q.c = 0.0;
+        return q;
+    }
+    q.inertia = r ? dem__dot(q.spin, dem__momentum_of(r->turn, r->moments, q.spin)) / square : dem__inertia(w, i);
+    return q;
+}
+
+/* Lets the torque act on particle i, or its body, over a time that has passed, at an origin that has just been set.
+   Exact for a sphere of constant c. Returns the energy that it gains [J]. */
+DEM_INLINE double dem__brake(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    const double before = dem__rotational(w, i), y = q->c * passed / q->inertia;
+    const double part = y < 1e-3 ? 1.0 - y * (0.5 - y * (1.0 / 6.0 - y / 24.0)) : (1.0 - riddle_exp(-y)) / y;
+    const dem_vec impulse = dem__scale(-q->c * passed * part, q->spin);
+    if (r) {
+        r->momentum = dem__add(r->momentum, impulse);
+        w->engine->bodies.calls->place(w, r);
+    } else w->particle[i].spin = dem__plus(w->particle[i].spin, 1.0 / q->inertia, impulse);
+    return dem__rotational(w, i) - before;
+}
+
 /* Returns whether particle i, or its body, has the acceleration of free fall only. */
 DEM_INLINE int dem__falls_freely(const dem_world *w, ptrdiff_t i) {
     return dem__is_zero(dem__sub(dem__centre_pull(w, i), dem__free_fall(w)));
@@ -12778,11 +13059,13 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
     return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
 }
 
+#define DEM__SLOWS 5e-3 /* share of its spin that a particle may lose in a flight */
+
 /* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right
    at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first one, times
    the time squared. */
-DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem__flown *q,
-                                  dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, const dem__turning *turn,
+                                  dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
     const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
                  probe = 16.0 * dt;
@@ -12795,6 +13078,10 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     if (jerk > 0.0) {
         const double guess = riddle_cbrt(13.5 * 3.0 * limit / jerk);
         longest = guess < longest ? guess : longest;
+    }
+    if (turn->c > 0.0) { /* the spin is that at the beginning of the flight: it must not change much, if it matters */
+        const double slows = DEM__SLOWS * turn->inertia / turn->c;
+        longest = slows < longest && dem__length(turn->spin) * slows > def->accuracy ? slows : longest;
     }
     int n = dem__steps_within(w, longest);
     for (;;) {
@@ -12809,21 +13096,25 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     }
 }
 
-/* Begins a flight now. Where the law gives 0 and gave 0 before, the present parabola stays. */
-DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+/* Begins a flight now, after the torque of the one before. Where the law gives 0 and gave 0 before, and there is no
+   torque, the present parabola stays. */
+DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
+                                 dem__turning_fn turning) {
     dem__field *field = &w->engine->field;
-    const double tau = dem__now(w, i), dt = w->engine->run.dt;
+    const double tau = dem__now(w, i), dt = w->engine->run.dt, passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
     const dem_vec x = dem__centre_at(w, i, tau),
                   v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
-    const dem_vec g = dem__free_fall(w);
+    const dem_vec g = dem__free_fall(w), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
+    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
     dem__flown q;
-    const int n = dem__choose_flight(w, i, x, v, &q, law);
+    const int n = dem__choose_flight(w, i, x, v, &turn, &q, law), brakes = turn.c > 0.0 && passed > 0.0;
     const double h = (double)n * dt;
     field->until[i] = w->step + n;
     field->work[i] = q.work, field->booked[i] = 0.0;
     if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
-    if (!(q.zero && dem__falls_freely(w, i))) {
+    if (!(q.zero && dem__falls_freely(w, i)) || brakes) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
+        if (brakes) field->booked[i] = -dem__brake(w, i, passed, &turn); /* the next booking adds it */
     }
     field->end_velocity[i] =
         q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
@@ -12851,14 +13142,16 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
 }
 
 /* Ends the flight of particle i now. Its position is that on the parabola; its velocity is computed anew. */
-DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
+                                dem__turning_fn turning) {
     dem__field *field = &w->engine->field;
     dem__rigid *r = dem__rigid_of(w, i);
     const dem_vec a = dem__centre_pull(w, i);
-    const double tau = dem__now(w, i);
-    const dem_vec x = dem__centre_at(w, i, tau);
+    const double tau = dem__now(w, i), passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
+    const dem_vec x = dem__centre_at(w, i, tau), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
+    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
     dem_vec v = dem__drift_at(w, i, tau);
-    const int falls = dem__falls_freely(w, i);
+    const int falls = dem__falls_freely(w, i), brakes = turn.c > 0.0 && passed > 0.0;
     field->work[i] = 0.0;
     if (tau > 0.0 && !falls) {
         const dem_vec begun = dem__drift_at(w, i, 0.0);
@@ -12870,18 +13163,21 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     const dem_vec pull = dem__field_pull(w, i, x, v, w->time, law);
     field->force[i] = dem__scale(w->particle[i].mass, pull);
     field->until[i] = DEM__NO_FLIGHT;
-    if (falls && dem__is_zero(pull)) return; /* the same bits as without a field */
+    if (falls && dem__is_zero(pull) && !brakes) return; /* the same bits as without a field */
     dem__begin_parabola(w, i, x, v, a);
+    if (brakes) field->work[i] += dem__brake(w, i, passed, &turn);
     dem__free_acceleration(w, i);
     if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
 }
 
-/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity
-   predicted for it. That on a body is added where its forces are summed up. */
-DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *)) {
+/* Adds the law's force and torque on particle i, which takes steps, at its position after a step of h and at the
+   velocity predicted for it. The force on a body is added where its forces are summed up. */
+DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *),
+                                     dem__turning_fn turning) {
     const dem__rigid *r = dem__rigid_of(w, i);
     const dem_particle *p = &w->particle[i];
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0), v = r ? r->v : p->v;
+    w->engine->field.torque[i] = none;
     if (!dem__leads(w, i)) {
         w->engine->field.force[i] = none;
         return;
@@ -12892,22 +13188,31 @@ DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_ve
     double *load = w->engine->bodies.sum[i].load;
     if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
     w->engine->field.force[i] = force;
+    if (!turning) return;
+    const dem__turning turn =
+        dem__turning_of(w, i, r ? r->x : p->x, p->spin, dem__time_of(w, w->step + (h > 0.0)), turning);
+    const dem_vec torque = turn.c > 0.0 ? dem__scale(-turn.c, turn.spin) : none;
+    load[3] += torque.x, load[4] += torque.y, load[5] += torque.z;
+    w->engine->field.torque[i] = torque;
 }
 
-DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_vec (*law)(const dem_force_point *),
+                                  dem__turning_fn turning) {
     for (ptrdiff_t k = 0; k < q->n; k++) {
         const ptrdiff_t i = q->particle[k];
-        if (q->task == DEM__ADD_FIELD_FORCE) dem__add_field_force(w, i, q->h, law);
-        else if (q->task == DEM__END_FLIGHTS) dem__end_flight(w, i, law);
-        else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law);
+        if (q->task == DEM__ADD_FIELD_FORCE) dem__add_field_force(w, i, q->h, law, turning);
+        else if (q->task == DEM__END_FLIGHTS) dem__end_flight(w, i, law, turning);
+        else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law, turning);
     }
 }
 
-#define DEM_FORCE_FIELD(name, law)                                                                                     \
+/* turning: a law of torque, or NULL. */
+#define DEM__FIELD(name, law, turning)                                                                                 \
     DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
-        dem__field_kernel(world, task, law);                                                                           \
+        dem__field_kernel(world, task, law, turning);                                                                  \
         return 1;                                                                                                      \
     }
+#define DEM_FORCE_FIELD(name, law) DEM__FIELD(name, law, NULL)
 
 /* ------------------------------------------------------------------------------------------------- >>gas/flights.h */
 /* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. */
@@ -13122,6 +13427,7 @@ static inline void dem__book_stepping(dem_world *w, double h) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         const dem__rigid *r = dem__rigid_of(w, i);
         dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.force[i], r ? r->v : w->particle[i].v));
+        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.torque[i], w->particle[i].spin));
     }
 }
 
@@ -13190,6 +13496,7 @@ static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
     const dem__array arrays[] = {{&field->until, sizeof *field->until},
                                  {&field->end_velocity, sizeof *field->end_velocity},
                                  {&field->force, sizeof *field->force},
+                                 {&field->torque, sizeof *field->torque},
                                  {&field->work, sizeof *field->work},
                                  {&field->booked, sizeof *field->booked}};
     const int n = (int)(sizeof arrays / sizeof *arrays);
@@ -13203,7 +13510,7 @@ static inline void dem__release_field(dem_world *w) {
 
 static inline void dem__add_unflown(dem_world *w, ptrdiff_t i) {
     w->engine->field.until[i] = DEM__NO_FLIGHT;
-    w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
+    w->engine->field.force[i] = w->engine->field.torque[i] = dem_vec3(0.0, 0.0, 0.0);
 }
 
 /* A field without a law: after loading dem_set_force_field comes first. */
@@ -13232,6 +13539,7 @@ static inline void dem__particle_fields_of_field(dem_world *w, dem__group *g) {
         DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
         DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
         DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
+        DEM__DOUBLES("particle.field_torque", field->torque[0], sizeof *field->torque),
         DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
     };
     dem__add_optional(g, fields, sizeof fields);
@@ -13774,6 +14082,19 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
     c.add__ = dem_add_clumps;
     *clump = c;
     return DEM_OK;
+}
+
+DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double length) {
+    double centre[DEM_CLUMP_MAX][3], width[DEM_CLUMP_MAX];
+    if (!clump || !dem__positive(diameter) || !(length >= diameter && length <= DBL_MAX)) return DEM_BAD_ARGUMENT;
+    const double spheres = 1.0 + ceil((length - diameter) / (0.141 * diameter)); /* (s/2)^2 = r^2 - (0.99 r)^2 */
+    if (!(spheres <= (double)DEM_CLUMP_MAX)) return DEM_TOO_MANY;
+    const int n = (int)spheres;
+    for (int k = 0; k < n; k++) {
+        centre[k][0] = n > 1 ? (length - diameter) * ((double)k / (double)(n - 1) - 0.5) : 0.0;
+        centre[k][1] = centre[k][2] = 0.0, width[k] = diameter;
+    }
+    return dem_make_clump(n, centre[0], width, clump);
 }
 
 /* ----------------------------------------------------------------------------------------------------- >>gas/gas.h */
@@ -16210,6 +16531,7 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
 
 static inline dem__feature dem__feature_meshes(void) {
     dem__feature f = dem__new_feature(DEM__MESHES_FEATURE);
+    f.sorts = 1;
     f.follow = dem__follow_meshes;
     return f;
 }
@@ -17061,8 +17383,9 @@ DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     return 1;
 }
 
-/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. */
-static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
+/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. Beyond `enough`,
+   any larger value. */
+static inline double dem__from_near_faces(const dem_convex *s, dem_vec p, double enough, dem_vec *n) {
     int top = -1;
     double highest = -HUGE_VAL, least = HUGE_VAL;
     for (int f = 0; f < s->faces; f++) {
@@ -17070,25 +17393,29 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
         if (height > highest) highest = height, top = f;
     }
     *n = top < 0 ? dem_vec3(0.0, 0.0, 1.0) : dem__point(s->plane[top]);
+    if (highest > enough) return highest;
     for (int f = 0; f < s->faces; f++) {
         const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
         if ((f != top && !(height > 0.0)) || !dem__over_face(s, f, p)) continue;
         *n = dem__point(s->plane[f]);
         return height;
     }
-    const dem_vec outward = *n;
+    dem_vec off = dem_vec3(0.0, 0.0, 0.0);
     for (int e = 0; e < s->edges || e == 0; e++) { /* a point has a corner, but no edge */
         const dem_vec from = dem__point(s->corner[s->edge[e][0]]),
                       u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
         const double length = dem__dot(u, u),
                      t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
         const dem_vec d = dem__sub(p, dem__plus(from, t, u));
-        const double distance = dem__length(d);
-        if (!(distance < least)) continue;
-        least = distance;
-        *n = distance > 1e-12 * s->reach ? dem__scale(1.0 / distance, d) : outward;
+        const double square = dem__dot(d, d);
+        if (square < least) least = square, off = d;
     }
-    return least;
+    const double distance = sqrt(least);
+    if (distance > 1e-12 * s->reach) *n = dem__scale(1.0 / distance, off);
+    return distance;
+}
+static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
+    return dem__from_near_faces(s, p, HUGE_VAL, n);
 }
 
 /* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger
@@ -17096,7 +17423,7 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
 DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
     const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);
-    const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_faces(s, x, &m);
+    const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_near_faces(s, x, enough, &m);
     *n = distance > enough ? m : dem__from_core_frame(place, m);
     return distance;
 }
@@ -19689,6 +20016,79 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
     if (!wrong) return dem_make_hull(shape, mesh->vertices, mesh->vertex, rounding, 0.0, NULL, reason);
     if (reason) *reason = wrong;
     return DEM_BAD_ARGUMENT;
+}
+
+/* --------------------------------------------------------------------------------------------- >>polyhedra/ready.h */
+/* Polyhedra by a few lengths: tablets, lenses, cylinders, gravel. */
+
+enum { DEM__TABLET_SIDES = 16, DEM__GRAVEL_MAX = 300 };
+
+/* Adds a ring of n points about the z axis, turned by a share of a side. Returns the new number of points. */
+static inline int dem__add_ring(double (*x)[3], int at, int n, double radius, double height, double share) {
+    for (int k = 0; k < n; k++) {
+        const double angle = 2.0 * RIDDLE_PI * ((double)k + share) / (double)n;
+        x[at + k][0] = radius * riddle_cos(angle), x[at + k][1] = radius * riddle_sin(angle), x[at + k][2] = height;
+    }
+    return at + n;
+}
+
+/* Makes a hull of n points that is scaled to a volume. flat: along x and y alone. */
+static inline dem_status dem__make_of_volume(dem_convex *shape, int n, double (*x)[3], double volume, int flat,
+                                             double rounding, const char **reason) {
+    dem_status status = dem_make_hull(shape, n, x[0], rounding, 0.0, NULL, reason);
+    if (status != DEM_OK) return status;
+    const double factor = flat ? sqrt(volume / shape->volume) : riddle_cbrt(volume / shape->volume);
+    for (int k = 0; k < (flat ? 2 : 3) * n; k++) x[flat ? k / 2 : k / 3][flat ? k % 2 : k % 3] *= factor;
+    return dem_make_hull(shape, n, x[0], rounding, 0.0, NULL, reason);
+}
+
+DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double height, double band, double rounding,
+                                   const char **reason) {
+    double x[10 * DEM__TABLET_SIDES][3];
+    const double cap = 0.5 * (height - band), r = 0.5 * diameter;
+    const char *wrong = !dem__positive(diameter) || !dem__positive(height) ? "a length is not a number above 0"
+                        : !(band >= 0.0 && band <= height)                 ? "the band is not 0 .. the height"
+                        : !(cap <= r)                                      ? "a cap is higher than a half ball"
+                                                                           : NULL;
+    if (reason) *reason = wrong;
+    if (wrong) return DEM_BAD_ARGUMENT;
+    const int sides = DEM__TABLET_SIDES, is_flat = !(cap > 1e-6 * diameter);
+    const double volume = RIDDLE_PI * (r * r * band + cap / 3.0 * (3.0 * r * r + cap * cap));
+    int n = dem__add_ring(x, 0, sides, r, 0.5 * (is_flat ? height : band), 0.0);
+    if (is_flat || band > 1e-3 * height) n = dem__add_ring(x, n, sides, r, -0.5 * (is_flat ? height : band), 0.0);
+    for (int k = 0; k < 12 && !is_flat; k++) { /* rings and a pole on each cap, which is a part of a ball */
+        static const int of_ring[6] = {16, 16, 12, 8, 5, 1};
+        static const double place[6] = {0.95, 0.8, 0.6, 0.4, 0.2, 0.0};
+        const double ball = 0.5 * (r * r + cap * cap) / cap, at = r * place[k % 6],
+                     up = sqrt(ball * ball - at * at) - (ball - cap);
+        n = dem__add_ring(x, n, of_ring[k % 6], at, (k < 6 ? 1.0 : -1.0) * (0.5 * band + up), 0.5 * k);
+    }
+    return dem__make_of_volume(shape, n, x, volume, is_flat, rounding, reason);
+}
+
+DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double elongation, double flatness, int corners,
+                                   uint64_t seed, double rounding, const char **reason) {
+    double x[DEM__GRAVEL_MAX][3];
+    const char *wrong = !dem__positive(diameter)                    ? "the diameter is not a number above 0"
+                        : corners < 6 || corners > DEM__GRAVEL_MAX  ? "the number of corners is not 6 .. 300"
+                        : !(elongation >= 0.1 && elongation <= 1.0) ? "the elongation is not 0.1 .. 1"
+                        : !(flatness >= 0.1 && flatness <= 1.0)     ? "the flatness is not 0.1 .. 1"
+                                                                    : NULL;
+    if (reason) *reason = wrong;
+    if (wrong) return DEM_BAD_ARGUMENT;
+    const double jitter = 1.8 / sqrt((double)corners), axis[3] = {1.0, elongation, elongation * flatness};
+    uint64_t random = seed;
+    for (int k = 0; k < corners; k++) { /* a spiral over the ball, shaken */
+        const double up = 1.0 - (2.0 * (double)k + 1.0) / (double)corners, across = sqrt(1.0 - up * up);
+        const double angle = 2.0 * RIDDLE_PI * (0.618033988749895 * (double)k - floor(0.618033988749895 * (double)k));
+        dem_vec v = dem_vec3(up, across * riddle_cos(angle), across * riddle_sin(angle));
+        v.x += jitter * (dem__uniform(&random) - 0.5), v.y += jitter * (dem__uniform(&random) - 0.5);
+        v.z += jitter * (dem__uniform(&random) - 0.5);
+        v = dem__scale(0.5 * diameter / dem__length(v), v);
+        for (int a = 0; a < 3; a++) x[k][a] = axis[a] * dem_axis(v, a);
+    }
+    return dem__make_of_volume(shape, corners, x, RIDDLE_PI / 6.0 * diameter * diameter * diameter, 0, rounding,
+                               reason);
 }
 
 /* ----------------------------------------------------------------------------------------------- >>polyhedra/add.h */

@@ -97,9 +97,17 @@ static void read_sizes(const program *self, const char *path, duty *d) {
     if (lacking) program_refuse(self, "sizes", path, lacking);
     common_print("%s\n", data.how);
     sheet_free_sizes(&data);
-    for (int i = 0; i < d->classes; i++)
-        if (!(d->diameter[i] >= 4.0 * d->voxel && d->diameter[i] <= 0.5 * d->width))
-            program_refuse(self, "sizes", path, "diameters of at least 4 voxels and at most half the box");
+}
+
+/* Two of the largest spheres must find room side by side: a pair touches in one place only. */
+static void check_sizes(const program *self, const char *path, const duty *d) {
+    double least = HUGE_VAL, most = 0.0;
+    char text[200];
+    for (int i = 0; i < d->classes; i++) least = fmin(least, d->diameter[i]), most = fmax(most, d->diameter[i]);
+    if (least >= 4.0 * d->voxel && most <= 0.5 * d->width) return;
+    snprintf(text, sizeof text, "diameters of %.3g um (4 voxels) to %.3g um (half the box); these: %.3g to %.3g um%s", 4e6 * d->voxel,
+             0.5e6 * d->width, 1e6 * least, 1e6 * most, least < 4.0 * d->voxel ? "; or finer voxels" : "; or no --unit-cell");
+    program_refuse(self, "sizes", path, text);
 }
 
 /* ---- state: what a checkpoint holds, besides the flow ---- */
@@ -530,6 +538,7 @@ static void print_run(const run *r, const findings *f) {
         common_print("The lattice does not resolve the jets of the whole pressure through the clean cloth: %.3g Pa at the start, less than the "
                      "whole until %.3g ms, as with a pump of limited rate; the line begins after that.\n",
                      r->d.first_share * r->d.pressure, 1e3 * c->limited_time);
+    if (r->d.first_share < 1.0) common_print("R_M0 is then too high, by a quarter where pores are four voxels wide: finer voxels or a lower pressure give it.\n");
     if (f->evaluated != FILTRATION_OK) common_print("No line: %s\n", filtration_status_text(f->evaluated));
     else if (line < 0.0)
         common_print("R_M from the line is below 0, which no medium has: the first spheres clog pores, and the line "
@@ -650,11 +659,12 @@ static duty completed(const program *self, const typed *t) {
     d.bulk_ratio = t->bulk;
     const double cells = d.width / d.voxel;
     if (!(cells <= 1e5)) program_refuse(self, "voxel-um", NULL, "at least a 100 000th of the box's width");
-    if (fabs(cells - floor(cells + 0.5)) > 1e-6 * cells || d.wire < 2.0 * d.voxel)
+    if (fabs(cells - floor(cells + 0.5)) > 1e-6 * cells || !(fmin(d.wire, d.opening) >= 2.0 * d.voxel))
         program_refuse(self, "voxel-um", NULL,
-                       "a whole part of the box's width (one or two periods of the weave), and at most half a wire");
+                       "a whole part of the box's width (one or two periods of the weave), and at most half a wire and half an opening");
     choose_start(self, t, &d);
     if (t->sizes) read_sizes(self, t->sizes, &d);
+    check_sizes(self, t->sizes, &d);
     return d;
 }
 

@@ -314,17 +314,17 @@ static void test_round_prism(void **state) {
         const char *reason = NULL;
         assert_int_equal(dem_make_convex(&s, 2 * sides, x, 0.03, &reason), DEM_OK);
         const double area = 0.5 * sides * radius * radius * sin(angle), square = radius * radius / 12.0 * (2.0 + cos(angle)); /* mean of x^2 */
-        near(s.volume, area * height, 1e-12);
+        close_to(s.volume, area * height, 1e-12);
         double least = HUGE_VAL, most = 0.0;
         for (int a = 0; a < 3; a++) least = fmin(least, s.moment[a] / s.volume), most = fmax(most, s.moment[a] / s.volume);
         const double along = 2.0 * square, across = square + height * height / 12.0;
-        near(least, fmin(along, across), 1e-12), near(most, fmax(along, across), 1e-12);
+        close_to(least, fmin(along, across), 1e-12), close_to(most, fmax(along, across), 1e-12);
         int flat = 0;
         for (int f = 0; f < s.faces; f++) {
             const double up = dem__dot(dem__point(s.plane[f]), p.axis[2]);
             if (fabs(up) < 1.0 - 1e-9) continue;
             flat++;
-            near(s.plane[f][3] + s.radius, 0.5 * height, 1e-5);
+            close_to(s.plane[f][3] + s.radius, 0.5 * height, 1e-5);
         }
         assert_int_equal(flat, 2);
         assert_true(sides > 16 || s.deviation == 0.0);
@@ -363,12 +363,12 @@ static void test_same_hull(void **state) {
         }
         assert_true(more % 7 != 0);
         assert_int_equal(dem_make_hull(&other, more, y, 0.05, 0.0, NULL, NULL), DEM_OK);
-        near(other.volume, s.volume * factor * factor * factor, 1e-11);
+        close_to(other.volume, s.volume * factor * factor * factor, 1e-11);
         double own[3], turned[3];
         for (int a = 0; a < 3; a++) own[a] = s.moment[a] * pow(factor, 5.0), turned[a] = other.moment[a];
         in_order(own), in_order(turned);
-        for (int a = 0; a < 3; a++) near(turned[a], own[a], 1e-11);
-        near(other.radius, s.radius * factor, 1e-9);
+        for (int a = 0; a < 3; a++) close_to(turned[a], own[a], 1e-11);
+        close_to(other.radius, s.radius * factor, 1e-9);
         assert_true(fabs(other.deviation / factor - s.deviation) < 0.5 * s.deviation + 1e-6);
         assert_int_equal(dem_make_convex(&other, more, y, 0.05, NULL), DEM_BAD_ARGUMENT); /* some are no corner */
     }
@@ -396,7 +396,7 @@ static void test_hull_options(void **state) {
     for (int k = 0; k < 125; k++) x[3 * k] = 1e-3 * (k % 5), x[3 * k + 1] = 2e-3 * (k / 5 % 5), x[3 * k + 2] = 3e-3 * (k / 25);
     assert_int_equal(dem_make_hull(&s, 125, x, 0.05, 0.0, NULL, &reason), DEM_OK);
     assert_true(s.is_box && s.corners == 8 && s.deviation == 0.0);
-    near(s.volume, 4e-3 * 8e-3 * 12e-3, 1e-13);
+    close_to(s.volume, 4e-3 * 8e-3 * 12e-3, 1e-13);
     assert_int_equal(dem_make_hull(&s, 25, x, 0.05, 0.0, NULL, &reason), DEM_BAD_ARGUMENT);
     assert_non_null(strstr(reason, "one plane"));
     assert_int_equal(dem_make_hull(&s, 3, x, 0.05, 0.0, NULL, &reason), DEM_BAD_ARGUMENT);
@@ -432,6 +432,58 @@ static void test_hull_memory(void **state) {
         assert_true(c.held == 0 && n < 20 && (status == DEM_OK || n < 6));
     }
     assert_int_equal(status, DEM_OK);
+}
+
+/* Ready shapes have the volume of the round body, its moments and lengths to the error of 16 sides and of caps of 58 corners, in any unit; wrong lengths are refused. */
+static void test_ready(void **state) {
+    (void)state;
+    const char *reason = NULL;
+    const double lengths[][3] = {{8, 4, 4}, {8, 4, 2}, {8, 4, 0}, {8, 8, 0}, {1, 10, 10}, {8, 1, 0.9}, {8, 4, 3.9999}};
+    for (int trial = 0; trial < 14; trial++) {
+        const double unit = trial < 7 ? 1e-3 : 1.0, *l = lengths[trial % 7], d = unit * l[0], h = unit * l[1], band = unit * l[2];
+        const double cap = 0.5 * (h - band), r = 0.5 * d, pi = RIDDLE_PI;
+        double volume = pi * r * r * band, along = 0.5 * volume * r * r; /* about z; caps by Simpson's rule, whose error is that of r^4 */
+        const double ball = cap > 0.0 ? 0.5 * (r * r + cap * cap) / cap : 0.0;
+        for (int k = 0; k <= 200 && cap > 0.0; k++) {
+            const double z = cap * k / 200.0 + ball - cap, square = ball * ball - z * z, weight = cap / 600.0 * (k % 200 == 0 ? 1.0 : k % 2 ? 4.0 : 2.0);
+            volume += 2.0 * weight * pi * square, along += 2.0 * weight * 0.5 * pi * square * square;
+        }
+        dem_convex s;
+        assert_int_equal(dem_make_tablet(&s, d, h, band, 0.05, &reason), DEM_OK);
+        close_to(s.volume, volume, 1e-9);
+        double about = 0.0;
+        for (int a = 0; a < 3; a++) about += s.moment[a] * s.axis[a].z * s.axis[a].z;
+        close_to(about, along, cap > 0.0 ? 0.05 : 0.005);
+        near(support(&s, dem_vec3(0, 0, 1)), 0.5 * h, s.deviation + (cap > 0.0 ? 0.04 : 1e-9) * 0.5 * h);
+        near(support(&s, dem_vec3(1, 0, 0)), r, s.deviation + 0.04 * r);
+        assert_true(dem__length(s.centroid) < 1e-3 * d);
+    }
+    dem_convex s, other;
+    const double bad[][3] = {{0, 1, 1}, {1, 0, 0}, {1, 1, 2}, {1, 1, -1}, {1, 2, 0.5}, {NAN, 1, 1}, {1, 1, NAN}};
+    for (int k = 0; k < 7; k++) assert_int_equal(dem_make_tablet(&s, bad[k][0], bad[k][1], bad[k][2], 0.05, &reason), DEM_BAD_ARGUMENT);
+    for (int n = 6; n <= 300; n += n < 20 ? 1 : 70) {
+        for (int seed = 0; seed < 3; seed++) {
+            assert_int_equal(dem_make_gravel(&s, 5e-3, 0.7, 0.6, n, (uint64_t)seed, 0.05, &reason), DEM_OK);
+            close_to(s.volume, RIDDLE_PI / 6.0 * 125e-9, 1e-9);
+            assert_int_equal(s.given, n);
+            assert_int_equal(dem_make_gravel(&other, 5e-3, 0.7, 0.6, n, (uint64_t)seed + 100, 0.05, &reason), DEM_OK);
+            assert_true(other.moment[0] != s.moment[0]);
+        }
+        double moment[3] = {s.moment[0], s.moment[1], s.moment[2]}; /* of an ellipsoid: b^2 + c^2 and so on */
+        in_order(moment);
+        if (n > 100) close_to(moment[0] / moment[2], (0.49 + 0.1764) / (1.0 + 0.49), 0.05), close_to(moment[1] / moment[2], (1.0 + 0.1764) / (1.0 + 0.49), 0.05);
+    }
+    assert_int_equal(dem_make_gravel(&s, 5e-3, 0.05, 0.6, 12, 1, 0.05, &reason), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_make_gravel(&s, 5e-3, 0.5, 1.1, 12, 1, 0.05, &reason), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_make_gravel(&s, 5e-3, 0.5, 0.6, 5, 1, 0.05, &reason), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_make_gravel(&s, -1.0, 0.5, 0.6, 12, 1, 0.05, &reason), DEM_BAD_ARGUMENT);
+    dem_clump pill;
+    for (double length = 2e-3; length < 19.6e-3; length += 1.3e-3) {
+        assert_int_equal(dem_make_capsule(&pill, 2e-3, length), DEM_OK);
+        close_to(pill.volume, RIDDLE_PI * 1e-6 * (length - 2e-3 + 4e-3 / 3.0), 0.008);
+    }
+    assert_int_equal(dem_make_capsule(&pill, 2e-3, 1.9e-3), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_make_capsule(&pill, 2e-3, 21e-3), DEM_TOO_MANY);
 }
 
 /* A closed surface of 60 corners, as of an STL file. */
@@ -732,7 +784,7 @@ int main(void) {
         cmocka_unit_test(test_turned),
         cmocka_unit_test(test_erosion),
         cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_mesh), cmocka_unit_test(test_hulls), cmocka_unit_test(test_round_prism), cmocka_unit_test(test_same_hull), cmocka_unit_test(test_hull_options), cmocka_unit_test(test_hull_memory), cmocka_unit_test(test_large_mesh),
+        cmocka_unit_test(test_mesh), cmocka_unit_test(test_hulls), cmocka_unit_test(test_round_prism), cmocka_unit_test(test_same_hull), cmocka_unit_test(test_hull_options), cmocka_unit_test(test_hull_memory), cmocka_unit_test(test_large_mesh), cmocka_unit_test(test_ready),
         cmocka_unit_test(test_gap_against_features),
         cmocka_unit_test(test_box_is_polyhedron),
         cmocka_unit_test(test_simple_cores),

@@ -53,6 +53,16 @@ DEM_API dem_status dem_make_hull(dem_convex *shape, ptrdiff_t n, const double *p
                                  double tolerance, const dem_allocator *allocator, const char **reason);
 /* Makes a box of these lengths along its axes [m] > 0. rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason);
+/* Makes a round tablet, lens or cylinder about the z axis. diameter, height: over all [m] > 0; band: height of its
+   straight side [m]: as `height`, a cylinder; less, with caps that are parts of balls, at most half ones; 0, a lens. Drawn
+   with 16 sides and the volume of the round body. With caps the core is a reduced one: `deviation` tells by how much. rounding, reason: as in dem_make_convex. */
+DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double height, double band, double rounding,
+                                   const char **reason);
+/* Makes a grain of gravel: corners on an ellipsoid with half axes in the ratio 1 : elongation : elongation flatness along
+   x, y, z, evenly spread and shaken. diameter: of the sphere of the same volume [m] > 0; elongation, flatness: 0.1 .. 1
+   [-]; corners: 6 .. 300; seed: any number, other grains for other ones. rounding, reason: as in dem_make_convex. */
+DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double elongation, double flatness, int corners,
+                                   uint64_t seed, double rounding, const char **reason);
 /* Makes a polyhedron from a closed surface of up to 4000 triangles that is convex. Also refuses an edge that has not two
    triangles, and a corner outside of a triangle's plane. Triangles in one plane make one face. */
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);

@@ -5,7 +5,7 @@
 #include "save.h"
 #include "pairs.h"
 #include "block.h"
-#include "make.h"
+#include "ready.h"
 
 static inline const dem__convex_calls *dem__polyhedra(void) {
     static const dem__convex_calls row = {dem__prepare_convex, dem__fill_convex_rows, dem__finish_convex_rows,

@@ -238,11 +238,37 @@ static const scene_field shape_sphere_fields[] = {
 };
 SECTION(shape_sphere, shape_sphere, "sphere of a shape", "Spheres may overlap: the body is their union, of one density.");
 static const scene_field shape_mesh_fields[] = {
-    FILE_NAME(shape_mesh, file, "an STL file of a closed convex surface; its name is relative to the scene's folder"),
+    FILE_NAME(shape_mesh, file, "an STL file; its name is relative to the scene's folder"),
     NUMBER(shape_mesh, unit, UNIT_LENGTH, POSITIVE, "1e-3", "length of one unit of the file; 1 mm as CAD writes it"),
     NUMBER(shape_mesh, weld, UNIT_LENGTH, AT_LEAST_0, "0", "corners nearer than this become one"),
+    CHOICE(shape_mesh, hull, "no|yes", "no", "no: a surface that is not closed and convex is refused; yes: its convex hull, for a scan"),
+    {"tolerance", FIELD_NUMBER, UNIT_NONE, offsetof(shape_mesh, tolerance), 0.0, 0.2, false, "0", 0, NO_WORDS,
+     "of the hull: as few corners as keep the surface as near, over the diameter; 0: as near as 32 corners can be"},
 };
-SECTION(shape_mesh, shape_mesh, "mesh of a shape", "At most 32 corners.");
+SECTION(shape_mesh, shape_mesh, "mesh of a shape", "Any number of corners; contacts see at most 32.");
+static const scene_field shape_tablet_fields[] = {
+    NUMBER(shape_tablet, diameter, UNIT_LENGTH, POSITIVE, MUST, "of the round tablet"),
+    NUMBER(shape_tablet, height, UNIT_LENGTH, POSITIVE, MUST, "over all"),
+    NUMBER(shape_tablet, band, UNIT_LENGTH, AT_LEAST_0, "",
+           "height of its straight side; less than `height`: with round caps; 0: a lens; default: a cylinder"),
+};
+SECTION(shape_tablet, shape_tablet, "tablet", "A tablet, lens or cylinder, drawn with 16 sides.");
+static const scene_field shape_capsule_fields[] = {
+    NUMBER(shape_capsule, diameter, UNIT_LENGTH, POSITIVE, MUST, "of the capsule"),
+    NUMBER(shape_capsule, length, UNIT_LENGTH, POSITIVE, MUST, "over all, at least the diameter, at most 9.8 of it"),
+};
+SECTION(shape_capsule, shape_capsule, "capsule", "A row of spheres with grooves of 1 % of the radius.");
+static const scene_field shape_gravel_fields[] = {
+    NUMBER(shape_gravel, diameter, UNIT_LENGTH, POSITIVE, MUST, "of the sphere of the same volume"),
+    {"elongation", FIELD_NUMBER, UNIT_NONE, offsetof(shape_gravel, elongation), 0.1, 1.0, false, "0.8", 0, NO_WORDS,
+     "middle over longest axis"},
+    {"flatness", FIELD_NUMBER, UNIT_NONE, offsetof(shape_gravel, flatness), 0.1, 1.0, false, "0.8", 0, NO_WORDS,
+     "shortest over middle axis"},
+    {"corners", FIELD_WHOLE, UNIT_NONE, offsetof(shape_gravel, corners), 6.0, 300.0, false, "12", 0, NO_WORDS, "of the grain"},
+    {"seed", FIELD_WHOLE, UNIT_NONE, offsetof(shape_gravel, seed), 0.0, 9007199254740992.0, false, "1", 0, NO_WORDS,
+     "another number, another grain"},
+};
+SECTION(shape_gravel, shape_gravel, "gravel", "A grain with corners on an ellipsoid.");
 static const scene_field shape_fields[] = {
     {"spheres", FIELD_LIST, UNIT_NONE, offsetof(shape_def, spheres), 1, SHAPE_SPHERES_MAX, false, "", 1, NULL, &shape_sphere_section,
      "a clump: spheres that move as one body"},
@@ -250,6 +276,9 @@ static const scene_field shape_fields[] = {
     {"corners", FIELD_POINTS, UNIT_LENGTH, offsetof(shape_def, corners), 4, SHAPE_CORNERS_MAX, false, "", 1, NO_WORDS,
      "a convex polyhedron, in any order; its origin is anywhere"},
     PART(shape_def, mesh, shape_mesh, "", 1, "a convex polyhedron from a file"),
+    PART(shape_def, tablet, shape_tablet, "", 1, "a tablet, lens or cylinder"),
+    PART(shape_def, capsule, shape_capsule, "", 1, "a capsule: a clump"),
+    PART(shape_def, gravel, shape_gravel, "", 1, "a grain of gravel"),
     {"rounding", FIELD_NUMBER, UNIT_NONE, offsetof(shape_def, rounding), 0.001, 0.4, false, "0.03", 0, NO_WORDS,
      "radius of edges and corners of a polyhedron, over its smallest width"},
 };

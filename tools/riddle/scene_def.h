@@ -126,13 +126,29 @@ typedef struct shape_sphere {
 typedef struct shape_mesh {
     scene_part part;
     const char *file;
-    double unit, weld;
+    double unit, weld, tolerance;
+    int hull;
 } shape_mesh;
+typedef struct shape_tablet {
+    scene_part part;
+    double diameter, height, band;
+} shape_tablet;
+typedef struct shape_capsule {
+    scene_part part;
+    double diameter, length;
+} shape_capsule;
+typedef struct shape_gravel {
+    scene_part part;
+    double diameter, elongation, flatness, corners, seed;
+} shape_gravel;
 typedef struct shape_def {
     scene_part part; /* of the shapes' name */
     scene_list spheres, corners;
     double box[3], rounding;
     shape_mesh mesh;
+    shape_tablet tablet;
+    shape_capsule capsule;
+    shape_gravel gravel;
 } shape_def;
 
 /* ---- feed ---- */
