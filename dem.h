@@ -220,6 +220,8 @@ extern "C" {
 #define DEM__OF_CHUNK (6 * DEM__BLOCK)
 #define DEM__CHUNKS 256
 #define DEM__RANK_STEPS 2048 /* steps between two renewals of the order of particles by place: they move little in them */
+/* Steps of a run that pay for putting particles into another order in memory and back, which takes as long as six. */
+#define DEM__MOVE_STEPS 64
 #define DEM__SHARE 256       /* items that pay for waking a thread, at about 20 ns each */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */
 /* Speeds, spins and histories of contacts are rounded to 2^-52 of this: what decays ends at 0. */
@@ -2099,6 +2101,8 @@ enum {
 typedef struct dem__feature {
     int place;      /* DEM__LEDGER_FEATURE and so on */
     int adds_loads; /* it adds to the loads of particles */
+    int sorts;      /* in a run particles may lie in another order: it knows them by its arrays alone, and adds up nothing
+                       in the order of particles */
     int exclusive;  /* it moves particles between steps: a world has at most one such feature */
 
     /* Memory. */
@@ -2325,7 +2329,7 @@ enum {
 
 /* Two particles that may touch before the list is built anew. */
 typedef struct dem__near {
-    int32_t i, j;    /* i < j */
+    int32_t i, j;    /* that of the lower number first */
     double distance; /* of centres, below which they touch [m] */
 } dem__near;
 
@@ -2443,6 +2447,8 @@ typedef struct dem__bodies {
     int32_t *number;         /* number of particles present before it: its number without gaps */
     int32_t *rank, *by_rank; /* place in the order in which contacts lie; the particle of a rank. Every particle has a
                                    rank, those that are gone too, until arrays are made without them */
+    int by_place;               /* in a run: they lie in the order of ranks, */
+    int32_t *given;             /* and this is the number that the caller knows of each */
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     int32_t *active_at;         /* where it is in the first list */
     ptrdiff_t active_count, to_check_count;
@@ -2719,6 +2725,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
                             &bodies->number,
                             &bodies->rank,
                             &bodies->by_rank,
+                            &bodies->given,
                             &bodies->to_check};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
@@ -6173,11 +6180,12 @@ typedef struct dem__curve_box {
 
 /* Lays the cube over four standard deviations each way from the mean, within the particles' range: the few outside go
    into the cells at the border. */
-static inline dem__curve_box dem__curve_of(const dem_world *w) {
+static inline dem__curve_box dem__curve_of(const dem_world *w, const int32_t *by_number) {
     double low[3], high[3], sum[3] = {0.0, 0.0, 0.0}, square[3] = {0.0, 0.0, 0.0}, n = 0.0, longest = 0.0;
     dem__curve_box box;
     for (int a = 0; a < 3; a++) low[a] = HUGE_VAL, high[a] = -HUGE_VAL;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
+    for (ptrdiff_t k = 0; k < w->count; k++) {
+        const ptrdiff_t i = by_number ? by_number[k] : k;
         if (!w->alive[i]) continue;
         const dem_vec x = dem__at(w, i, dem__now(w, i));
         n += 1.0;
@@ -6244,9 +6252,11 @@ static DEM__NOINLINE void dem__renew_ranks(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const int32_t *place = w->engine->pairs.cell_of;
     int32_t *other = w->engine->scratch.index;
-    dem__curve_box box = dem__curve_of(w);
+    const int32_t *by_number = bodies->by_place ? other : NULL; /* sums, and particles of one cell, follow numbers */
+    for (ptrdiff_t i = 0; i < w->count && by_number; i++) other[bodies->given[i]] = (int32_t)i;
+    dem__curve_box box = dem__curve_of(w, by_number);
     dem__in_parts(w, dem__parts(w, 4 * w->count), w->count, dem__place_on_curve, &box);
-    dem__sort_by_place(place, 0, w->count, NULL, bodies->by_rank);
+    dem__sort_by_place(place, 0, w->count, by_number, bodies->by_rank);
     dem__sort_by_place(place, 10, w->count, bodies->by_rank, other);
     dem__sort_by_place(place, 20, w->count, other, bodies->by_rank);
     dem__set_ranks(w);
@@ -6334,6 +6344,8 @@ static inline void dem__compact(dem_world *w) {
         if (contacts->j[c] >= 0) contacts->j[c] = remap[contacts->j[c]];
     }
     w->count = to;
+    for (ptrdiff_t i = 0; i < to && w->engine->bodies.by_place; i++)
+        w->engine->bodies.given[i] = w->engine->bodies.number[i];
     dem__set_ranks(w);
     w->engine->bodies.dropped = 0;
     DEM__TELL(w, renumber, (w, remap));
@@ -7094,8 +7106,9 @@ typedef struct dem__found_pairs {
 static inline int dem__add_near(const dem_world *w, dem__found_pairs *finds, int32_t i, int32_t j) {
     if (finds->n == finds->room) return 0;
     dem__near *q = &finds->pair[finds->n++];
-    q->i = i < j ? i : j;
-    q->j = i < j ? j : i;
+    const int in_order = w->id[i] < w->id[j]; /* so are their numbers, in whatever order they lie */
+    q->i = in_order ? i : j;
+    q->j = in_order ? j : i;
     q->distance = w->particle[i].radius + w->particle[j].radius;
     return 1;
 }
@@ -9769,9 +9782,12 @@ static inline void dem__free_untouched(dem_world *w) {
 
 /* Numbers the particles present, after a removal. */
 static inline void dem__number_present(dem_world *w) {
-    int32_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        w->engine->bodies.number[i] = n;
+    const dem__bodies *bodies = &w->engine->bodies;
+    int32_t n = 0, *by_number = w->engine->scratch.index;
+    for (ptrdiff_t i = 0; i < w->count && bodies->by_place; i++) by_number[bodies->given[i]] = (int32_t)i;
+    for (ptrdiff_t k = 0; k < w->count; k++) {
+        const ptrdiff_t i = bodies->by_place ? by_number[k] : k;
+        bodies->number[i] = n;
         n += w->alive[i] != 0;
     }
 }
@@ -10008,6 +10024,158 @@ static inline int dem__reorder_contacts(dem_world *w) {
     dem__arrange(w, n, run, chunks, list, dem__kept_arrays(w, list));
     dem__list_wall_contacts(w);
     return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------- >>step/memory.h */
+/* The order of particles in memory. In a run of many contacts particles lie by rank, so that what is near in space is
+   near in memory, whatever the order in which they were added; before the run returns they lie by their numbers again.
+   Reads ranks; moves all that belongs to particles, and the numbers in contacts and lists. Promises: no result depends
+   on it, because sums have the order of contacts, and contacts that of ranks. */
+
+/* Copies the entries of particles first .. end-1 of an array from where they lie. */
+static inline void dem__take_entries(char *to, const char *base, size_t size, const int32_t *from, ptrdiff_t first,
+                                     ptrdiff_t end) {
+    for (ptrdiff_t k = first; k < end; k++) {
+        const char *entry = base + (size_t)from[k] * size;
+        if (size == 4) memcpy(to + 4 * k, entry, 4);
+        else if (size == sizeof(dem_vec)) memcpy(to + (size_t)k * sizeof(dem_vec), entry, sizeof(dem_vec));
+        else if (size == sizeof(dem__bound)) memcpy(to + (size_t)k * sizeof(dem__bound), entry, sizeof(dem__bound));
+        else if (size == sizeof(dem_particle))
+            memcpy(to + (size_t)k * sizeof(dem_particle), entry, sizeof(dem_particle));
+        else memcpy(to + (size_t)k * size, entry, size);
+    }
+}
+
+/* An array on its way into another order. */
+typedef struct dem__move {
+    char *base, *scratch;
+    size_t size;
+    const int32_t *from;
+} dem__move;
+static inline void dem__take_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__move *m = (const dem__move *)context;
+    (void)w, (void)part;
+    dem__take_entries(m->scratch, m->base, m->size, m->from, first, end);
+}
+static inline void dem__put_back_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__move *m = (const dem__move *)context;
+    (void)w, (void)part;
+    memcpy(m->base + (size_t)first * m->size, m->scratch + (size_t)first * m->size, (size_t)(end - first) * m->size);
+}
+
+/* Returns whether an array of particles has nothing to move: scratch memory, lists that are made anew, loads that are
+   all 0. */
+static inline int dem__stays(const dem_world *w, const void *base) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    return base == w->engine->scratch.index || base == w->engine->pairs.cell_of ||
+           base == w->engine->pairs.adjacent_start || base == bodies->active || base == bodies->active_at ||
+           base == bodies->to_check || base == bodies->by_rank ||
+           (!bodies->loads_on && (base == bodies->load || base == bodies->external));
+}
+
+/* Moves all that belongs to particles: place k gets what lies at from[k]. */
+static inline void dem__move_entries(dem_world *w, const int32_t *from) {
+    dem__array list[DEM__ARRAYS_MAX];
+    dem__timers *t = &w->engine->walls.timers;
+    dem__move m;
+    int n = dem__particle_arrays(w, list);
+    const int parts = dem__parts(w, w->count);
+    const size_t walls = (size_t)w->walls * sizeof(int32_t);
+    m.from = from, m.scratch = (char *)w->engine->contacts.correction; /* free between steps */
+    if (walls > 0 && !w->engine->run.needs_lists) {
+        list[n].address = &t->due, list[n++].size = walls;
+        list[n].address = &w->engine->walls.sure, list[n++].size = walls;
+    }
+    for (int k = 0; k < n; k++) {
+        memcpy(&m.base, list[k].address, sizeof m.base);
+        m.size = list[k].size;
+        if (!m.base || dem__stays(w, m.base)) continue;
+        dem__in_parts(w, parts, w->count, dem__take_range, &m);
+        dem__in_parts(w, parts, w->count, dem__put_back_range, &m);
+    }
+    if (walls > 0 && !w->engine->run.needs_lists) dem__stop_timers(t, w->count * w->walls, w->count * w->walls);
+}
+
+/* Gives contacts and near pairs the new places of their particles; each keeps which of the two comes first. */
+static inline void dem__rename_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const int32_t *to = (const int32_t *)context;
+    dem__near *near = w->engine->pairs.near;
+    (void)part;
+    for (ptrdiff_t p = first; p < end; p++) near[p].i = to[near[p].i], near[p].j = to[near[p].j];
+}
+static inline void dem__rename_particles(dem_world *w, int32_t *to) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__pairs *pairs = &w->engine->pairs;
+    DEM__EACH_CONTACT(w, c) {
+        contacts->i[c] = to[contacts->i[c]];
+        if (contacts->j[c] >= 0) contacts->j[c] = to[contacts->j[c]];
+    }
+    if (w->engine->run.needs_lists) return;
+    dem__in_parts(w, dem__parts(w, pairs->count / 4), pairs->count, dem__rename_range, to);
+    dem__find_adjacent(w); /* there is room: the pairs are the same */
+}
+
+/* Puts particles into another order in memory. from: pairs.cell_of, the places where they lie. */
+static DEM__NOINLINE void dem__put_in_order(dem_world *w, const int32_t *from) {
+    dem__bodies *bodies = &w->engine->bodies;
+    int32_t *to = w->engine->scratch.index;
+    for (ptrdiff_t k = 0; k < w->count; k++) to[from[k]] = (int32_t)k;
+    dem__move_entries(w, from);
+    for (ptrdiff_t r = 0; r < w->count; r++) bodies->by_rank[r] = to[bodies->by_rank[r]];
+    dem__rename_particles(w, to);
+    dem__list_active(w);
+}
+
+/* Puts particles into the order of their ranks. */
+static inline void dem__lie_by_rank(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    int32_t *from = w->engine->pairs.cell_of;
+    for (ptrdiff_t k = 0; k < w->count && !bodies->by_place; k++) bodies->given[k] = (int32_t)k;
+    for (ptrdiff_t k = 0; k < w->count; k++) from[k] = bodies->by_rank[k];
+    bodies->by_place = 1;
+    dem__put_in_order(w, from);
+}
+
+/* Puts particles into the order of their numbers. */
+static inline void dem__lie_by_number(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    int32_t *from = w->engine->pairs.cell_of;
+    if (!bodies->by_place) return;
+    for (ptrdiff_t k = 0; k < w->count; k++) from[bodies->given[k]] = (int32_t)k;
+    dem__put_in_order(w, from);
+    bodies->by_place = 0;
+}
+
+/* Returns whether only the engine reads particles in a run of this kernel, so that they may lie in any order: nobody's
+   functions are called, and every feature allows it. */
+static inline int dem__may_lie_by_rank(const dem_world *w, const dem_kernel *kernel) {
+    for (int k = 0; k < w->engine->features; k++) {
+        if (!w->engine->feature[k].sorts) return 0;
+    }
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].asked.motion) return 0;
+    }
+    return !kernel->law->born && !kernel->law->ended && w->engine->contacts.chunk_count > 1 &&
+           (size_t)w->engine->contacts.capacity * sizeof(dem__correction) >= (size_t)w->count * sizeof(dem_particle);
+}
+
+/* Returns whether particles that follow each other in the order of ranks are apart in memory so often that it pays to
+   move them, for a run of some more steps. */
+static inline int dem__pays_to_move(const dem_world *w, int64_t steps) {
+    const int32_t *by_rank = w->engine->bodies.by_rank;
+    ptrdiff_t apart = 0, far = 0;
+    if (steps < DEM__MOVE_STEPS) return 0;
+    for (ptrdiff_t r = 1; r < w->count; r++) {
+        const int32_t d = by_rank[r] - by_rank[r - 1];
+        apart += d > 8 || d < -8;
+        far += d > 1024 || d < -1024;
+    }
+    return 4 * far > w->count || (4 * apart > w->count && steps >= 8 * DEM__MOVE_STEPS);
+}
+
+/* Puts particles into the order of their ranks where it pays. steps: left in this run. */
+static inline void dem__order_memory(dem_world *w, const dem_kernel *kernel, int64_t steps) {
+    if (dem__may_lie_by_rank(w, kernel) && dem__pays_to_move(w, steps)) dem__lie_by_rank(w);
 }
 
 /* --------------------------------------------------------------------------------------------- >>records/records.h */
@@ -10498,6 +10666,7 @@ static inline void dem__hash_fixed(uint64_t *hash, const dem_world *w, ptrdiff_t
 
 static inline dem__feature dem__feature_fixed(void) {
     dem__feature f = dem__new_feature(DEM__FIXED_FEATURE);
+    f.sorts = 1;
     f.list_arrays = dem__list_arrays_of_fixed;
     f.add_particle = dem__add_unfixed;
     f.world_fields = dem__world_fields_of_fixed;
@@ -11019,15 +11188,14 @@ static inline void dem__check_bounds(dem_world *w) {
 
 /* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
 static inline int dem__fail(dem_world *w, dem_status status) {
+    int failed = 0;
     w->status = status;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem_particle *p = &w->particle[i];
         const dem_vec sum = dem__add(dem__add(p->v, p->a), dem__add(p->spin, w->spin_rate[i]));
         const double v = sum.x + sum.y + sum.z;
-        if (!(fabs(v) <= DBL_MAX)) {
-            w->failed_id = w->id[i];
-            break;
-        }
+        if (fabs(v) <= DBL_MAX || (failed && w->failed_id < w->id[i])) continue;
+        failed = 1, w->failed_id = w->id[i];
     }
     return 0;
 }
@@ -11453,7 +11621,12 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
     w->engine->run.running = 1;
     int going = dem__prepare_run(w, kernel, features);
-    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
+    if (going) dem__order_memory(w, kernel, steps);
+    for (int64_t n = steps; n > 0 && going; n--) {
+        going = dem__step(w, kernel, n == 1);
+        if (w->step % DEM__RANK_STEPS == 1 && going) dem__order_memory(w, kernel, n - 1); /* ranks are new */
+    }
+    dem__lie_by_number(w);
     for (int k = 0; k < w->engine->features; k++) {
         if (w->engine->feature[k].end_run) going = w->engine->feature[k].end_run(w, going);
     }
@@ -16358,6 +16531,7 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
 
 static inline dem__feature dem__feature_meshes(void) {
     dem__feature f = dem__new_feature(DEM__MESHES_FEATURE);
+    f.sorts = 1;
     f.follow = dem__follow_meshes;
     return f;
 }

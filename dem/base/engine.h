@@ -76,7 +76,7 @@ enum {
 
 /* Two particles that may touch before the list is built anew. */
 typedef struct dem__near {
-    int32_t i, j;    /* i < j */
+    int32_t i, j;    /* that of the lower number first */
     double distance; /* of centres, below which they touch [m] */
 } dem__near;
 
@@ -194,6 +194,8 @@ typedef struct dem__bodies {
     int32_t *number;         /* number of particles present before it: its number without gaps */
     int32_t *rank, *by_rank; /* place in the order in which contacts lie; the particle of a rank. Every particle has a
                                    rank, those that are gone too, until arrays are made without them */
+    int by_place;               /* in a run: they lie in the order of ranks, */
+    int32_t *given;             /* and this is the number that the caller knows of each */
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     int32_t *active_at;         /* where it is in the first list */
     ptrdiff_t active_count, to_check_count;
