@@ -220,7 +220,8 @@ extern "C" {
 #define DEM__OF_CHUNK (6 * DEM__BLOCK)
 #define DEM__CHUNKS 256
 #define DEM__RANK_STEPS 2048 /* steps between two renewals of the order of particles by place: they move little in them */
-/* Steps of a run that pay for putting particles into another order in memory and back, which takes as long as six. */
+/* Steps of a run that pay for putting particles into another order in memory and back, which takes as long as three or
+   four of a dense bed. */
 #define DEM__MOVE_STEPS 64
 #define DEM__SHARE 256       /* items that pay for waking a thread, at about 20 ns each */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */
@@ -10170,7 +10171,7 @@ static inline int dem__pays_to_move(const dem_world *w, int64_t steps) {
         apart += d > 8 || d < -8;
         far += d > 1024 || d < -1024;
     }
-    return 4 * far > w->count || (4 * apart > w->count && steps >= 8 * DEM__MOVE_STEPS);
+    return 4 * far > w->count || (4 * apart > w->count && steps >= 4 * DEM__MOVE_STEPS);
 }
 
 /* Puts particles into the order of their ranks where it pays. steps: left in this run. */
