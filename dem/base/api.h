@@ -384,6 +384,8 @@ typedef struct dem_contact_info {
                     polyhedra: of the corner, edge or face that touches, so that force acts on i at `point` [m] */
     int element; /* screen: the bar; mesh: 0, 1 ... tell a particle's contacts with it apart */
     double state[DEM_STATE_MAX]; /* of the law */
+    dem_vec couple; /* of polyhedra: the torque on i that `force` at `point` does not have; on j the opposite: rolling
+                       resistance, and what points that share a law exchange [N m]; otherwise 0 */
 } dem_contact_info;
 /* Returns link k = 0 .. dem_link_count-1; gap and force as last evaluated. */
 DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);

@@ -17,8 +17,8 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
     if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
         c->faces > DEM_FACES_MAX)
         return 0;
-    int sound = dem__positive(c->radius) && dem__positive(c->reach) && dem__positive(c->volume) && c->share > 0.0 &&
-                c->share <= 1.0 && c->face_start[0] == 0 && c->face_start[c->faces] == 2 * c->edges;
+    int sound = dem__positive(c->radius) && dem__positive(c->reach) && dem__positive(c->volume) &&
+                c->face_start[0] == 0 && c->face_start[c->faces] == 2 * c->edges;
     for (int k = 0; k < 3; k++) sound &= dem__positive(c->moment[k]);
     for (int k = 0; k < 3 * c->corners; k++) sound &= fabs(c->corner[k / 3][k % 3]) <= c->reach;
     for (int k = 0; k < 4 * c->faces; k++) sound &= fabs(c->plane[k / 4][k % 4]) <= (k % 4 < 3 ? 1.0 + 1e-9 : c->reach);

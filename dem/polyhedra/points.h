@@ -11,6 +11,12 @@ enum {
     1.000001 /* features are tested up to this multiple of the radii, so that rounding of directions does not decide   \
               */
 
+/* Sets what a point has that is a corner: its whole law. */
+DEM_INLINE void dem__count_point(dem__convex_point *p, double gap) {
+    p->taken = p->on_facet = 0;
+    p->gap = gap, p->weight = p->spring = 1.0, p->energy = gap * gap;
+}
+
 /* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`,
    any larger value without a direction. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec *n) {
@@ -228,7 +234,7 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
     const double overlap = radii - distance;
     if (!(overlap > 0.0) || !(overlap < 2.0 * radii + q->deep)) return 0; /* deeper: on far sides of the cores */
     int n = 1;
-    out->key = key, out->taken = 0;
+    out->key = key, out->taken = out->on_facet = 0;
     out->gap = -overlap;
     out->at = dem__plus(p->from, s, p->along);
     for (int k = 0; k < 4; k++) {
@@ -244,13 +250,14 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
         rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
         left *= rest[k];
         if (share[k] == 0.0) continue;
-        end->key = out->key + 1 + k, end->taken = 0, end->gap = -at_end, end->weight = k;
+        end->key = out->key + 1 + k, end->taken = end->on_facet = 0, end->gap = -at_end, end->weight = k;
         end->normal = dem__scale(k < 2 ? 1.0 : -1.0, off);
         end->at = k < 2 ? x : dem__plus(x, -from, off);
         n++;
     }
     if (!(left > 1e-10)) return 0;
     out->weight = left;
+    for (int m = 0; m < n; m++) out[m].energy = left * overlap * overlap;
     for (int k = 0; k < 4; k++) out->weight += share[k] * left / rest[k];
     for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight];
     return n;
@@ -276,8 +283,8 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
         if (b->shape->is_box && dem__passes_box(b, x, DEM__WINDOW * radii)) continue;
         const double distance = dem__from_core(b->shape, b->place, x, DEM__WINDOW * radii, &p->normal);
         if (!(distance < radii)) continue;
-        p->key = key + k, p->taken = 0, p->weight = 1.0, p->at = x;
-        p->gap = distance - radii;
+        p->key = key + k, p->at = x;
+        dem__count_point(p, distance - radii);
         if (key > 0) { /* a and b have changed places */
             p->at = dem__plus(x, -distance, p->normal);
             p->normal = dem__scale(-1.0, p->normal);
