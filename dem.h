@@ -1083,8 +1083,9 @@ typedef struct dem_advice {
     double dashpot;  /* m_eff/gamma of the strongest dashpot */
     double advised;  /* min(t_c/20, 0.2 rayleigh for DEM_HERTZ, dashpot/2); with polyhedra 0.4 of it */
     /* For hits at the given speed v, of each body with all of its mass m on what does not give way: */
-    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m]: with it in all pairs no overlap is
-                         deeper than d, the rounding of a polyhedron or a tenth of a sphere's radius */
+    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m], for a polyhedron times
+                         dem_convex.springs: with it in all pairs no overlap is deeper than d, the rounding of a
+                         polyhedron or a tenth of a sphere's radius */
     double depth;     /* overlap over d with the pairs as they are, of the body that gets deepest; above 1 they are too
                          soft */
 } dem_advice;
@@ -1324,6 +1325,8 @@ typedef struct dem_convex {
     double reach;     /* from the centroid to the farthest point [m] */
     double volume;    /* [m3] */
     double moment[3]; /* principal moments of inertia over density [m5] */
+    int springs;      /* greatest number of corners of a face: that of corners with the spring of a pair */
+    double rate;      /* square of the highest frequency of a contact of a face or a corner, over k/m */
     dem_vec half;     /* of a box [m] */
     dem_vec centroid; /* in the frame in which the polyhedron was given [m] */
     dem_vec
@@ -1784,6 +1787,7 @@ DEM_INLINE dem_vec dem__cross(dem_vec a, dem_vec b) {
 DEM_INLINE double dem__length(dem_vec a) { return sqrt(dem__dot(a, a)); }
 
 DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }
+DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
 
 /* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
 /* Laws of drag: pure functions of scalars. */
@@ -2122,12 +2126,11 @@ typedef struct dem__nearest_cache {
    radii) normal. */
 typedef struct dem__convex_point {
     int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges, or its ends */
-    int16_t taken;      /* a contact uses it */
-    int16_t on_facet;   /* a corner on a triangle of a mesh, whose normal is that of the triangle */
+    int32_t taken;      /* a contact uses it */
     dem_vec normal, at; /* from b to a; [m] */
-    double gap, weight; /* [m]; factor of forces: 1, or what an end takes back from a crossing, at least -1; then the
+    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1; then the
                            part that it has in its pair's law */
-    double energy;      /* of its corner or crossing, over half the stiffness [m2] */
+    double count;       /* of a corner 1, of a crossing what its ends leave, of an end 0; over the springs of its body */
     double spring;      /* factor of the force of its spring: polyhedra/share.h */
     double pull;        /* the part that it has in its pair's pull, over the force of its spring */
     double damping;     /* factor of the closing speed in the law */
@@ -8589,6 +8592,14 @@ static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     return touch.curvature;
 }
 
+/* Returns how much stiffer a contact of polyhedra may be than its spring and masses tell: a body turns. */
+DEM_INLINE double dem__rate_of(const dem_world *w, ptrdiff_t c) {
+    const ptrdiff_t j = w->engine->contacts.j[c];
+    const dem_convex *s = dem__shape_of(w, w->engine->contacts.i[c]), *other = j >= 0 ? dem__shape_of(w, j) : NULL;
+    const double own = s ? s->rate : 1.0;
+    return other && other->rate > own ? other->rate : own;
+}
+
 /* Computes the constants of the contact in slot c; shares those of a contact type that has the same. */
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
     const dem__run *run = &w->engine->run;
@@ -8618,7 +8629,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         b.mass = w->particle[i].mass;
         b.inertia = inertia;
     }
-    if (dem__is_convex_contact(w, c)) w->engine->convex.calls->prepare(w, c, &b);
+    const int is_convex = dem__is_convex_contact(w, c);
+    if (is_convex) w->engine->convex.calls->prepare(w, c, &b);
     else if (j < 0) b.curvature = dem__curvature_at(w, c);
     b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j]
                                          : &w->def.pair[b.material_j][b.material_i];
@@ -8628,8 +8640,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     kind.mass = b.mass;
     kind.sum = b.radius_i + b.radius_j;
     kind.part = b.radius_i / kind.sum;
-    const double k = stiffness * run->dt * run->dt / b.mass;
-    if (k > w->engine->run.stiffest) w->engine->run.stiffest = k;
+    const double k = stiffness * run->dt * run->dt / b.mass, rate = is_convex ? dem__rate_of(w, c) : 1.0;
+    if (rate * k > w->engine->run.stiffest) w->engine->run.stiffest = rate * k;
     kind.predict = dem__prediction(k, 2.0 * b.damping_ratio * sqrt(k));
     while (same < contacts->type_count && memcmp(&contacts->types[same], &kind, sizeof kind) != 0) same++;
     if (same < DEM__TYPES_MAX) {
@@ -16273,6 +16285,8 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
         DEM__DOUBLES("shape.reach", c->reach, s),
         DEM__DOUBLES("shape.volume", c->volume, s),
         DEM__DOUBLES("shape.moment", c->moment, s),
+        DEM__DOUBLES("shape.rate", c->rate, s),
+        DEM__INTEGER("shape.springs", c->springs, s),
         DEM__DOUBLES("shape.half", c->half, s),
         DEM__DOUBLES("shape.centroid", c->centroid, s),
         DEM__DOUBLES("shape.axis", c->axis, s),
@@ -16285,6 +16299,83 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     };
     memcpy(field, fields, sizeof fields);
     return (int)(sizeof fields / sizeof *fields);
+}
+
+/* ------------------------------------------------------------------------------------------- >>polyhedra/springs.h */
+/* What a shape tells of its contacts: among how many corners a face shares the spring of a pair, and how fast contacts
+   are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a face or a corner alone. */
+
+/* A contact's stiffness over k/m, for motion along its normal and for turns about the three axes. */
+typedef struct dem__modes {
+    double of[4][4];
+} dem__modes;
+
+/* Adds the spring of a point, w its part. u: how fast the point moves along the normal by each motion. */
+static inline void dem__add_spring(dem__modes *m, double w, const double *u) {
+    for (int k = 0; k < 16; k++) m->of[k / 4][k % 4] += w * u[k / 4] * u[k % 4];
+}
+
+/* Returns the largest eigenvalue, or at most 5 % more: the 32nd root of the trace of the 32nd power. */
+static inline double dem__highest_rate(const dem__modes *modes) {
+    dem__modes m = *modes, square;
+    double scale = 0.0, trace = 0.0;
+    for (int a = 0; a < 4; a++) scale += m.of[a][a];
+    for (int k = 0; k < 16; k++) m.of[k / 4][k % 4] /= scale;
+    for (int pass = 0; pass < 5; pass++) {
+        memset(&square, 0, sizeof square);
+        for (int k = 0; k < 64; k++) square.of[k / 16][k % 4] += m.of[k / 16][k / 4 % 4] * m.of[k / 4 % 4][k % 4];
+        m = square;
+    }
+    for (int a = 0; a < 4; a++) trace += m.of[a][a];
+    for (int pass = 0; pass < 5; pass++) trace = sqrt(trace);
+    return scale * trace;
+}
+
+/* Returns the rate of a corner alone, in the direction in which it is highest: along each direction it moves by itself
+   and by turns about the axes. */
+static inline double dem__rate_of_corner(const dem_convex *s, dem_vec r) {
+    dem__modes m;
+    memset(&m, 0, sizeof m);
+    for (int a = 0; a < 3; a++) {
+        dem_vec axis = dem_vec3(0.0, 0.0, 0.0);
+        double own[4] = {0.0, 0.0, 0.0, 0.0};
+        *dem_axis_of(&axis, a) = own[a] = 1.0;
+        const dem_vec turned = dem__scale(sqrt(s->volume / s->moment[a]), dem__cross(axis, r));
+        const double u[4] = {turned.x, turned.y, turned.z, 0.0};
+        dem__add_spring(&m, 1.0, own), dem__add_spring(&m, 1.0, u);
+    }
+    return dem__highest_rate(&m) / (double)s->springs;
+}
+
+/* Returns the rate of a face. */
+static inline double dem__rate_of_face(const dem_convex *s, int f) {
+    const dem_vec n = dem__point(s->plane[f]);
+    dem__modes m;
+    memset(&m, 0, sizeof m);
+    for (int k = s->face_start[f]; k < s->face_start[f + 1]; k++) {
+        const dem_vec arm = dem__cross(dem__point(s->corner[s->face_corner[k]]), n);
+        double u[4] = {1.0, 0.0, 0.0, 0.0};
+        for (int a = 0; a < 3; a++) u[1 + a] = dem_axis(arm, a) * sqrt(s->volume / s->moment[a]);
+        dem__add_spring(&m, 1.0 / (double)s->springs, u);
+    }
+    return dem__highest_rate(&m);
+}
+
+/* Sets how many corners share a spring, and the rate. */
+static inline void dem__find_springs(dem_convex *s) {
+    s->springs = 1, s->rate = 1.0;
+    for (int f = 0; f < s->faces; f++) {
+        const int corners = s->face_start[f + 1] - s->face_start[f];
+        s->springs = corners > s->springs ? corners : s->springs;
+    }
+    for (int f = 0; f < s->faces; f++) {
+        const double rate = dem__rate_of_face(s, f);
+        s->rate = rate > s->rate ? rate : s->rate;
+    }
+    for (int k = 0; k < s->corners; k++) {
+        const double rate = dem__rate_of_corner(s, dem__point(s->corner[k]));
+        s->rate = rate > s->rate ? rate : s->rate;
+    }
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/shape.h */
@@ -16301,8 +16392,6 @@ typedef struct dem__hull {
     uint32_t holds[DEM_FACES_MAX];
     double plane[DEM_FACES_MAX][4], area[DEM_FACES_MAX];
 } dem__hull;
-
-DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
 
 /* Returns half the size of a set of points: half of the longest side of the box around it. */
 static inline double dem__half_size(const double *x, int n) {
@@ -16609,6 +16698,7 @@ static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double 
         core.reach = far > core.reach ? far : core.reach;
     }
     dem__find_box(&core);
+    dem__find_springs(&core);
     *s = core;
     return NULL;
 }
@@ -17037,8 +17127,8 @@ enum {
 
 /* Sets what a point has that is a corner: its whole law. */
 DEM_INLINE void dem__count_point(dem__convex_point *p, double gap) {
-    p->taken = p->on_facet = 0;
-    p->gap = gap, p->weight = p->spring = 1.0, p->energy = gap * gap;
+    p->taken = 0;
+    p->gap = gap, p->weight = p->count = p->spring = 1.0;
 }
 
 /* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`,
@@ -17258,7 +17348,7 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
     const double overlap = radii - distance;
     if (!(overlap > 0.0) || !(overlap < 2.0 * radii + q->deep)) return 0; /* deeper: on far sides of the cores */
     int n = 1;
-    out->key = key, out->taken = out->on_facet = 0;
+    out->key = key, out->taken = 0;
     out->gap = -overlap;
     out->at = dem__plus(p->from, s, p->along);
     for (int k = 0; k < 4; k++) {
@@ -17274,16 +17364,15 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
         rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
         left *= rest[k];
         if (share[k] == 0.0) continue;
-        end->key = out->key + 1 + k, end->taken = end->on_facet = 0, end->gap = -at_end, end->weight = k;
+        end->key = out->key + 1 + k, end->taken = 0, end->gap = -at_end, end->weight = k;
         end->normal = dem__scale(k < 2 ? 1.0 : -1.0, off);
         end->at = k < 2 ? x : dem__plus(x, -from, off);
         n++;
     }
     if (!(left > 1e-10)) return 0;
-    out->weight = left;
-    for (int m = 0; m < n; m++) out[m].energy = left * overlap * overlap;
+    out->weight = out->count = left;
     for (int k = 0; k < 4; k++) out->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight];
+    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight], out[m].count = 0.0;
     return n;
 }
 
@@ -17907,7 +17996,6 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
             point->key = dem__wall_key(q->wall, &touch[m], k);
             dem__count_point(point, touch[m].gap);
             point->normal = touch[m].normal, point->at = arm;
-            point->on_facet = dem__has(q->wall, DEM__TRIANGULATED) && touch[m].face >= 0;
             for (int p = q->n - 1; p >= q->n - m && is_new && p >= 0; p--) is_new = q->out[p].key != point->key;
             q->n += is_new;
         }
@@ -17969,16 +18057,15 @@ static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, 
         rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
         left *= rest[k];
         if (share[k] == 0.0) continue;
-        point[n].key = key + 1 + k, point[n].taken = point[n].on_facet = 0, point[n].gap = end.gap, point[n].normal = end.normal;
+        point[n].key = key + 1 + k, point[n].taken = 0, point[n].gap = end.gap, point[n].normal = end.normal;
         point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along), point[n].weight = k;
         n++;
     }
     if (!(left > 1e-10)) return;
-    point->key = key, point->taken = point->on_facet = 0, point->gap = here.gap, point->normal = here.normal;
-    point->at = dem__plus(e->from, t, e->along), point->weight = left;
+    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
+    point->at = dem__plus(e->from, t, e->along), point->weight = point->count = left;
     for (int k = 0; k < 2; k++) point->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight];
-    for (int m = 0; m < n; m++) point[m].energy = left * here.gap * here.gap;
+    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight], point[m].count = 0.0;
     q->n += n;
 }
 
@@ -18119,91 +18206,74 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/share.h */
-/* How the points of a pair share its law: a face that lies on a face or on a wall is one contact, whatever the number of
-   its corners. Reads a pair's points and bodies; writes their parts and what the springs of the pair exert beyond them.
-   Promises: springs are the gradient of a potential (of a linear law); a point that begins or ends changes no force by a
-   jump; one point alone has the whole law.
+/* How the points of a pair share its law: a face that lands flat has the spring and the dashpot of the pair, however many
+   corners it is drawn with. Reads a pair's points and bodies; writes their parts and what the springs of the pair exert
+   beyond them. Promises: springs are the gradient of a potential (of a linear law and of Hertz's); a point that begins or
+   ends changes no force by a jump.
 
-   With E the energy of a corner or crossing by itself and t = 2 E/k of a linear law, the pair has the mean energy
+   A point has the part w = 1/n of the spring, where n is the greatest number of corners of a face of its body
+   (dem_convex.springs), and l what the ends of edges leave of it (1 for a corner). With D its overlap and t = D^2, the
+   energy of the pair is
 
-       U = sum E t^q / sum t^q,
+       U = (k/p) sum w l D^p / N(c),     c = (sum w l t)^2 / sum w l t^2,     p = 2, Hertz 5/2.
 
-   so the deepest points decide, and n points of the same depth have the stiffness of one. The part t^q/sum t^q of a point
-   is that which it has in the dashpot and in friction as well. The gradient of U also has the change of the parts: a
-   point that is less deep than the mean is pulled deeper. This comes on top as the pair's pull, whose force is 0 where
-   normals are parallel: it is a moment.
+   c is the stiffness over k if all points are as deep as each other. N is 1 up to 2, which two equal faces on each other
+   have, and c/2 from 2.5 on: a tile that lies on a hundred wires is no stiffer than 2 k. Up to there nothing but the sum
+   of springs acts. It must be a sum: a body tips when the load is over its edge, and if an edge were as stiff as a face,
+   points about to part would have to pull for it.
 
-   The dashpot acts on the mass that the resultant of the springs meets. So the restitution, at the point where the
-   resultant acts, is that of the pair. */
+   The dashpot acts on the mass that the resultant of the springs meets, with the stiffness that they have. So the
+   restitution, at the point where the resultant acts, is that of the pair. */
 
-#define DEM__SHARE_POWER 2.0 /* q: of t in the part of a point; 1 would do, but with a pull that is deeper */
+/* Returns the overlap to the power of the energy, or of the force, from its square. */
+DEM_INLINE double dem__energy_at(double square, double power) { return power > 2.0 ? square * sqrt(sqrt(square)) : square; }
+DEM_INLINE double dem__force_at(double square, double power) { return power > 2.0 ? sqrt(square * sqrt(square)) : sqrt(square); }
 
-/* Returns E of a point over half its stiffness, from t. power: of the overlap in E. */
-DEM_INLINE double dem__law_energy(double t, double power) { return power > 2.0 ? t * sqrt(sqrt(t)) : t; }
-
-/* Returns how much two points are one contact: those on facets of a mesh 1 where normals agree to 26 degrees, 0 from 60
-   degrees on; others, whose normals turn with the motion, 1. */
-DEM_INLINE double dem__is_one_face(const dem__convex_point *p, const dem__convex_point *q) {
-    if (!(p->on_facet && q->on_facet)) return 1.0;
-    const double t = dem__clamp((dem__dot(p->normal, q->normal) - 0.5) / (DEM__SMOOTH - 0.5), 0.0, 1.0);
-    return t * t * (3.0 - 2.0 * t);
+/* Gives a point its part of the spring of its body. */
+DEM_INLINE void dem__divide_point(dem__convex_point *p, int springs) {
+    p->weight /= (double)springs, p->count /= (double)springs;
 }
 
-/* Returns whether all points of a pair share. */
-static inline int dem__is_one_contact(const dem__convex_point *p, int n) {
-    const dem__convex_point *first = NULL;
-    int alike = 1;
-    for (int k = 0; k < n; k++) {
-        if (!p[k].on_facet) continue;
-        if (!first) first = &p[k];
-        alike &= dem__dot(p[k].normal, first->normal) > 0.975; /* cosine of half the 26 degrees */
-    }
-    return alike;
+/* The number of springs that the points of a pair are to be divided by, and its slope, from c: 1 up to 2, c/2 from 2.5
+   on. */
+typedef struct dem__division {
+    double by, slope;
+} dem__division;
+DEM_INLINE dem__division dem__divide(double c) {
+    const double from = 2.0, to = 2.5, x = dem__clamp((c - from) / (to - from), 0.0, 1.0);
+    dem__division d;
+    d.by = c < to ? 1.0 + 0.25 * x * x * (2.0 - x) : 0.5 * c;
+    d.slope = c < to ? 0.5 * x * (4.0 - 3.0 * x) : 0.5;
+    return d;
 }
 
-/* Sets the parts of a pair's n points in its law and its springs. Returns the energy of the pair over its stiffness
-   [m2]. A crossing is counted at its first point, whose weight is above 0; those of its ends have weights below. */
+/* Sets the parts of a pair's n points in its law and the factors of their springs. Returns its energy over k/p. */
 static inline double dem__share_points(dem__convex_point *p, int n, double power) {
-    const double q = DEM__SHARE_POWER;
-    const int is_one = dem__is_one_contact(p, n);
-    double sum[DEM__POINTS_MAX], mean[DEM__POINTS_MAX], most = 0.0, energy = 0.0;
-    for (int k = 0; k < n; k++) most = p[k].energy > most ? p[k].energy : most;
-    most += DBL_MIN;
-    for (int k = 0; k < n; k++) p[k].energy = (p[k].energy + DBL_MIN) / most; /* from here on t over the greatest */
+    const double half = 0.5 * power;
+    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0, head = 1.0; /* head: square of the crossing of an end */
+    for (int k = 0; k < n; k++) most = p[k].gap * p[k].gap > most ? p[k].gap * p[k].gap : most;
     for (int k = 0; k < n; k++) {
-        sum[k] = k > 0 && is_one ? sum[0] : 0.0;
-        for (int m = 0; m < n && (k == 0 || !is_one); m++) {
-            if (p[m].weight > 0.0) sum[k] += (is_one ? 1.0 : dem__is_one_face(&p[k], &p[m])) * p[m].energy * p[m].energy;
-        }
+        const double t = p[k].gap * p[k].gap / most;
+        first += p[k].count * t, second += p[k].count * t * t, sum += p[k].count * dem__energy_at(t, power);
     }
+    if (n == 0) return 0.0;
+    const dem__division divided = dem__divide(first * first / second);
+    const double lost = sum * divided.slope / (divided.by * divided.by), per = first / second;
     for (int k = 0; k < n; k++) {
-        mean[k] = k > 0 && is_one ? mean[0] : 0.0;
-        for (int m = 0; m < n && (k == 0 || !is_one); m++) {
-            if (!(p[m].weight > 0.0)) continue;
-            const double part = p[m].energy * p[m].energy / sum[m];
-            mean[k] += (is_one ? 1.0 : dem__is_one_face(&p[k], &p[m])) * dem__law_energy(p[m].energy, power) * part / sum[m];
-        }
+        const double l = p[k].count, w = p[k].weight, own = p[k].gap * p[k].gap / most, t = l > 0.0 ? head = own : head;
+        double spring = dem__energy_at(t, power) / t * (w + (half - 1.0) * l) / divided.by;
+        if (lost > 0.0) spring -= lost * per * (2.0 * w - per * t * (w + l));
+        p[k].spring = power > 2.0 ? spring / (half * sqrt(sqrt(own))) : spring;
+        p[k].weight = l / divided.by;
     }
-    for (int k = 0; k < n; k++) {
-        const double t = p[k].energy, own = dem__law_energy(t, power), part = t * t / sum[k],
-                     change = own > 0.0 ? 2.0 * q / power * (part - t * t * mean[k] / own) : 0.0;
-        if (p[k].weight > 0.0) energy += 0.5 * part * t * most;
-        p[k].spring = p[k].weight * (part + change);
-        p[k].weight *= part;
-    }
-    return energy;
+    return sum / divided.by * dem__energy_at(most, power);
 }
 
-/* Sums of the springs of a pair over the stiffness. */
+/* Sums of a pair: its energy over k/p; over the stiffness the forces of the law by the parts, and of the springs. */
 typedef struct dem__shared {
-    double parts, positive, springs; /* forces by the parts in the law, by those above 0, and of the springs */
-    dem_vec normal, on_i, on_j; /* the forces by the parts, and their moments about the centres */
+    double energy, parts, springs, whole; /* whole: sum of the parts */
+    dem_vec normal, on_i, on_j;           /* the forces by the parts, and their moments about the centres */
 } dem__shared;
-
-/* Returns the force of a point's spring over its stiffness. */
-DEM_INLINE double dem__spring_at(const dem__convex_point *p, double power) {
-    return power > 2.0 ? -p->gap * sqrt(-p->gap) : -p->gap;
-}
 
 /* Returns how much a force of 1 N with a moment about the centre of particle i moves i where it acts [1/kg]. */
 DEM_INLINE double dem__per_mass_at(const dem_world *w, ptrdiff_t i, dem_vec moment) {
@@ -18218,47 +18288,56 @@ DEM_INLINE double dem__per_mass_at(const dem_world *w, ptrdiff_t i, dem_vec mome
 }
 
 /* Returns the factor of the closing speed that makes the pair's dashpot that of the resultant: the law's own is that of
-   the whole masses. */
-static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, const dem__shared *s) {
+   the whole masses and of the pair's spring. */
+static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, const dem__shared *s,
+                                     double power) {
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    const double length = dem__length(s->normal), least = 0.5 * s->positive; /* normals may face each other */
-    const double per = 1.0 / (length > least ? length : least);
+    const double length = dem__length(s->normal), least = 0.5 * s->parts; /* normals may face each other */
+    const double per = 1.0 / (length > least ? length : least), depth = s->energy / s->springs;
     double whole = dem__per_mass_at(w, pair->i, none), here = dem__per_mass_at(w, pair->i, dem__scale(per, s->on_i));
     if (pair->j >= 0) {
         whole += dem__per_mass_at(w, pair->j, none);
         here += dem__per_mass_at(w, pair->j, dem__scale(per, s->on_j));
     }
-    return here > 0.0 ? sqrt(whole / here) : 1.0;
+    const double stiffness = s->energy / dem__energy_at(depth * depth, power); /* over that of the pair */
+    return here > 0.0 ? sqrt(stiffness * whole / here) / s->whole : 1.0;
 }
 
-/* Completes the points of a pair: their damping, and the pull. apart: from the centre of j to that of i. The parts are
-   raised so that the friction, which they limit, counts on the whole force. */
-static inline void dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__convex_point *p,
-                                      int n) {
+/* Completes the n points of a pair, and removes ends. apart: from the centre of j to that of i. energy: of the pair over
+   k/p. The parts are raised so that friction, which they limit, counts on the whole force. Returns the number of points
+   left. */
+static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, double energy,
+                                     dem__convex_point *p, int n) {
     const double power = w->engine->run.power;
     dem__shared s;
+    int kept = 0;
     memset(&s, 0, sizeof s);
+    s.energy = energy;
     for (int k = 0; k < n; k++) {
-        const double force = dem__spring_at(&p[k], power), part = p[k].weight * force;
-        s.parts += part, s.positive += part > 0.0 ? part : 0.0, s.springs += p[k].spring * force;
+        const double force = dem__force_at(p[k].gap * p[k].gap, power), part = p[k].weight * force;
+        s.parts += part, s.springs += p[k].spring * force;
         s.normal = dem__plus(s.normal, part, p[k].normal);
         s.on_i = dem__plus(s.on_i, part, dem__cross(p[k].at, p[k].normal));
         s.on_j = dem__plus(s.on_j, part, dem__cross(dem__add(p[k].at, apart), p[k].normal));
     }
-    const double raise = s.parts > 0.0 ? dem__clamp(s.springs / s.parts, 0.25, 4.0) : 1.0,
-                 damping = dem__damping_of(w, pair, &s) / raise;
+    const double raise = dem__clamp(s.springs / s.parts, 0.25, 4.0);
+    s.springs = raise * s.parts;
+    for (int k = 0; k < n; k++) s.whole += raise * p[k].weight;
+    const double damping = dem__damping_of(w, pair, &s, power);
     for (int a = 0; a < 9; a++) pair->pull[a] = 0.0;
     for (int k = 0; k < n; k++) {
-        p[k].damping = damping, p[k].pull = n > 1 && p[k].weight > 0.0 ? p[k].weight / s.positive : 0.0;
-        p[k].weight *= raise;
-        const double more = (p[k].spring - p[k].weight) * dem__spring_at(&p[k], power);
+        const double part = raise * p[k].weight,
+                     more = (p[k].spring - part) * dem__force_at(p[k].gap * p[k].gap, power);
         const dem_vec f = dem__scale(more, p[k].normal), on_i = dem__cross(p[k].at, f),
                       on_j = dem__cross(dem__add(p[k].at, apart), f);
         for (int a = 0; a < 3; a++) {
             pair->pull[a] += dem_axis(f, a);
             pair->pull[3 + a] += dem_axis(on_i, a), pair->pull[6 + a] -= dem_axis(on_j, a);
         }
+        p[k].damping = damping, p[k].pull = p[k].weight / s.parts, p[k].weight = part;
+        if (p[k].count > 0.0) p[kept++] = p[k];
     }
+    return kept;
 }
 
 /* ------------------------------------------------------------------------------------------- >>polyhedra/entered.h */
@@ -18300,15 +18379,16 @@ static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem_
 }
 
 /* Adds the point at which two overlapping cores are pushed apart to the n points of a pair. With U, the energy of these
-   over the stiffness, and that of the point, V = (radii + depth)^2/2, the energy of the pair is (1 - s) U + s V, where
-   s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. energy: U. */
+   over k/p, and that of the point, V = (radii + depth)^p, the energy of the pair is (1 - s) U + s V, where s goes from 0
+   to 1 with the depth. Forces are its gradient. Returns the number of points. power: p; energy: U, then that of the pair. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
-                                  const dem__placed *pb, const dem__gap_of_cores *gap, double energy,
+                                  const dem__placed *pb, const dem__gap_of_cores *gap, double power, double *energy,
                                   dem__convex_point *out, int n) {
     const double radii = a->radius + b->radius, depth = -gap->separation, overlap = radii + depth,
                  over = depth / (DEM__DEEP * radii);
     const double x = dem__clamp(over, 0.0, 1.0), s = x * x * (3.0 - 2.0 * x),
                  slope = 6.0 * x * (1.0 - x) / (DEM__DEEP * radii);
+    const double force = dem__force_at(overlap * overlap, power);
     if (!(depth > 0.0)) return n;
     if (n == DEM__POINTS_MAX) n--;
     for (int k = 0; k < n; k++) {
@@ -18321,7 +18401,8 @@ static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed 
     dem__count_point(point, -overlap);
     point->normal = gap->normal;
     point->at = dem__meeting_point(&of_a, &of_b);
-    point->weight = s, point->spring = s + slope * (0.5 * overlap - energy / overlap);
+    point->weight = s, point->spring = s + slope * (overlap - *energy / force) / power;
+    *energy = (1.0 - s) * *energy + s * overlap * force;
     return n + 1;
 }
 
@@ -18605,8 +18686,7 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
                         : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
         if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
-        dem__finish_points(w, p, d, out, n);
-        return n;
+        return n > 0 ? dem__finish_points(w, p, d, dem__share_points(out, n, w->engine->run.power), out, n) : 0;
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
@@ -18622,9 +18702,14 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
         apart = gap.separation, p->axis = gap.normal;
     }
     int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
-    const double energy = dem__share_points(out, n, w->engine->run.power);
-    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, energy, out, n);
-    dem__finish_points(w, p, d, out, n);
+    const double power = w->engine->run.power;
+    for (int k = 0; k < n; k++) {
+        const int of_a = out[k].key < DEM_CORNERS_MAX, of_b = !of_a && out[k].key < 2 * DEM_CORNERS_MAX;
+        dem__divide_point(&out[k], of_a || (!of_b && a->springs > b->springs) ? a->springs : b->springs);
+    }
+    double energy = dem__share_points(out, n, power);
+    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &energy, out, n);
+    if (n > 0) n = dem__finish_points(w, p, d, energy, out, n);
     if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
     return n;
 }
@@ -18637,9 +18722,10 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
     const dem_convex *s = dem__shape_of(w, p->i);
     const dem__placed *place = &w->engine->convex.place[p->i];
     int may_cut, is_cut = 0;
-    const int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
-    dem__share_points(out, n, w->engine->run.power);
-    dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), out, n);
+    int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
+    for (int k = 0; k < n; k++) dem__divide_point(&out[k], s->springs);
+    const double energy = dem__share_points(out, n, w->engine->run.power);
+    if (n > 0) n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), energy, out, n);
     for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
     *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
     if (n == 0 && dem__may_rest_at_wall(w, p->i))
@@ -19026,6 +19112,7 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
         c->faces > DEM_FACES_MAX)
         return 0;
     int sound = dem__positive(c->radius) && dem__positive(c->reach) && dem__positive(c->volume) &&
+                dem__positive(c->rate) && c->springs > 0 &&
                 c->face_start[0] == 0 && c->face_start[c->faces] == 2 * c->edges;
     for (int k = 0; k < 3; k++) sound &= dem__positive(c->moment[k]);
     for (int k = 0; k < 3 * c->corners; k++) sound &= fabs(c->corner[k / 3][k % 3]) <= c->reach;
@@ -19563,11 +19650,12 @@ static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int materi
     memset(&b, 0, sizeof b);
     b.def = &w->def, b.features = features, b.material_i = m, b.material_j = material;
     b.pair = m < material ? &w->def.pair[m][material] : &w->def.pair[material][m];
+    const double springs = s ? (double)s->springs : 1.0; /* of which a corner has one */
     b.radius_i = s ? s->radius : w->particle[i].radius, b.mass = w->particle[i].mass;
-    if (!(features & DEM_HERTZ)) return speed * sqrt(b.mass / b.pair->stiffness);
+    if (!(features & DEM_HERTZ)) return speed * sqrt(springs * b.mass / b.pair->stiffness);
     dem_prepare_hertz(&b, constants);
     return speed / 2.943275175395 *
-           dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K], constants[DEM__HERTZ_RADIUS], b.mass, speed);
+           dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K] / springs, constants[DEM__HERTZ_RADIUS], b.mass, speed);
 }
 
 /* Sets the advised stiffness, and how deep bodies get with the present one. A pair of bodies, whose mass is less and
@@ -19579,7 +19667,9 @@ static inline void dem__advise_stiffness(const dem_world *w, int features, doubl
     for (ptrdiff_t i = 0; i < w->count; i++) present[w->material[i]] |= w->alive[i] != 0;
     for (int k = 0; k < w->walls; k++) present[w->wall[k].material] |= dem__has_surface(&w->wall[k]);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const double deep = dem__deep_overlap(w, i), needed = w->particle[i].mass * (speed / deep) * (speed / deep);
+        const dem_convex *s = dem__shape_of(w, i);
+        const double deep = dem__deep_overlap(w, i), springs = s ? (double)s->springs : 1.0,
+                     needed = springs * w->particle[i].mass * (speed / deep) * (speed / deep);
         if (!w->alive[i] || dem__is_fixed(w, i)) continue;
         a->stiffness = needed > a->stiffness ? needed : a->stiffness;
         for (int m = 0; m < w->def.materials; m++) {
@@ -19645,7 +19735,9 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
 static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) return w->particle[i].mass;
-    const double arm = dem__shape_of(w, i) ? w->particle[i].radius : dem__length(w->engine->bodies.offset[i]);
+    const dem_convex *s = dem__shape_of(w, i);
+    if (s) return r->mass / s->rate;
+    const double arm = dem__length(w->engine->bodies.offset[i]);
     const double two = r->moments.x < r->moments.y ? r->moments.x : r->moments.y,
                  least = two < r->moments.z ? two : r->moments.z;
     return 1.0 / (1.0 / r->mass + arm * arm / least);

@@ -17,12 +17,11 @@ typedef struct dem__nearest_cache {
    radii) normal. */
 typedef struct dem__convex_point {
     int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges, or its ends */
-    int16_t taken;      /* a contact uses it */
-    int16_t on_facet;   /* a corner on a triangle of a mesh, whose normal is that of the triangle */
+    int32_t taken;      /* a contact uses it */
     dem_vec normal, at; /* from b to a; [m] */
-    double gap, weight; /* [m]; factor of forces: 1, or what an end takes back from a crossing, at least -1; then the
+    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1; then the
                            part that it has in its pair's law */
-    double energy;      /* of its corner or crossing, over half the stiffness [m2] */
+    double count;       /* of a corner 1, of a crossing what its ends leave, of an end 0; over the springs of its body */
     double spring;      /* factor of the force of its spring: polyhedra/share.h */
     double pull;        /* the part that it has in its pair's pull, over the force of its spring */
     double damping;     /* factor of the closing speed in the law */

@@ -105,8 +105,7 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
                         : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
         if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
-        dem__finish_points(w, p, d, out, n);
-        return n;
+        return n > 0 ? dem__finish_points(w, p, d, dem__share_points(out, n, w->engine->run.power), out, n) : 0;
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
@@ -122,9 +121,14 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
         apart = gap.separation, p->axis = gap.normal;
     }
     int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
-    const double energy = dem__share_points(out, n, w->engine->run.power);
-    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, energy, out, n);
-    dem__finish_points(w, p, d, out, n);
+    const double power = w->engine->run.power;
+    for (int k = 0; k < n; k++) {
+        const int of_a = out[k].key < DEM_CORNERS_MAX, of_b = !of_a && out[k].key < 2 * DEM_CORNERS_MAX;
+        dem__divide_point(&out[k], of_a || (!of_b && a->springs > b->springs) ? a->springs : b->springs);
+    }
+    double energy = dem__share_points(out, n, power);
+    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &energy, out, n);
+    if (n > 0) n = dem__finish_points(w, p, d, energy, out, n);
     if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
     return n;
 }
@@ -137,9 +141,10 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
     const dem_convex *s = dem__shape_of(w, p->i);
     const dem__placed *place = &w->engine->convex.place[p->i];
     int may_cut, is_cut = 0;
-    const int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
-    dem__share_points(out, n, w->engine->run.power);
-    dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), out, n);
+    int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
+    for (int k = 0; k < n; k++) dem__divide_point(&out[k], s->springs);
+    const double energy = dem__share_points(out, n, w->engine->run.power);
+    if (n > 0) n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), energy, out, n);
     for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
     *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
     if (n == 0 && dem__may_rest_at_wall(w, p->i))

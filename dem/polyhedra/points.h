@@ -13,8 +13,8 @@ enum {
 
 /* Sets what a point has that is a corner: its whole law. */
 DEM_INLINE void dem__count_point(dem__convex_point *p, double gap) {
-    p->taken = p->on_facet = 0;
-    p->gap = gap, p->weight = p->spring = 1.0, p->energy = gap * gap;
+    p->taken = 0;
+    p->gap = gap, p->weight = p->count = p->spring = 1.0;
 }
 
 /* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`,
@@ -234,7 +234,7 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
     const double overlap = radii - distance;
     if (!(overlap > 0.0) || !(overlap < 2.0 * radii + q->deep)) return 0; /* deeper: on far sides of the cores */
     int n = 1;
-    out->key = key, out->taken = out->on_facet = 0;
+    out->key = key, out->taken = 0;
     out->gap = -overlap;
     out->at = dem__plus(p->from, s, p->along);
     for (int k = 0; k < 4; k++) {
@@ -250,16 +250,15 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
         rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
         left *= rest[k];
         if (share[k] == 0.0) continue;
-        end->key = out->key + 1 + k, end->taken = end->on_facet = 0, end->gap = -at_end, end->weight = k;
+        end->key = out->key + 1 + k, end->taken = 0, end->gap = -at_end, end->weight = k;
         end->normal = dem__scale(k < 2 ? 1.0 : -1.0, off);
         end->at = k < 2 ? x : dem__plus(x, -from, off);
         n++;
     }
     if (!(left > 1e-10)) return 0;
-    out->weight = left;
-    for (int m = 0; m < n; m++) out[m].energy = left * overlap * overlap;
+    out->weight = out->count = left;
     for (int k = 0; k < 4; k++) out->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight];
+    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight], out[m].count = 0.0;
     return n;
 }
 

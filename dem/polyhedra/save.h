@@ -13,6 +13,8 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
         DEM__DOUBLES("shape.reach", c->reach, s),
         DEM__DOUBLES("shape.volume", c->volume, s),
         DEM__DOUBLES("shape.moment", c->moment, s),
+        DEM__DOUBLES("shape.rate", c->rate, s),
+        DEM__INTEGER("shape.springs", c->springs, s),
         DEM__DOUBLES("shape.half", c->half, s),
         DEM__DOUBLES("shape.centroid", c->centroid, s),
         DEM__DOUBLES("shape.axis", c->axis, s),

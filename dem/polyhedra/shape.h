@@ -2,6 +2,7 @@
    and its tables agree with each other. */
 #pragma once
 #include "../base/definition.h"
+#include "springs.h"
 
 /* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough.
  */
@@ -13,8 +14,6 @@ typedef struct dem__hull {
     uint32_t holds[DEM_FACES_MAX];
     double plane[DEM_FACES_MAX][4], area[DEM_FACES_MAX];
 } dem__hull;
-
-DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
 
 /* Returns half the size of a set of points: half of the longest side of the box around it. */
 static inline double dem__half_size(const double *x, int n) {
@@ -321,6 +320,7 @@ static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double 
         core.reach = far > core.reach ? far : core.reach;
     }
     dem__find_box(&core);
+    dem__find_springs(&core);
     *s = core;
     return NULL;
 }

@@ -1,90 +1,73 @@
-/* How the points of a pair share its law: a face that lies on a face or on a wall is one contact, whatever the number of
-   its corners. Reads a pair's points and bodies; writes their parts and what the springs of the pair exert beyond them.
-   Promises: springs are the gradient of a potential (of a linear law); a point that begins or ends changes no force by a
-   jump; one point alone has the whole law.
+/* How the points of a pair share its law: a face that lands flat has the spring and the dashpot of the pair, however many
+   corners it is drawn with. Reads a pair's points and bodies; writes their parts and what the springs of the pair exert
+   beyond them. Promises: springs are the gradient of a potential (of a linear law and of Hertz's); a point that begins or
+   ends changes no force by a jump.
 
-   With E the energy of a corner or crossing by itself and t = 2 E/k of a linear law, the pair has the mean energy
+   A point has the part w = 1/n of the spring, where n is the greatest number of corners of a face of its body
+   (dem_convex.springs), and l what the ends of edges leave of it (1 for a corner). With D its overlap and t = D^2, the
+   energy of the pair is
 
-       U = sum E t^q / sum t^q,
+       U = (k/p) sum w l D^p / N(c),     c = (sum w l t)^2 / sum w l t^2,     p = 2, Hertz 5/2.
 
-   so the deepest points decide, and n points of the same depth have the stiffness of one. The part t^q/sum t^q of a point
-   is that which it has in the dashpot and in friction as well. The gradient of U also has the change of the parts: a
-   point that is less deep than the mean is pulled deeper. This comes on top as the pair's pull, whose force is 0 where
-   normals are parallel: it is a moment.
+   c is the stiffness over k if all points are as deep as each other. N is 1 up to 2, which two equal faces on each other
+   have, and c/2 from 2.5 on: a tile that lies on a hundred wires is no stiffer than 2 k. Up to there nothing but the sum
+   of springs acts. It must be a sum: a body tips when the load is over its edge, and if an edge were as stiff as a face,
+   points about to part would have to pull for it.
 
-   The dashpot acts on the mass that the resultant of the springs meets. So the restitution, at the point where the
-   resultant acts, is that of the pair. */
+   The dashpot acts on the mass that the resultant of the springs meets, with the stiffness that they have. So the
+   restitution, at the point where the resultant acts, is that of the pair. */
 #pragma once
 #include "walls.h"
 
-#define DEM__SHARE_POWER 2.0 /* q: of t in the part of a point; 1 would do, but with a pull that is deeper */
+/* Returns the overlap to the power of the energy, or of the force, from its square. */
+DEM_INLINE double dem__energy_at(double square, double power) { return power > 2.0 ? square * sqrt(sqrt(square)) : square; }
+DEM_INLINE double dem__force_at(double square, double power) { return power > 2.0 ? sqrt(square * sqrt(square)) : sqrt(square); }
 
-/* Returns E of a point over half its stiffness, from t. power: of the overlap in E. */
-DEM_INLINE double dem__law_energy(double t, double power) { return power > 2.0 ? t * sqrt(sqrt(t)) : t; }
-
-/* Returns how much two points are one contact: those on facets of a mesh 1 where normals agree to 26 degrees, 0 from 60
-   degrees on; others, whose normals turn with the motion, 1. */
-DEM_INLINE double dem__is_one_face(const dem__convex_point *p, const dem__convex_point *q) {
-    if (!(p->on_facet && q->on_facet)) return 1.0;
-    const double t = dem__clamp((dem__dot(p->normal, q->normal) - 0.5) / (DEM__SMOOTH - 0.5), 0.0, 1.0);
-    return t * t * (3.0 - 2.0 * t);
+/* Gives a point its part of the spring of its body. */
+DEM_INLINE void dem__divide_point(dem__convex_point *p, int springs) {
+    p->weight /= (double)springs, p->count /= (double)springs;
 }
 
-/* Returns whether all points of a pair share. */
-static inline int dem__is_one_contact(const dem__convex_point *p, int n) {
-    const dem__convex_point *first = NULL;
-    int alike = 1;
-    for (int k = 0; k < n; k++) {
-        if (!p[k].on_facet) continue;
-        if (!first) first = &p[k];
-        alike &= dem__dot(p[k].normal, first->normal) > 0.975; /* cosine of half the 26 degrees */
-    }
-    return alike;
+/* The number of springs that the points of a pair are to be divided by, and its slope, from c: 1 up to 2, c/2 from 2.5
+   on. */
+typedef struct dem__division {
+    double by, slope;
+} dem__division;
+DEM_INLINE dem__division dem__divide(double c) {
+    const double from = 2.0, to = 2.5, x = dem__clamp((c - from) / (to - from), 0.0, 1.0);
+    dem__division d;
+    d.by = c < to ? 1.0 + 0.25 * x * x * (2.0 - x) : 0.5 * c;
+    d.slope = c < to ? 0.5 * x * (4.0 - 3.0 * x) : 0.5;
+    return d;
 }
 
-/* Sets the parts of a pair's n points in its law and its springs. Returns the energy of the pair over its stiffness
-   [m2]. A crossing is counted at its first point, whose weight is above 0; those of its ends have weights below. */
+/* Sets the parts of a pair's n points in its law and the factors of their springs. Returns its energy over k/p. */
 static inline double dem__share_points(dem__convex_point *p, int n, double power) {
-    const double q = DEM__SHARE_POWER;
-    const int is_one = dem__is_one_contact(p, n);
-    double sum[DEM__POINTS_MAX], mean[DEM__POINTS_MAX], most = 0.0, energy = 0.0;
-    for (int k = 0; k < n; k++) most = p[k].energy > most ? p[k].energy : most;
-    most += DBL_MIN;
-    for (int k = 0; k < n; k++) p[k].energy = (p[k].energy + DBL_MIN) / most; /* from here on t over the greatest */
+    const double half = 0.5 * power;
+    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0, head = 1.0; /* head: square of the crossing of an end */
+    for (int k = 0; k < n; k++) most = p[k].gap * p[k].gap > most ? p[k].gap * p[k].gap : most;
     for (int k = 0; k < n; k++) {
-        sum[k] = k > 0 && is_one ? sum[0] : 0.0;
-        for (int m = 0; m < n && (k == 0 || !is_one); m++) {
-            if (p[m].weight > 0.0) sum[k] += (is_one ? 1.0 : dem__is_one_face(&p[k], &p[m])) * p[m].energy * p[m].energy;
-        }
+        const double t = p[k].gap * p[k].gap / most;
+        first += p[k].count * t, second += p[k].count * t * t, sum += p[k].count * dem__energy_at(t, power);
     }
+    if (n == 0) return 0.0;
+    const dem__division divided = dem__divide(first * first / second);
+    const double lost = sum * divided.slope / (divided.by * divided.by), per = first / second;
     for (int k = 0; k < n; k++) {
-        mean[k] = k > 0 && is_one ? mean[0] : 0.0;
-        for (int m = 0; m < n && (k == 0 || !is_one); m++) {
-            if (!(p[m].weight > 0.0)) continue;
-            const double part = p[m].energy * p[m].energy / sum[m];
-            mean[k] += (is_one ? 1.0 : dem__is_one_face(&p[k], &p[m])) * dem__law_energy(p[m].energy, power) * part / sum[m];
-        }
+        const double l = p[k].count, w = p[k].weight, own = p[k].gap * p[k].gap / most, t = l > 0.0 ? head = own : head;
+        double spring = dem__energy_at(t, power) / t * (w + (half - 1.0) * l) / divided.by;
+        if (lost > 0.0) spring -= lost * per * (2.0 * w - per * t * (w + l));
+        p[k].spring = power > 2.0 ? spring / (half * sqrt(sqrt(own))) : spring;
+        p[k].weight = l / divided.by;
     }
-    for (int k = 0; k < n; k++) {
-        const double t = p[k].energy, own = dem__law_energy(t, power), part = t * t / sum[k],
-                     change = own > 0.0 ? 2.0 * q / power * (part - t * t * mean[k] / own) : 0.0;
-        if (p[k].weight > 0.0) energy += 0.5 * part * t * most;
-        p[k].spring = p[k].weight * (part + change);
-        p[k].weight *= part;
-    }
-    return energy;
+    return sum / divided.by * dem__energy_at(most, power);
 }
 
-/* Sums of the springs of a pair over the stiffness. */
+/* Sums of a pair: its energy over k/p; over the stiffness the forces of the law by the parts, and of the springs. */
 typedef struct dem__shared {
-    double parts, positive, springs; /* forces by the parts in the law, by those above 0, and of the springs */
-    dem_vec normal, on_i, on_j; /* the forces by the parts, and their moments about the centres */
+    double energy, parts, springs, whole; /* whole: sum of the parts */
+    dem_vec normal, on_i, on_j;           /* the forces by the parts, and their moments about the centres */
 } dem__shared;
-
-/* Returns the force of a point's spring over its stiffness. */
-DEM_INLINE double dem__spring_at(const dem__convex_point *p, double power) {
-    return power > 2.0 ? -p->gap * sqrt(-p->gap) : -p->gap;
-}
 
 /* Returns how much a force of 1 N with a moment about the centre of particle i moves i where it acts [1/kg]. */
 DEM_INLINE double dem__per_mass_at(const dem_world *w, ptrdiff_t i, dem_vec moment) {
@@ -99,45 +82,54 @@ DEM_INLINE double dem__per_mass_at(const dem_world *w, ptrdiff_t i, dem_vec mome
 }
 
 /* Returns the factor of the closing speed that makes the pair's dashpot that of the resultant: the law's own is that of
-   the whole masses. */
-static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, const dem__shared *s) {
+   the whole masses and of the pair's spring. */
+static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, const dem__shared *s,
+                                     double power) {
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    const double length = dem__length(s->normal), least = 0.5 * s->positive; /* normals may face each other */
-    const double per = 1.0 / (length > least ? length : least);
+    const double length = dem__length(s->normal), least = 0.5 * s->parts; /* normals may face each other */
+    const double per = 1.0 / (length > least ? length : least), depth = s->energy / s->springs;
     double whole = dem__per_mass_at(w, pair->i, none), here = dem__per_mass_at(w, pair->i, dem__scale(per, s->on_i));
     if (pair->j >= 0) {
         whole += dem__per_mass_at(w, pair->j, none);
         here += dem__per_mass_at(w, pair->j, dem__scale(per, s->on_j));
     }
-    return here > 0.0 ? sqrt(whole / here) : 1.0;
+    const double stiffness = s->energy / dem__energy_at(depth * depth, power); /* over that of the pair */
+    return here > 0.0 ? sqrt(stiffness * whole / here) / s->whole : 1.0;
 }
 
-/* Completes the points of a pair: their damping, and the pull. apart: from the centre of j to that of i. The parts are
-   raised so that the friction, which they limit, counts on the whole force. */
-static inline void dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__convex_point *p,
-                                      int n) {
+/* Completes the n points of a pair, and removes ends. apart: from the centre of j to that of i. energy: of the pair over
+   k/p. The parts are raised so that friction, which they limit, counts on the whole force. Returns the number of points
+   left. */
+static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, double energy,
+                                     dem__convex_point *p, int n) {
     const double power = w->engine->run.power;
     dem__shared s;
+    int kept = 0;
     memset(&s, 0, sizeof s);
+    s.energy = energy;
     for (int k = 0; k < n; k++) {
-        const double force = dem__spring_at(&p[k], power), part = p[k].weight * force;
-        s.parts += part, s.positive += part > 0.0 ? part : 0.0, s.springs += p[k].spring * force;
+        const double force = dem__force_at(p[k].gap * p[k].gap, power), part = p[k].weight * force;
+        s.parts += part, s.springs += p[k].spring * force;
         s.normal = dem__plus(s.normal, part, p[k].normal);
         s.on_i = dem__plus(s.on_i, part, dem__cross(p[k].at, p[k].normal));
         s.on_j = dem__plus(s.on_j, part, dem__cross(dem__add(p[k].at, apart), p[k].normal));
     }
-    const double raise = s.parts > 0.0 ? dem__clamp(s.springs / s.parts, 0.25, 4.0) : 1.0,
-                 damping = dem__damping_of(w, pair, &s) / raise;
+    const double raise = dem__clamp(s.springs / s.parts, 0.25, 4.0);
+    s.springs = raise * s.parts;
+    for (int k = 0; k < n; k++) s.whole += raise * p[k].weight;
+    const double damping = dem__damping_of(w, pair, &s, power);
     for (int a = 0; a < 9; a++) pair->pull[a] = 0.0;
     for (int k = 0; k < n; k++) {
-        p[k].damping = damping, p[k].pull = n > 1 && p[k].weight > 0.0 ? p[k].weight / s.positive : 0.0;
-        p[k].weight *= raise;
-        const double more = (p[k].spring - p[k].weight) * dem__spring_at(&p[k], power);
+        const double part = raise * p[k].weight,
+                     more = (p[k].spring - part) * dem__force_at(p[k].gap * p[k].gap, power);
         const dem_vec f = dem__scale(more, p[k].normal), on_i = dem__cross(p[k].at, f),
                       on_j = dem__cross(dem__add(p[k].at, apart), f);
         for (int a = 0; a < 3; a++) {
             pair->pull[a] += dem_axis(f, a);
             pair->pull[3 + a] += dem_axis(on_i, a), pair->pull[6 + a] -= dem_axis(on_j, a);
         }
+        p[k].damping = damping, p[k].pull = p[k].weight / s.parts, p[k].weight = part;
+        if (p[k].count > 0.0) p[kept++] = p[k];
     }
+    return kept;
 }

@@ -185,7 +185,6 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
             point->key = dem__wall_key(q->wall, &touch[m], k);
             dem__count_point(point, touch[m].gap);
             point->normal = touch[m].normal, point->at = arm;
-            point->on_facet = dem__has(q->wall, DEM__TRIANGULATED) && touch[m].face >= 0;
             for (int p = q->n - 1; p >= q->n - m && is_new && p >= 0; p--) is_new = q->out[p].key != point->key;
             q->n += is_new;
         }
@@ -247,16 +246,15 @@ static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, 
         rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
         left *= rest[k];
         if (share[k] == 0.0) continue;
-        point[n].key = key + 1 + k, point[n].taken = point[n].on_facet = 0, point[n].gap = end.gap, point[n].normal = end.normal;
+        point[n].key = key + 1 + k, point[n].taken = 0, point[n].gap = end.gap, point[n].normal = end.normal;
         point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along), point[n].weight = k;
         n++;
     }
     if (!(left > 1e-10)) return;
-    point->key = key, point->taken = point->on_facet = 0, point->gap = here.gap, point->normal = here.normal;
-    point->at = dem__plus(e->from, t, e->along), point->weight = left;
+    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
+    point->at = dem__plus(e->from, t, e->along), point->weight = point->count = left;
     for (int k = 0; k < 2; k++) point->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight];
-    for (int m = 0; m < n; m++) point[m].energy = left * here.gap * here.gap;
+    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight], point[m].count = 0.0;
     q->n += n;
 }
 
