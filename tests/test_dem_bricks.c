@@ -606,9 +606,8 @@ enum { FLAT, ON_EDGE, ON_CORNER, LANDINGS };
 static double landing(int sides, int where, int way, double e, double k, double speed, double density, int law) {
     dem_world w;
     dem_def def = dem_default_def();
-    double low = 1.0, x[3] = {0, 0, 0}, q[4] = {1, 0, 0, 0};
-    dem_vec point = dem_vec3(0, 0, 0);
-    int lowest = 0;
+    double low = 1.0, most = 0.0, x[3] = {0, 0, 0}, q[4] = {1, 0, 0, 0};
+    dem_vec arm = dem_vec3(0, 0, 0), along = dem_vec3(0, 0, 1); /* of the resultant when it is greatest */
     dem_add_material(&def, density, 1e7, 0.3);
     dem_pair_def *pair = dem_pair(&def, 0, 0);
     pair->stiffness = k, pair->restitution = e, pair->friction = 0.0;
@@ -617,8 +616,8 @@ static double landing(int sides, int where, int way, double e, double k, double 
     const int shape = prism(&w, sides);
     const dem_convex *s = dem_get_shape(&w, shape);
     if (way == ON_EDGE) { /* about an edge of the cap */
-        const double along = 0.1 + pi / sides + pi / 2;
-        q[0] = cos(0.3), q[1] = sin(0.3) * cos(along), q[2] = sin(0.3) * sin(along);
+        const double turn = 0.1 + pi / sides + pi / 2;
+        q[0] = cos(0.3), q[1] = sin(0.3) * cos(turn), q[2] = sin(0.3) * sin(turn);
     }
     if (way == ON_CORNER) q[0] = 1.0, q[1] = 0.35, q[2] = 0.21, q[3] = 0.1;
     assert_int_equal(dem_add_convex(&w, shape, 1, x, q, 0, 0), DEM_OK);
@@ -632,11 +631,6 @@ static double landing(int sides, int where, int way, double e, double k, double 
         const double z = dem__dot(dem__from_core_frame(&place, dem__point(s->corner[c])), dem_vec3(0, 0, 1));
         low = z < low ? z : low;
     }
-    for (int c = 0; c < s->corners; c++) {
-        const dem_vec r = dem__from_core_frame(&place, dem__point(s->corner[c]));
-        if (r.z < low + 1e-9) point = dem__add(point, r), lowest++;
-    }
-    point = dem__scale(1.0 / lowest, point);
     const double ground_z = low - s->radius - 1e-7;
     if (where == ON_PLANE) dem_add_plane(&w, 0, dem_vec3(0, 0, ground_z), dem_vec3(0, 0, 1));
     else if (where == ON_BOX) dem_add_box(&w, 0, dem_vec3(-2e-3, -2.1e-3, ground_z - 1e-3), dem_vec3(2.2e-3, 2e-3, ground_z));
@@ -648,11 +642,23 @@ static double landing(int sides, int where, int way, double e, double k, double 
     }
     assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0, 0, -speed), dem_vec3(0, 0, 0)), DEM_OK);
     dem_set_time_step(&w, dem_advise(&w, law | DEM_FRICTION, speed).advised / 4.0);
-    do assert_int_equal(dem_run(&w, 1e-6, law | DEM_FRICTION), DEM_OK);
-    while ((dem_contact_count(&w) > 0 || !(dem_velocity(&w, 0).z > -speed * (1 - 1e-9))) && w.time < 0.1);
+    do {
+        assert_int_equal(dem_run(&w, 1e-6, law | DEM_FRICTION), DEM_OK);
+        const dem_vec x0 = dem_position(&w, 0);
+        dem_vec force = dem_vec3(0, 0, 0), sum = dem_vec3(0, 0, 0);
+        double total = 0.0;
+        for (ptrdiff_t c = 0; c < dem_contact_count(&w); c++) {
+            const dem_contact_info at = dem_get_contact(&w, c);
+            const double push = fabs(dem__dot(at.force, at.normal));
+            force = dem__add(force, at.force), total += push;
+            sum = dem__plus(sum, push, dem__sub(at.point, x0));
+        }
+        if (dem__length(force) > most)
+            most = dem__length(force), along = dem__scale(1.0 / most, force), arm = dem__scale(1.0 / total, sum);
+    } while ((dem_contact_count(&w) > 0 || most == 0.0) && w.time < 0.1);
     const dem_vec v = dem_velocity(&w, 0), spin = dem_spin(&w, 0);
     dem_free(&w);
-    return (v.z + dem__cross(spin, point).z) / speed;
+    return dem__dot(dem__add(v, dem__cross(spin, arm)), along) / (speed * fabs(along.z));
 }
 
 /* A face, an edge and a corner rebound with what was asked, however many corners a face has, from walls and bodies, by both laws. */
@@ -665,7 +671,8 @@ static void test_landings(void **state) {
             for (int k = 0; k < 9; k++) {
                 const int sides = 4 << k % 3, law = k % 2 ? DEM_HERTZ : DEM_LINEAR;
                 const double e = 0.1 + 0.1 * k, stiffness = k % 4 ? 2e4 : 3e3, speed = k % 5 ? 0.02 : 0.05, density = k % 3 ? 2500 : 900;
-                if (law == DEM_HERTZ && (where == ON_CYLINDER || way != FLAT)) continue; /* radii differ; overlaps are too deep */
+                if (where == ON_CYLINDER && (way != FLAT || law == DEM_HERTZ)) continue; /* points touch one after the other; radii differ */
+                if (law == DEM_HERTZ && way != FLAT) continue; /* overlaps are too deep */
                 const double got = landing(sides, where, way, e, stiffness, speed, density, law);
                 worst = fmax(worst, fabs(got - e));
                 if (!(fabs(got - e) < 0.02)) print_message("  %d sides, law %d: asked %.1f, got %.3f\n", sides, law, e, got);
