@@ -18226,8 +18226,12 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
    restitution, at the point where the resultant acts, is that of the pair. */
 
 /* Returns the overlap to the power of the energy, or of the force, from its square. */
-DEM_INLINE double dem__energy_at(double square, double power) { return power > 2.0 ? square * sqrt(sqrt(square)) : square; }
-DEM_INLINE double dem__force_at(double square, double power) { return power > 2.0 ? sqrt(square * sqrt(square)) : sqrt(square); }
+DEM_INLINE double dem__energy_at(double square, double power) {
+    return power > 2.0 ? square * sqrt(sqrt(square)) : square;
+}
+DEM_INLINE double dem__force_at(double square, double power) {
+    return power > 2.0 ? sqrt(square * sqrt(square)) : sqrt(square);
+}
 
 /* Gives a point its part of the spring of its body. */
 DEM_INLINE void dem__divide_point(dem__convex_point *p, int springs) {
@@ -18250,7 +18254,8 @@ DEM_INLINE dem__division dem__divide(double c) {
 /* Sets the parts of a pair's n points in its law and the factors of their springs. Returns its energy over k/p. */
 static inline double dem__share_points(dem__convex_point *p, int n, double power) {
     const double half = 0.5 * power;
-    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0, head = 1.0; /* head: square of the crossing of an end */
+    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0,
+           head = 1.0; /* head: square of the crossing of an end */
     for (int k = 0; k < n; k++) most = p[k].gap * p[k].gap > most ? p[k].gap * p[k].gap : most;
     for (int k = 0; k < n; k++) {
         const double t = p[k].gap * p[k].gap / most;
@@ -18345,7 +18350,7 @@ static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair,
    and the points of a pair; adds one point and lowers the weights of the others. Promises: forces stay the gradient of a
    potential (of a linear law); nothing changes where cores begin to overlap; deep cores have one way only, apart. */
 
-#define DEM__DEEP 1.0         /* overlap of cores over the radii of the roundings from which on nothing else acts */
+#define DEM__DEEP 1.0 /* overlap of cores over the radii of the roundings from which on nothing else acts */
 
 /* The corners of a core that are farthest along a direction: how many, their mean, and two of them. */
 typedef struct dem__farthest_part {
@@ -18382,8 +18387,8 @@ static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem_
    over k/p, and that of the point, V = (radii + depth)^p, the energy of the pair is (1 - s) U + s V, where s goes from 0
    to 1 with the depth. Forces are its gradient. Returns the number of points. power: p; energy: U, then that of the pair. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
-                                  const dem__placed *pb, const dem__gap_of_cores *gap, double power, double *energy,
-                                  dem__convex_point *out, int n) {
+                                         const dem__placed *pb, const dem__gap_of_cores *gap, double power,
+                                         double *energy, dem__convex_point *out, int n) {
     const double radii = a->radius + b->radius, depth = -gap->separation, overlap = radii + depth,
                  over = depth / (DEM__DEEP * radii);
     const double x = dem__clamp(over, 0.0, 1.0), s = x * x * (3.0 - 2.0 * x),
@@ -18839,7 +18844,9 @@ static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t e
             if (point < stop) {
                 dem__set_place(w, c, point);
                 point->taken = 1;
-            } else contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius, contacts->touch[DEM__PLACE_PULL][c] = 0.0;
+            } else
+                contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius,
+                contacts->touch[DEM__PLACE_PULL][c] = 0.0;
         }
     }
 }
@@ -18957,9 +18964,7 @@ DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, i
 }
 
 /* Returns a vector whose part along n is larger by a factor 1 + more. */
-DEM_INLINE dem_vec dem__speed_up(dem_vec v, dem_vec n, double more) {
-    return dem__plus(v, more * dem__dot(v, n), n);
-}
+DEM_INLINE dem_vec dem__speed_up(dem_vec v, dem_vec n, double more) { return dem__plus(v, more * dem__dot(v, n), n); }
 
 /* Calls the law of the run for the springs of row k alone, with these states. */
 static inline void dem__spring_of(const dem_world *w, const dem__type_rows *t, int k, double gap, const double *state,
@@ -18986,7 +18991,8 @@ static inline void dem__fit_friction(const dem_world *w, const dem__type_rows *t
     double state[DEM_STATE_MAX], any = 0.0;
     contacts->touch[DEM__PLACE_WAS][c] = 0.0;
     if (weight == was || !(gap < 0.0)) return;
-    for (int a = 0; a < law->states; a++) state[a] = contacts->state[a][c], any += a < 3 * law->vectors ? fabs(state[a]) : 0.0;
+    for (int a = 0; a < law->states; a++)
+        state[a] = contacts->state[a][c], any += a < 3 * law->vectors ? fabs(state[a]) : 0.0;
     if (any == 0.0) return;
     if (w->engine->ledger.on) {
         dem_response with, without;
@@ -19655,7 +19661,8 @@ static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int materi
     if (!(features & DEM_HERTZ)) return speed * sqrt(springs * b.mass / b.pair->stiffness);
     dem_prepare_hertz(&b, constants);
     return speed / 2.943275175395 *
-           dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K] / springs, constants[DEM__HERTZ_RADIUS], b.mass, speed);
+           dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K] / springs, constants[DEM__HERTZ_RADIUS], b.mass,
+                                  speed);
 }
 
 /* Sets the advised stiffness, and how deep bodies get with the present one. A pair of bodies, whose mass is less and

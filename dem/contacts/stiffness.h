@@ -27,7 +27,8 @@ static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int materi
     if (!(features & DEM_HERTZ)) return speed * sqrt(springs * b.mass / b.pair->stiffness);
     dem_prepare_hertz(&b, constants);
     return speed / 2.943275175395 *
-           dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K] / springs, constants[DEM__HERTZ_RADIUS], b.mass, speed);
+           dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K] / springs, constants[DEM__HERTZ_RADIUS], b.mass,
+                                  speed);
 }
 
 /* Sets the advised stiffness, and how deep bodies get with the present one. A pair of bodies, whose mass is less and

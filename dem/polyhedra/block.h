@@ -21,9 +21,7 @@ DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, i
 }
 
 /* Returns a vector whose part along n is larger by a factor 1 + more. */
-DEM_INLINE dem_vec dem__speed_up(dem_vec v, dem_vec n, double more) {
-    return dem__plus(v, more * dem__dot(v, n), n);
-}
+DEM_INLINE dem_vec dem__speed_up(dem_vec v, dem_vec n, double more) { return dem__plus(v, more * dem__dot(v, n), n); }
 
 /* Calls the law of the run for the springs of row k alone, with these states. */
 static inline void dem__spring_of(const dem_world *w, const dem__type_rows *t, int k, double gap, const double *state,
@@ -50,7 +48,8 @@ static inline void dem__fit_friction(const dem_world *w, const dem__type_rows *t
     double state[DEM_STATE_MAX], any = 0.0;
     contacts->touch[DEM__PLACE_WAS][c] = 0.0;
     if (weight == was || !(gap < 0.0)) return;
-    for (int a = 0; a < law->states; a++) state[a] = contacts->state[a][c], any += a < 3 * law->vectors ? fabs(state[a]) : 0.0;
+    for (int a = 0; a < law->states; a++)
+        state[a] = contacts->state[a][c], any += a < 3 * law->vectors ? fabs(state[a]) : 0.0;
     if (any == 0.0) return;
     if (w->engine->ledger.on) {
         dem_response with, without;

@@ -4,7 +4,7 @@
 #pragma once
 #include "share.h"
 
-#define DEM__DEEP 1.0         /* overlap of cores over the radii of the roundings from which on nothing else acts */
+#define DEM__DEEP 1.0 /* overlap of cores over the radii of the roundings from which on nothing else acts */
 
 /* The corners of a core that are farthest along a direction: how many, their mean, and two of them. */
 typedef struct dem__farthest_part {
@@ -41,8 +41,8 @@ static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem_
    over k/p, and that of the point, V = (radii + depth)^p, the energy of the pair is (1 - s) U + s V, where s goes from 0
    to 1 with the depth. Forces are its gradient. Returns the number of points. power: p; energy: U, then that of the pair. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
-                                  const dem__placed *pb, const dem__gap_of_cores *gap, double power, double *energy,
-                                  dem__convex_point *out, int n) {
+                                         const dem__placed *pb, const dem__gap_of_cores *gap, double power,
+                                         double *energy, dem__convex_point *out, int n) {
     const double radii = a->radius + b->radius, depth = -gap->separation, overlap = radii + depth,
                  over = depth / (DEM__DEEP * radii);
     const double x = dem__clamp(over, 0.0, 1.0), s = x * x * (3.0 - 2.0 * x),

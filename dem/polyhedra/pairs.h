@@ -258,7 +258,9 @@ static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t e
             if (point < stop) {
                 dem__set_place(w, c, point);
                 point->taken = 1;
-            } else contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius, contacts->touch[DEM__PLACE_PULL][c] = 0.0;
+            } else
+                contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius,
+                contacts->touch[DEM__PLACE_PULL][c] = 0.0;
         }
     }
 }

@@ -20,8 +20,12 @@
 #include "walls.h"
 
 /* Returns the overlap to the power of the energy, or of the force, from its square. */
-DEM_INLINE double dem__energy_at(double square, double power) { return power > 2.0 ? square * sqrt(sqrt(square)) : square; }
-DEM_INLINE double dem__force_at(double square, double power) { return power > 2.0 ? sqrt(square * sqrt(square)) : sqrt(square); }
+DEM_INLINE double dem__energy_at(double square, double power) {
+    return power > 2.0 ? square * sqrt(sqrt(square)) : square;
+}
+DEM_INLINE double dem__force_at(double square, double power) {
+    return power > 2.0 ? sqrt(square * sqrt(square)) : sqrt(square);
+}
 
 /* Gives a point its part of the spring of its body. */
 DEM_INLINE void dem__divide_point(dem__convex_point *p, int springs) {
@@ -44,7 +48,8 @@ DEM_INLINE dem__division dem__divide(double c) {
 /* Sets the parts of a pair's n points in its law and the factors of their springs. Returns its energy over k/p. */
 static inline double dem__share_points(dem__convex_point *p, int n, double power) {
     const double half = 0.5 * power;
-    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0, head = 1.0; /* head: square of the crossing of an end */
+    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0,
+           head = 1.0; /* head: square of the crossing of an end */
     for (int k = 0; k < n; k++) most = p[k].gap * p[k].gap > most ? p[k].gap * p[k].gap : most;
     for (int k = 0; k < n; k++) {
         const double t = p[k].gap * p[k].gap / most;
