@@ -220,6 +220,8 @@ extern "C" {
 #define DEM__OF_CHUNK (6 * DEM__BLOCK)
 #define DEM__CHUNKS 256
 #define DEM__RANK_STEPS 2048 /* steps between two renewals of the order of particles by place: they move little in them */
+/* Steps of a run that pay for putting particles into another order in memory and back, which takes as long as six. */
+#define DEM__MOVE_STEPS 64
 #define DEM__SHARE 256       /* items that pay for waking a thread, at about 20 ns each */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */
 /* Speeds, spins and histories of contacts are rounded to 2^-52 of this: what decays ends at 0. */
@@ -821,6 +823,9 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
    whole in the worst case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere
    within another is left out: it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
+/* Makes a capsule along the x axis: spheres in a row, so near that the grooves between them are 1 % of the radius deep.
+   diameter, length: over all [m] > 0, length >= diameter. DEM_TOO_MANY from 9.8 diameters on. */
+DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double length);
 DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
 /* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n]
    [m], to which the shape is scaled, NULL: as it was made; orientations: shape [n][4], quaternions (scalar first, of
@@ -1310,18 +1315,22 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
 /* --------------------------------------------------------------------------------------------- >>base/polyhedron.h */
 /* Convex polyhedra: public types and functions. */
 
-#define DEM_CORNERS_MAX 32                      /* corners of a polyhedron, at most: a set of them fits into 32 bits */
+#define DEM_CORNERS_MAX 32                      /* corners of a core, at most: a set of them fits into 32 bits */
 #define DEM_FACES_MAX (2 * DEM_CORNERS_MAX - 4) /* by Euler's formula, if all are triangles */
 #define DEM_EDGES_MAX (3 * DEM_CORNERS_MAX - 6)
 
 /* A convex polyhedron with rounded edges and corners: all points within a radius of a core. Its flat faces are those of
    the polyhedron that it was made of; the core is that polyhedron, eroded by the radius. Volume, centroid and inertia
-   are those of the sharp polyhedron. Lengths are from the centroid, along the principal axes. Made by the three
+   are those of the sharp polyhedron. Corners and planes are measured from the centroid, along the axes of the frame in
+   which the polyhedron was given; in the copy that a world keeps (dem_get_shape), along the principal axes. Made by the
    functions below. */
 typedef struct dem_convex {
     int corners, edges, faces;
-    int is_box;       /* 1: the core is a box along the axes with half lengths `half` */
+    int is_box;       /* 1: the core is a box along the principal axes with half lengths `half` */
+    int along_axes;   /* 1: corners and planes lie along the principal axes; 0: as they were given */
+    int given;        /* corners of the polyhedron that it was made of */
     double radius;    /* of rounding [m] */
+    double deviation; /* of its surface, at most, from that of the given polyhedron with this rounding [m]; 0: none */
     double reach;     /* from the centroid to the farthest point [m] */
     double volume;    /* [m3] */
     double moment[3]; /* principal moments of inertia over density [m5] */
@@ -1340,20 +1349,40 @@ typedef struct dem_convex {
                      [2]; /* its faces; it runs along the first one's corners, against the second one's */
 } dem_convex;
 
-/* Makes a polyhedron from its corners, in any order. n: 4 .. DEM_CORNERS_MAX; corners: shape [n][3] [m]; rounding:
-   radius over the smallest distance of a face from the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good value.
-   DEM_BAD_ARGUMENT, with the cause in *reason (may be NULL): a number that is not finite or out of range, corners in
-   one plane, a point that is no corner (it lies inside, in a face, on an edge or on another), or a core of more than
-   DEM_CORNERS_MAX corners (it may have more of them where more than three faces meet). */
+/* Makes a polyhedron from its corners, in any order. n: 4 or more; corners: shape [n][3] [m]; rounding: radius over the
+   smallest distance of a face from the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good value. Volume, centroid
+   and moments are those of all corners. A core of more than DEM_CORNERS_MAX corners (where more than three faces meet,
+   it has more of them than the polyhedron) is replaced by a near one, whose `deviation` tells how near.
+   DEM_BAD_ARGUMENT, with the cause in *reason (may be NULL): a number that is not finite or out of range, corners in one
+   plane, a point that is no corner (it lies inside, in a face, on an edge or on another), or a rounding that leaves no
+   core. DEM_OUT_OF_MEMORY: only for more than DEM_CORNERS_MAX corners, here or of the core. */
 DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding,
                                    const char **reason);
+/* Makes a polyhedron from the convex hull of points, for instance of a scan: of the corners of an STL file. points:
+   shape [n][3] [m], at least 4, with at most 65536 on the hull; those within it do not matter. tolerance: of the surface,
+   over the diameter of the sphere of the same volume [-], 0 .. 0.2: the core has as few corners as keep `deviation`
+   below it, and is refused if DEM_CORNERS_MAX are not enough; 0: as near as these can be. allocator: of the work space;
+   NULL: realloc and free. Otherwise as dem_make_convex. */
+DEM_API dem_status dem_make_hull(dem_convex *shape, ptrdiff_t n, const double *points, double rounding,
+                                 double tolerance, const dem_allocator *allocator, const char **reason);
 /* Makes a box of these lengths along its axes [m] > 0. rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason);
-/* Makes a polyhedron from a closed surface of triangles that is convex. Also refuses an edge that has not two
+/* Makes a round tablet, lens or cylinder about the z axis. diameter, height: over all [m] > 0; band: height of its
+   straight side [m]: as `height`, a cylinder; less, with caps that are parts of balls, at most half ones; 0, a lens. Drawn
+   with 16 sides and the volume of the round body. With caps the core is a reduced one: `deviation` tells by how much. rounding, reason: as in dem_make_convex. */
+DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double height, double band, double rounding,
+                                   const char **reason);
+/* Makes a grain of gravel: corners on an ellipsoid with half axes in the ratio 1 : elongation : elongation flatness along
+   x, y, z, evenly spread and shaken. diameter: of the sphere of the same volume [m] > 0; elongation, flatness: 0.1 .. 1
+   [-]; corners: 6 .. 300; seed: any number, other grains for other ones. rounding, reason: as in dem_make_convex. */
+DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double elongation, double flatness, int corners,
+                                   uint64_t seed, double rounding, const char **reason);
+/* Makes a polyhedron from a closed surface of up to 4000 triangles that is convex. Also refuses an edge that has not two
    triangles, and a corner outside of a triangle's plane. Triangles in one plane make one face. */
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);
 
-/* Adds a shape to a world, which keeps a copy of it. Returns its number from 0 on, or minus a dem_status. */
+/* Adds a shape to a world, which keeps a copy of it, turned to the principal axes. Returns its number from 0 on, or minus
+   a dem_status. */
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 /* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any
    length but 0, scalar first, from the frame in which the shape was given to the world's; NULL: as it was given.
@@ -1979,13 +2008,58 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
 }
 
+/* Returns how a component of values at nodes changes along an axis of the grid, per cell. */
+DEM_INLINE double dem__gas_slope(const double *values, const dem__gas_cell *cell, int of, int along) {
+    double sum = 0.0;
+    for (int corner = 0; corner < 8; corner++) {
+        ptrdiff_t node = cell->first;
+        double weight = corner >> along & 1 ? 1.0 : -1.0;
+        for (int a = 0; a < 3; a++) {
+            node += corner >> a & 1 ? cell->next[a] : 0;
+            if (a != along) weight *= corner >> a & 1 ? cell->part[a] : 1.0 - cell->part[a];
+        }
+        sum += weight * values[node * 3 + of];
+    }
+    return sum;
+}
+/* Returns the curl of the gas's velocity in its frame, at a place of the grid. */
+DEM_INLINE dem_vec dem__gas_curl(const dem_gas *gas, const dem__gas_cell *cell) {
+    double curl[3];
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        const double across = (double)(gas->n[b] - 1) / (dem_axis(gas->high, b) - dem_axis(gas->low, b)),
+                     up = (double)(gas->n[c] - 1) / (dem_axis(gas->high, c) - dem_axis(gas->low, c));
+        curl[a] = across * dem__gas_slope(gas->velocity, cell, c, b) - up * dem__gas_slope(gas->velocity, cell, b, c);
+    }
+    return dem_vec3(curl[0], curl[1], curl[2]);
+}
+
+/* Returns the coefficient c of the torque -c (spin - spin of the gas) on a sphere of a particle's volume [N m s]: pi
+   viscosity d^3 up to Re = density d^2 spin/viscosity = 32 (Stokes), beyond that by Dennis, Singh & Ingham 1980; 0
+   beyond the grid. The gas turns with its frame, and with half the curl of its velocity. *spin: in, of the particle
+   [rad/s]; out, relative to the gas. */
+DEM_INLINE double dem_gas_turning(const dem_force_point *at, dem_vec *spin) {
+    const dem_gas *gas = (const dem_gas *)at->user;
+    const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
+    const double d = 2.0 * at->radius;
+    dem_vec place = dem__sub(at->position, f.centre);
+    dem__gas_cell cell;
+    if (gas->spin != 0.0) place = dem__turned(gas, &f, place, -1.0);
+    if (!dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell)) return 0.0;
+    *spin = dem__plus(*spin, -gas->spin, gas->axis);
+    if (gas->velocity) *spin = dem__plus(*spin, -0.5, dem__turned(gas, &f, dem__gas_curl(gas, &cell), 1.0));
+    const double reynolds = gas->density * d * d * dem__length(*spin) / gas->viscosity;
+    const double over = (12.9 * sqrt(reynolds) + 128.4) / (64.0 * RIDDLE_PI); /* Stokes's torque */
+    return RIDDLE_PI * gas->viscosity * d * d * d * (over > 1.0 ? over : 1.0);
+}
+
 /* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or
    one of yours. */
 #define DEM_GAS(name, drag)                                                                                            \
     DEM_INLINE dem_vec name##_force(const dem_force_point *at) {                                                       \
         return dem_gas_force(at, (const dem_gas *)at->user, drag);                                                     \
     }                                                                                                                  \
-    DEM_FORCE_FIELD(name, name##_force)
+    DEM__FIELD(name, name##_force, dem_gas_turning)
 
 /* Bodies: the parts that no other one includes. */
 #ifdef DEM__BODIES
@@ -2032,6 +2106,8 @@ enum {
 typedef struct dem__feature {
     int place;      /* DEM__LEDGER_FEATURE and so on */
     int adds_loads; /* it adds to the loads of particles */
+    int sorts;      /* in a run particles may lie in another order: it knows them by its arrays alone, and adds up nothing
+                       in the order of particles */
     int exclusive;  /* it moves particles between steps: a world has at most one such feature */
 
     /* Memory. */
@@ -2269,7 +2345,7 @@ enum {
 
 /* Two particles that may touch before the list is built anew. */
 typedef struct dem__near {
-    int32_t i, j;    /* i < j */
+    int32_t i, j;    /* that of the lower number first */
     double distance; /* of centres, below which they touch [m] */
 } dem__near;
 
@@ -2388,6 +2464,8 @@ typedef struct dem__bodies {
     int32_t *number;         /* number of particles present before it: its number without gaps */
     int32_t *rank, *by_rank; /* place in the order in which contacts lie; the particle of a rank. Every particle has a
                                    rank, those that are gone too, until arrays are made without them */
+    int by_place;               /* in a run: they lie in the order of ranks, */
+    int32_t *given;             /* and this is the number that the caller knows of each */
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     int32_t *active_at;         /* where it is in the first list */
     ptrdiff_t active_count, to_check_count;
@@ -2505,6 +2583,7 @@ typedef struct dem__field {
     int64_t *until;        /* step in which a particle's flight ends, or DEM__NO_FLIGHT */
     dem_vec *end_velocity; /* velocity there [m/s] */
     dem_vec *force;        /* on a particle that takes steps, in its last one [N] */
+    dem_vec *torque;       /* the same [N m] */
     double *work;          /* of the field along the flight [J] */
     double *booked;        /* part of the work that the ledger contains [J] */
 } dem__field;
@@ -2663,6 +2742,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
                             &bodies->number,
                             &bodies->rank,
                             &bodies->by_rank,
+                            &bodies->given,
                             &bodies->to_check};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);
@@ -6117,11 +6197,12 @@ typedef struct dem__curve_box {
 
 /* Lays the cube over four standard deviations each way from the mean, within the particles' range: the few outside go
    into the cells at the border. */
-static inline dem__curve_box dem__curve_of(const dem_world *w) {
+static inline dem__curve_box dem__curve_of(const dem_world *w, const int32_t *by_number) {
     double low[3], high[3], sum[3] = {0.0, 0.0, 0.0}, square[3] = {0.0, 0.0, 0.0}, n = 0.0, longest = 0.0;
     dem__curve_box box;
     for (int a = 0; a < 3; a++) low[a] = HUGE_VAL, high[a] = -HUGE_VAL;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
+    for (ptrdiff_t k = 0; k < w->count; k++) {
+        const ptrdiff_t i = by_number ? by_number[k] : k;
         if (!w->alive[i]) continue;
         const dem_vec x = dem__at(w, i, dem__now(w, i));
         n += 1.0;
@@ -6188,9 +6269,11 @@ static DEM__NOINLINE void dem__renew_ranks(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const int32_t *place = w->engine->pairs.cell_of;
     int32_t *other = w->engine->scratch.index;
-    dem__curve_box box = dem__curve_of(w);
+    const int32_t *by_number = bodies->by_place ? other : NULL; /* sums, and particles of one cell, follow numbers */
+    for (ptrdiff_t i = 0; i < w->count && by_number; i++) other[bodies->given[i]] = (int32_t)i;
+    dem__curve_box box = dem__curve_of(w, by_number);
     dem__in_parts(w, dem__parts(w, 4 * w->count), w->count, dem__place_on_curve, &box);
-    dem__sort_by_place(place, 0, w->count, NULL, bodies->by_rank);
+    dem__sort_by_place(place, 0, w->count, by_number, bodies->by_rank);
     dem__sort_by_place(place, 10, w->count, bodies->by_rank, other);
     dem__sort_by_place(place, 20, w->count, other, bodies->by_rank);
     dem__set_ranks(w);
@@ -6278,6 +6361,8 @@ static inline void dem__compact(dem_world *w) {
         if (contacts->j[c] >= 0) contacts->j[c] = remap[contacts->j[c]];
     }
     w->count = to;
+    for (ptrdiff_t i = 0; i < to && w->engine->bodies.by_place; i++)
+        w->engine->bodies.given[i] = w->engine->bodies.number[i];
     dem__set_ranks(w);
     w->engine->bodies.dropped = 0;
     DEM__TELL(w, renumber, (w, remap));
@@ -7038,8 +7123,9 @@ typedef struct dem__found_pairs {
 static inline int dem__add_near(const dem_world *w, dem__found_pairs *finds, int32_t i, int32_t j) {
     if (finds->n == finds->room) return 0;
     dem__near *q = &finds->pair[finds->n++];
-    q->i = i < j ? i : j;
-    q->j = i < j ? j : i;
+    const int in_order = w->id[i] < w->id[j]; /* so are their numbers, in whatever order they lie */
+    q->i = in_order ? i : j;
+    q->j = in_order ? j : i;
     q->distance = w->particle[i].radius + w->particle[j].radius;
     return 1;
 }
@@ -9722,9 +9808,12 @@ static inline void dem__free_untouched(dem_world *w) {
 
 /* Numbers the particles present, after a removal. */
 static inline void dem__number_present(dem_world *w) {
-    int32_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        w->engine->bodies.number[i] = n;
+    const dem__bodies *bodies = &w->engine->bodies;
+    int32_t n = 0, *by_number = w->engine->scratch.index;
+    for (ptrdiff_t i = 0; i < w->count && bodies->by_place; i++) by_number[bodies->given[i]] = (int32_t)i;
+    for (ptrdiff_t k = 0; k < w->count; k++) {
+        const ptrdiff_t i = bodies->by_place ? by_number[k] : k;
+        bodies->number[i] = n;
         n += w->alive[i] != 0;
     }
 }
@@ -9961,6 +10050,158 @@ static inline int dem__reorder_contacts(dem_world *w) {
     dem__arrange(w, n, run, chunks, list, dem__kept_arrays(w, list));
     dem__list_wall_contacts(w);
     return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------- >>step/memory.h */
+/* The order of particles in memory. In a run of many contacts particles lie by rank, so that what is near in space is
+   near in memory, whatever the order in which they were added; before the run returns they lie by their numbers again.
+   Reads ranks; moves all that belongs to particles, and the numbers in contacts and lists. Promises: no result depends
+   on it, because sums have the order of contacts, and contacts that of ranks. */
+
+/* Copies the entries of particles first .. end-1 of an array from where they lie. */
+static inline void dem__take_entries(char *to, const char *base, size_t size, const int32_t *from, ptrdiff_t first,
+                                     ptrdiff_t end) {
+    for (ptrdiff_t k = first; k < end; k++) {
+        const char *entry = base + (size_t)from[k] * size;
+        if (size == 4) memcpy(to + 4 * k, entry, 4);
+        else if (size == sizeof(dem_vec)) memcpy(to + (size_t)k * sizeof(dem_vec), entry, sizeof(dem_vec));
+        else if (size == sizeof(dem__bound)) memcpy(to + (size_t)k * sizeof(dem__bound), entry, sizeof(dem__bound));
+        else if (size == sizeof(dem_particle))
+            memcpy(to + (size_t)k * sizeof(dem_particle), entry, sizeof(dem_particle));
+        else memcpy(to + (size_t)k * size, entry, size);
+    }
+}
+
+/* An array on its way into another order. */
+typedef struct dem__move {
+    char *base, *scratch;
+    size_t size;
+    const int32_t *from;
+} dem__move;
+static inline void dem__take_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__move *m = (const dem__move *)context;
+    (void)w, (void)part;
+    dem__take_entries(m->scratch, m->base, m->size, m->from, first, end);
+}
+static inline void dem__put_back_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const dem__move *m = (const dem__move *)context;
+    (void)w, (void)part;
+    memcpy(m->base + (size_t)first * m->size, m->scratch + (size_t)first * m->size, (size_t)(end - first) * m->size);
+}
+
+/* Returns whether an array of particles has nothing to move: scratch memory, lists that are made anew, loads that are
+   all 0. */
+static inline int dem__stays(const dem_world *w, const void *base) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    return base == w->engine->scratch.index || base == w->engine->pairs.cell_of ||
+           base == w->engine->pairs.adjacent_start || base == bodies->active || base == bodies->active_at ||
+           base == bodies->to_check || base == bodies->by_rank ||
+           (!bodies->loads_on && (base == bodies->load || base == bodies->external));
+}
+
+/* Moves all that belongs to particles: place k gets what lies at from[k]. */
+static inline void dem__move_entries(dem_world *w, const int32_t *from) {
+    dem__array list[DEM__ARRAYS_MAX];
+    dem__timers *t = &w->engine->walls.timers;
+    dem__move m;
+    int n = dem__particle_arrays(w, list);
+    const int parts = dem__parts(w, w->count);
+    const size_t walls = (size_t)w->walls * sizeof(int32_t);
+    m.from = from, m.scratch = (char *)w->engine->contacts.correction; /* free between steps */
+    if (walls > 0 && !w->engine->run.needs_lists) {
+        list[n].address = &t->due, list[n++].size = walls;
+        list[n].address = &w->engine->walls.sure, list[n++].size = walls;
+    }
+    for (int k = 0; k < n; k++) {
+        memcpy(&m.base, list[k].address, sizeof m.base);
+        m.size = list[k].size;
+        if (!m.base || dem__stays(w, m.base)) continue;
+        dem__in_parts(w, parts, w->count, dem__take_range, &m);
+        dem__in_parts(w, parts, w->count, dem__put_back_range, &m);
+    }
+    if (walls > 0 && !w->engine->run.needs_lists) dem__stop_timers(t, w->count * w->walls, w->count * w->walls);
+}
+
+/* Gives contacts and near pairs the new places of their particles; each keeps which of the two comes first. */
+static inline void dem__rename_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    const int32_t *to = (const int32_t *)context;
+    dem__near *near = w->engine->pairs.near;
+    (void)part;
+    for (ptrdiff_t p = first; p < end; p++) near[p].i = to[near[p].i], near[p].j = to[near[p].j];
+}
+static inline void dem__rename_particles(dem_world *w, int32_t *to) {
+    dem__contacts *contacts = &w->engine->contacts;
+    dem__pairs *pairs = &w->engine->pairs;
+    DEM__EACH_CONTACT(w, c) {
+        contacts->i[c] = to[contacts->i[c]];
+        if (contacts->j[c] >= 0) contacts->j[c] = to[contacts->j[c]];
+    }
+    if (w->engine->run.needs_lists) return;
+    dem__in_parts(w, dem__parts(w, pairs->count / 4), pairs->count, dem__rename_range, to);
+    dem__find_adjacent(w); /* there is room: the pairs are the same */
+}
+
+/* Puts particles into another order in memory. from: pairs.cell_of, the places where they lie. */
+static DEM__NOINLINE void dem__put_in_order(dem_world *w, const int32_t *from) {
+    dem__bodies *bodies = &w->engine->bodies;
+    int32_t *to = w->engine->scratch.index;
+    for (ptrdiff_t k = 0; k < w->count; k++) to[from[k]] = (int32_t)k;
+    dem__move_entries(w, from);
+    for (ptrdiff_t r = 0; r < w->count; r++) bodies->by_rank[r] = to[bodies->by_rank[r]];
+    dem__rename_particles(w, to);
+    dem__list_active(w);
+}
+
+/* Puts particles into the order of their ranks. */
+static inline void dem__lie_by_rank(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    int32_t *from = w->engine->pairs.cell_of;
+    for (ptrdiff_t k = 0; k < w->count && !bodies->by_place; k++) bodies->given[k] = (int32_t)k;
+    for (ptrdiff_t k = 0; k < w->count; k++) from[k] = bodies->by_rank[k];
+    bodies->by_place = 1;
+    dem__put_in_order(w, from);
+}
+
+/* Puts particles into the order of their numbers. */
+static inline void dem__lie_by_number(dem_world *w) {
+    dem__bodies *bodies = &w->engine->bodies;
+    int32_t *from = w->engine->pairs.cell_of;
+    if (!bodies->by_place) return;
+    for (ptrdiff_t k = 0; k < w->count; k++) from[bodies->given[k]] = (int32_t)k;
+    dem__put_in_order(w, from);
+    bodies->by_place = 0;
+}
+
+/* Returns whether only the engine reads particles in a run of this kernel, so that they may lie in any order: nobody's
+   functions are called, and every feature allows it. */
+static inline int dem__may_lie_by_rank(const dem_world *w, const dem_kernel *kernel) {
+    for (int k = 0; k < w->engine->features; k++) {
+        if (!w->engine->feature[k].sorts) return 0;
+    }
+    for (int k = 0; k < w->walls; k++) {
+        if (w->wall[k].asked.motion) return 0;
+    }
+    return !kernel->law->born && !kernel->law->ended && w->engine->contacts.chunk_count > 1 &&
+           (size_t)w->engine->contacts.capacity * sizeof(dem__correction) >= (size_t)w->count * sizeof(dem_particle);
+}
+
+/* Returns whether particles that follow each other in the order of ranks are apart in memory so often that it pays to
+   move them, for a run of some more steps. */
+static inline int dem__pays_to_move(const dem_world *w, int64_t steps) {
+    const int32_t *by_rank = w->engine->bodies.by_rank;
+    ptrdiff_t apart = 0, far = 0;
+    if (steps < DEM__MOVE_STEPS) return 0;
+    for (ptrdiff_t r = 1; r < w->count; r++) {
+        const int32_t d = by_rank[r] - by_rank[r - 1];
+        apart += d > 8 || d < -8;
+        far += d > 1024 || d < -1024;
+    }
+    return 4 * far > w->count || (4 * apart > w->count && steps >= 8 * DEM__MOVE_STEPS);
+}
+
+/* Puts particles into the order of their ranks where it pays. steps: left in this run. */
+static inline void dem__order_memory(dem_world *w, const dem_kernel *kernel, int64_t steps) {
+    if (dem__may_lie_by_rank(w, kernel) && dem__pays_to_move(w, steps)) dem__lie_by_rank(w);
 }
 
 /* --------------------------------------------------------------------------------------------- >>records/records.h */
@@ -10451,6 +10692,7 @@ static inline void dem__hash_fixed(uint64_t *hash, const dem_world *w, ptrdiff_t
 
 static inline dem__feature dem__feature_fixed(void) {
     dem__feature f = dem__new_feature(DEM__FIXED_FEATURE);
+    f.sorts = 1;
     f.list_arrays = dem__list_arrays_of_fixed;
     f.add_particle = dem__add_unfixed;
     f.world_fields = dem__world_fields_of_fixed;
@@ -10972,15 +11214,14 @@ static inline void dem__check_bounds(dem_world *w) {
 
 /* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
 static inline int dem__fail(dem_world *w, dem_status status) {
+    int failed = 0;
     w->status = status;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem_particle *p = &w->particle[i];
         const dem_vec sum = dem__add(dem__add(p->v, p->a), dem__add(p->spin, w->spin_rate[i]));
         const double v = sum.x + sum.y + sum.z;
-        if (!(fabs(v) <= DBL_MAX)) {
-            w->failed_id = w->id[i];
-            break;
-        }
+        if (fabs(v) <= DBL_MAX || (failed && w->failed_id < w->id[i])) continue;
+        failed = 1, w->failed_id = w->id[i];
     }
     return 0;
 }
@@ -11407,7 +11648,12 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
     w->engine->run.running = 1;
     int going = dem__prepare_run(w, kernel, features);
-    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
+    if (going) dem__order_memory(w, kernel, steps);
+    for (int64_t n = steps; n > 0 && going; n--) {
+        going = dem__step(w, kernel, n == 1);
+        if (w->step % DEM__RANK_STEPS == 1 && going) dem__order_memory(w, kernel, n - 1); /* ranks are new */
+    }
+    dem__lie_by_number(w);
     for (int k = 0; k < w->engine->features; k++) {
         if (w->engine->feature[k].end_run) going = w->engine->feature[k].end_run(w, going);
     }
@@ -12719,9 +12965,10 @@ static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem
     p->origin = w->step;
 }
 
-/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
-DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
-                                   dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
+
+/* Returns what a law gets to know of particle i at x with v. */
+DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time) {
     dem_force_point at;
     at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
     at.velocity = v;
@@ -12729,10 +12976,58 @@ DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, d
     at.time = time;
     at.gravity = dem__free_fall(w);
     at.user = w->engine->field.def.user;
+    return at;
+}
+
+/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
+DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
+                                   dem_vec (*law)(const dem_force_point *)) {
+    const dem_force_point at = dem__field_point(w, i, x, v, time);
     return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
 }
 
-DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
+/* A law of torque: -c times the spin relative to the field. In: *spin of a particle [rad/s]; out: the relative one.
+   Returns c [N m s]. NULL: there is no torque. */
+typedef double (*dem__turning_fn)(const dem_force_point *at, dem_vec *spin);
+
+/* The torque of a field on a particle: c and the relative spin, the particle's moment of inertia about that. */
+typedef struct dem__turning {
+    double c, inertia; /* c = 0: none */
+    dem_vec spin;
+} dem__turning;
+/* Returns it for particle i, which spins, or its body, at x. */
+DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin, double time,
+                                        dem__turning_fn turning) {
+    const dem_force_point at = dem__field_point(w, i, x, dem_vec3(0.0, 0.0, 0.0), time);
+    const dem__rigid *r = dem__rigid_of(w, i);
+    dem__turning q;
+    q.spin = spin, q.c = 0.0, q.inertia = 1.0;
+    if (!turning || (!r && !(w->engine->run.features & DEM_FRICTION) && dem__is_zero(spin)))
+        return q; /* spheres without friction do not turn */
+    q.c = turning(&at, &q.spin);
+    const double square = dem__dot(q.spin, q.spin);
+    if (!(q.c > 0.0 && square > 0.0 && square <= DBL_MAX)) {
+        q.c = 0.0;
+        return q;
+    }
+    q.inertia = r ? dem__dot(q.spin, dem__momentum_of(r->turn, r->moments, q.spin)) / square : dem__inertia(w, i);
+    return q;
+}
+
+/* Lets the torque act on particle i, or its body, over a time that has passed, at an origin that has just been set.
+   Exact for a sphere of constant c. Returns the energy that it gains [J]. */
+DEM_INLINE double dem__brake(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    const double before = dem__rotational(w, i), y = q->c * passed / q->inertia;
+    const double part = y < 1e-3 ? 1.0 - y * (0.5 - y * (1.0 / 6.0 - y / 24.0)) : (1.0 - riddle_exp(-y)) / y;
+    const dem_vec impulse = dem__scale(-q->c * passed * part, q->spin);
+    if (r) {
+        r->momentum = dem__add(r->momentum, impulse);
+        w->engine->bodies.calls->place(w, r);
+    } else w->particle[i].spin = dem__plus(w->particle[i].spin, 1.0 / q->inertia, impulse);
+    return dem__rotational(w, i) - before;
+}
+
 /* Returns whether particle i, or its body, has the acceleration of free fall only. */
 DEM_INLINE int dem__falls_freely(const dem_world *w, ptrdiff_t i) {
     return dem__is_zero(dem__sub(dem__centre_pull(w, i), dem__free_fall(w)));
@@ -12793,11 +13088,13 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
     return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
 }
 
+#define DEM__SLOWS 5e-3 /* share of its spin that a particle may lose in a flight */
+
 /* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right
    at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first one, times
    the time squared. */
-DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem__flown *q,
-                                  dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, const dem__turning *turn,
+                                  dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
     const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
                  probe = 16.0 * dt;
@@ -12810,6 +13107,10 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     if (jerk > 0.0) {
         const double guess = riddle_cbrt(13.5 * 3.0 * limit / jerk);
         longest = guess < longest ? guess : longest;
+    }
+    if (turn->c > 0.0) { /* the spin is that at the beginning of the flight: it must not change much, if it matters */
+        const double slows = DEM__SLOWS * turn->inertia / turn->c;
+        longest = slows < longest && dem__length(turn->spin) * slows > def->accuracy ? slows : longest;
     }
     int n = dem__steps_within(w, longest);
     for (;;) {
@@ -12824,21 +13125,25 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     }
 }
 
-/* Begins a flight now. Where the law gives 0 and gave 0 before, the present parabola stays. */
-DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+/* Begins a flight now, after the torque of the one before. Where the law gives 0 and gave 0 before, and there is no
+   torque, the present parabola stays. */
+DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
+                                 dem__turning_fn turning) {
     dem__field *field = &w->engine->field;
-    const double tau = dem__now(w, i), dt = w->engine->run.dt;
+    const double tau = dem__now(w, i), dt = w->engine->run.dt, passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
     const dem_vec x = dem__centre_at(w, i, tau),
                   v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
-    const dem_vec g = dem__free_fall(w);
+    const dem_vec g = dem__free_fall(w), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
+    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
     dem__flown q;
-    const int n = dem__choose_flight(w, i, x, v, &q, law);
+    const int n = dem__choose_flight(w, i, x, v, &turn, &q, law), brakes = turn.c > 0.0 && passed > 0.0;
     const double h = (double)n * dt;
     field->until[i] = w->step + n;
     field->work[i] = q.work, field->booked[i] = 0.0;
     if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
-    if (!(q.zero && dem__falls_freely(w, i))) {
+    if (!(q.zero && dem__falls_freely(w, i)) || brakes) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
+        if (brakes) field->booked[i] = -dem__brake(w, i, passed, &turn); /* the next booking adds it */
     }
     field->end_velocity[i] =
         q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
@@ -12866,14 +13171,16 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
 }
 
 /* Ends the flight of particle i now. Its position is that on the parabola; its velocity is computed anew. */
-DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
+                                dem__turning_fn turning) {
     dem__field *field = &w->engine->field;
     dem__rigid *r = dem__rigid_of(w, i);
     const dem_vec a = dem__centre_pull(w, i);
-    const double tau = dem__now(w, i);
-    const dem_vec x = dem__centre_at(w, i, tau);
+    const double tau = dem__now(w, i), passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
+    const dem_vec x = dem__centre_at(w, i, tau), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
+    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
     dem_vec v = dem__drift_at(w, i, tau);
-    const int falls = dem__falls_freely(w, i);
+    const int falls = dem__falls_freely(w, i), brakes = turn.c > 0.0 && passed > 0.0;
     field->work[i] = 0.0;
     if (tau > 0.0 && !falls) {
         const dem_vec begun = dem__drift_at(w, i, 0.0);
@@ -12885,18 +13192,21 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     const dem_vec pull = dem__field_pull(w, i, x, v, w->time, law);
     field->force[i] = dem__scale(w->particle[i].mass, pull);
     field->until[i] = DEM__NO_FLIGHT;
-    if (falls && dem__is_zero(pull)) return; /* the same bits as without a field */
+    if (falls && dem__is_zero(pull) && !brakes) return; /* the same bits as without a field */
     dem__begin_parabola(w, i, x, v, a);
+    if (brakes) field->work[i] += dem__brake(w, i, passed, &turn);
     dem__free_acceleration(w, i);
     if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
 }
 
-/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity
-   predicted for it. That on a body is added where its forces are summed up. */
-DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *)) {
+/* Adds the law's force and torque on particle i, which takes steps, at its position after a step of h and at the
+   velocity predicted for it. The force on a body is added where its forces are summed up. */
+DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *),
+                                     dem__turning_fn turning) {
     const dem__rigid *r = dem__rigid_of(w, i);
     const dem_particle *p = &w->particle[i];
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0), v = r ? r->v : p->v;
+    w->engine->field.torque[i] = none;
     if (!dem__leads(w, i)) {
         w->engine->field.force[i] = none;
         return;
@@ -12907,22 +13217,31 @@ DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_ve
     double *load = w->engine->bodies.sum[i].load;
     if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
     w->engine->field.force[i] = force;
+    if (!turning) return;
+    const dem__turning turn =
+        dem__turning_of(w, i, r ? r->x : p->x, p->spin, dem__time_of(w, w->step + (h > 0.0)), turning);
+    const dem_vec torque = turn.c > 0.0 ? dem__scale(-turn.c, turn.spin) : none;
+    load[3] += torque.x, load[4] += torque.y, load[5] += torque.z;
+    w->engine->field.torque[i] = torque;
 }
 
-DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_vec (*law)(const dem_force_point *),
+                                  dem__turning_fn turning) {
     for (ptrdiff_t k = 0; k < q->n; k++) {
         const ptrdiff_t i = q->particle[k];
-        if (q->task == DEM__ADD_FIELD_FORCE) dem__add_field_force(w, i, q->h, law);
-        else if (q->task == DEM__END_FLIGHTS) dem__end_flight(w, i, law);
-        else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law);
+        if (q->task == DEM__ADD_FIELD_FORCE) dem__add_field_force(w, i, q->h, law, turning);
+        else if (q->task == DEM__END_FLIGHTS) dem__end_flight(w, i, law, turning);
+        else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law, turning);
     }
 }
 
-#define DEM_FORCE_FIELD(name, law)                                                                                     \
+/* turning: a law of torque, or NULL. */
+#define DEM__FIELD(name, law, turning)                                                                                 \
     DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
-        dem__field_kernel(world, task, law);                                                                           \
+        dem__field_kernel(world, task, law, turning);                                                                  \
         return 1;                                                                                                      \
     }
+#define DEM_FORCE_FIELD(name, law) DEM__FIELD(name, law, NULL)
 
 /* ------------------------------------------------------------------------------------------------- >>gas/flights.h */
 /* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. */
@@ -13137,6 +13456,7 @@ static inline void dem__book_stepping(dem_world *w, double h) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         const dem__rigid *r = dem__rigid_of(w, i);
         dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.force[i], r ? r->v : w->particle[i].v));
+        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.torque[i], w->particle[i].spin));
     }
 }
 
@@ -13205,6 +13525,7 @@ static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
     const dem__array arrays[] = {{&field->until, sizeof *field->until},
                                  {&field->end_velocity, sizeof *field->end_velocity},
                                  {&field->force, sizeof *field->force},
+                                 {&field->torque, sizeof *field->torque},
                                  {&field->work, sizeof *field->work},
                                  {&field->booked, sizeof *field->booked}};
     const int n = (int)(sizeof arrays / sizeof *arrays);
@@ -13218,7 +13539,7 @@ static inline void dem__release_field(dem_world *w) {
 
 static inline void dem__add_unflown(dem_world *w, ptrdiff_t i) {
     w->engine->field.until[i] = DEM__NO_FLIGHT;
-    w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
+    w->engine->field.force[i] = w->engine->field.torque[i] = dem_vec3(0.0, 0.0, 0.0);
 }
 
 /* A field without a law: after loading dem_set_force_field comes first. */
@@ -13247,6 +13568,7 @@ static inline void dem__particle_fields_of_field(dem_world *w, dem__group *g) {
         DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
         DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
         DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
+        DEM__DOUBLES("particle.field_torque", field->torque[0], sizeof *field->torque),
         DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
     };
     dem__add_optional(g, fields, sizeof fields);
@@ -13789,6 +14111,19 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
     c.add__ = dem_add_clumps;
     *clump = c;
     return DEM_OK;
+}
+
+DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double length) {
+    double centre[DEM_CLUMP_MAX][3], width[DEM_CLUMP_MAX];
+    if (!clump || !dem__positive(diameter) || !(length >= diameter && length <= DBL_MAX)) return DEM_BAD_ARGUMENT;
+    const double spheres = 1.0 + ceil((length - diameter) / (0.141 * diameter)); /* (s/2)^2 = r^2 - (0.99 r)^2 */
+    if (!(spheres <= (double)DEM_CLUMP_MAX)) return DEM_TOO_MANY;
+    const int n = (int)spheres;
+    for (int k = 0; k < n; k++) {
+        centre[k][0] = n > 1 ? (length - diameter) * ((double)k / (double)(n - 1) - 0.5) : 0.0;
+        centre[k][1] = centre[k][2] = 0.0, width[k] = diameter;
+    }
+    return dem_make_clump(n, centre[0], width, clump);
 }
 
 /* ----------------------------------------------------------------------------------------------------- >>gas/gas.h */
@@ -16225,6 +16560,7 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
 
 static inline dem__feature dem__feature_meshes(void) {
     dem__feature f = dem__new_feature(DEM__MESHES_FEATURE);
+    f.sorts = 1;
     f.follow = dem__follow_meshes;
     return f;
 }
@@ -16274,6 +16610,8 @@ DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec hig
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/save.h */
 /* Shapes in a saved world: their fields, and whether loaded ones are sound. */
 
+#define DEM__SHAPE_OPTIONAL 2 /* fields at the end of the list that a save may lack */
+
 static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     const size_t s = sizeof *c;
     const dem__saved_field fields[] = {
@@ -16296,6 +16634,8 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
         {"shape.face_corner", c->face_corner, s, 2 * DEM_EDGES_MAX, 1},
         {"shape.edge", c->edge, s, 2 * DEM_EDGES_MAX, 1},
         {"shape.edge_face", c->edge_face, s, 2 * DEM_EDGES_MAX, 1},
+        DEM__INTEGER("shape.given", c->given, s),
+        DEM__DOUBLES("shape.deviation", c->deviation, s),
     };
     memcpy(field, fields, sizeof fields);
     return (int)(sizeof fields / sizeof *fields);
@@ -16385,6 +16725,7 @@ static inline void dem__find_springs(dem_convex *s) {
 /* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough.
  */
 #define DEM__FLAT 1e-6
+#define DEM__NO_CORE "its core is no polyhedron: a smaller rounding leaves one"
 
 /* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
 typedef struct dem__hull {
@@ -16528,21 +16869,22 @@ typedef struct dem__moments {
     dem_vec first;
     double second[3][3];
 } dem__moments;
+static inline void dem__add_triangle(dem__moments *bulk, const double *a, const double *b, const double *c) {
+    const double six = dem__dot(dem__point(a), dem__cross(dem__point(b), dem__point(c)));
+    const double sum[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
+    bulk->volume += six / 6.0;
+    bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++)
+            bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
+    }
+}
 static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
     memset(bulk, 0, sizeof *bulk);
     for (int f = 0; f < s->faces; f++) {
         const double *a = s->corner[s->face_corner[s->face_start[f]]];
-        for (int k = s->face_start[f] + 2; k < s->face_start[f + 1]; k++) {
-            const double *b = s->corner[s->face_corner[k - 1]], *c = s->corner[s->face_corner[k]];
-            const double six = dem__dot(dem__point(a), dem__cross(dem__point(b), dem__point(c)));
-            const double sum[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
-            bulk->volume += six / 6.0;
-            bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
-            for (int p = 0; p < 3; p++) {
-                for (int q = 0; q < 3; q++)
-                    bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
-            }
-        }
+        for (int k = s->face_start[f] + 2; k < s->face_start[f + 1]; k++)
+            dem__add_triangle(bulk, a, s->corner[s->face_corner[k - 1]], s->corner[s->face_corner[k]]);
     }
 }
 
@@ -16575,19 +16917,16 @@ static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
     }
 }
 
-/* Sets volume, centroid and moments; moves the corners to the centroid and turns them to the principal axes. Returns
-   NULL, or what is wrong. */
-static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
-    dem__moments bulk;
+/* Sets volume, centroid, moments and axes. centre: the centroid, from the middle. Returns NULL, or what is wrong. */
+static inline const char *dem__set_moments(dem_convex *s, const dem__moments *bulk, dem_vec middle, dem_vec *centre) {
     double second[3][3], axis[3][3];
-    dem__integrate(s, &bulk);
-    if (!(bulk.volume > 0.0 && bulk.volume < HUGE_VAL)) return "the corners lie in one plane";
-    const dem_vec c = dem__scale(1.0 / bulk.volume, bulk.first);
+    if (!(bulk->volume > 0.0 && bulk->volume < HUGE_VAL)) return "the corners lie in one plane";
+    const dem_vec c = *centre = dem__scale(1.0 / bulk->volume, bulk->first);
     for (int p = 0; p < 3; p++) {
-        for (int q = 0; q < 3; q++) second[p][q] = bulk.second[p][q] - bulk.volume * dem_axis(c, p) * dem_axis(c, q);
+        for (int q = 0; q < 3; q++) second[p][q] = bulk->second[p][q] - bulk->volume * dem_axis(c, p) * dem_axis(c, q);
     }
     dem__principal(second, axis);
-    s->volume = bulk.volume;
+    s->volume = bulk->volume;
     s->centroid = dem__add(middle, c);
     for (int a = 0; a < 3; a++) {
         s->axis[a] = dem__point(axis[a]);
@@ -16595,6 +16934,16 @@ static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
         if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL))
             return "it is too small or too large for its inertia to be a number";
     }
+    return NULL;
+}
+
+/* Sets them; moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what is wrong. */
+static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
+    dem__moments bulk;
+    dem_vec c;
+    dem__integrate(s, &bulk);
+    const char *reason = dem__set_moments(s, &bulk, middle, &c);
+    if (reason) return reason;
     for (int k = 0; k < s->corners; k++) {
         const dem_vec d = dem__sub(dem__point(s->corner[k]), c);
         for (int a = 0; a < 3; a++) s->corner[k][a] = dem__dot(d, s->axis[a]);
@@ -16602,11 +16951,13 @@ static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     return NULL;
 }
 
-/* Finds the point where three planes meet that have moved inwards. Returns their determinant; 0 if they hardly meet. */
-static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, dem_vec *at) {
+/* Finds the point where three planes meet that have moved inwards. Returns their determinant, without sign; 0 if that
+   is below `least`. */
+static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, double least,
+                               dem_vec *at) {
     const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
     const double det = dem__dot(a, bc);
-    if (fabs(det) < 1e-6) return 0.0;
+    if (fabs(det) < least) return 0.0;
     const dem_vec sum =
         dem__add(dem__scale(p[3] - inwards, bc),
                  dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
@@ -16637,7 +16988,7 @@ static inline int dem__erode(const dem_convex *s, dem_convex *core, double radiu
             for (int c = b + 1; c < s->faces; c++) {
                 dem_vec x;
                 int f = 0;
-                const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, &x);
+                const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, 1e-6, &x);
                 if (det == 0.0) continue;
                 while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat)
                     f++;
@@ -16677,8 +17028,55 @@ static inline void dem__find_box(dem_convex *s) {
     }
 }
 
-/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. */
-static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding) {
+/* Turns corners and planes of a shape: column k of the rotation is where its axis k lies. */
+static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec z) {
+    if (x.x == 1.0 && y.y == 1.0 && z.z == 1.0) return;
+    for (int k = 0; k < s->corners + s->faces; k++) {
+        double *v = k < s->corners ? s->corner[k] : s->plane[k - s->corners];
+        const dem_vec at = dem__plus(dem__plus(dem__scale(v[0], x), v[1], y), v[2], z);
+        v[0] = at.x, v[1] = at.y, v[2] = at.z;
+    }
+}
+/* Turns them from the principal axes to the frame in which the shape was given. */
+static inline void dem__turn_to_given(dem_convex *s) {
+    dem__turn_shape(s, s->axis[0], s->axis[1], s->axis[2]);
+    s->along_axes = 0;
+}
+/* Turns them to the principal axes. A box has its corners at the half lengths again, to the last bit. */
+static inline void dem__turn_to_axes(dem_convex *s) {
+    const dem_vec *a = s->axis;
+    if (!s->along_axes)
+        dem__turn_shape(s, dem_vec3(a[0].x, a[1].x, a[2].x), dem_vec3(a[0].y, a[1].y, a[2].y),
+                        dem_vec3(a[0].z, a[1].z, a[2].z));
+    for (int k = 0; k < 3 * s->corners && s->is_box; k++) {
+        double *v = &s->corner[k / 3][k % 3], half = dem_axis(s->half, k % 3);
+        *v = *v < 0.0 ? -half : half;
+    }
+    s->along_axes = 1;
+}
+/* Returns whether the axes of a shape are a right-handed frame. */
+static inline int dem__are_axes(const dem_vec *a) {
+    const double size = dem__dot(a[0], dem__cross(a[1], a[2]));
+    int right = fabs(size - 1.0) < 1e-6;
+    for (int k = 0; k < 3; k++) right &= fabs(dem__dot(a[k], a[k]) - 1.0) < 1e-6;
+    return right;
+}
+
+/* Completes a shape whose core has its corners, faces and edges, along the principal axes. */
+static inline void dem__finish_shape(dem_convex *core) {
+    core->reach = 0.0;
+    for (int k = 0; k < core->corners; k++) {
+        const double far = dem__length(dem__point(core->corner[k])) + core->radius;
+        core->reach = far > core->reach ? far : core->reach;
+    }
+    dem__find_box(core);
+    dem__find_springs(core);
+    dem__turn_to_given(core);
+}
+
+/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. is_large: whether that is that its
+   core has too many corners. */
+static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding, int *is_large) {
     dem_convex core;
     const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
     const char *reason;
@@ -16688,103 +17086,13 @@ static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double 
     if ((reason = dem__find_surface(s, flat)) != NULL) return reason; /* planes in the new frame */
     core = *s;
     core.radius = rounding * dem__least_width(s);
-    if (!dem__erode(s, &core, core.radius, flat))
-        return "its core has more than DEM_CORNERS_MAX corners: where over three faces meet";
-    if ((reason = dem__find_surface(&core, 0.1 * flat)) != NULL)
-        return "its core is no polyhedron: a smaller rounding leaves one";
-    core.reach = 0.0;
-    for (int k = 0; k < core.corners; k++) {
-        const double far = dem__length(dem__point(core.corner[k])) + core.radius;
-        core.reach = far > core.reach ? far : core.reach;
-    }
-    dem__find_box(&core);
-    dem__find_springs(&core);
+    *is_large = !dem__erode(s, &core, core.radius, flat);
+    if (*is_large) return "its core has more than DEM_CORNERS_MAX corners";
+    if (dem__find_surface(&core, 0.1 * flat) != NULL) return DEM__NO_CORE;
+    core.given = s->corners;
+    dem__finish_shape(&core);
     *s = core;
     return NULL;
-}
-
-DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding,
-                                   const char **reason) {
-    const char *wrong = NULL;
-    dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
-    if (!shape || !corners) wrong = "there is no place for the shape, or there are no corners";
-    else if (n < 4 || n > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
-    else if (!(rounding >= 0.001 && rounding <= 0.4)) wrong = "the rounding is not 0.001 .. 0.4";
-    for (int k = 0; k < 3 * n && !wrong; k++) {
-        if (!dem__moderate(corners[k])) wrong = "a corner is not finite";
-    }
-    if (!wrong) {
-        memset(shape, 0, sizeof *shape);
-        shape->corners = n;
-        for (int k = 0; k < n; k++) middle = dem__plus(middle, 1.0 / (double)n, dem__point(corners + 3 * k));
-        for (int k = 0; k < 3 * n; k++) shape->corner[k / 3][k % 3] = corners[k] - dem_axis(middle, k % 3);
-        wrong = dem__shape_from(shape, middle, rounding);
-    }
-    if (reason) *reason = wrong;
-    return wrong ? DEM_BAD_ARGUMENT : DEM_OK;
-}
-
-DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason) {
-    double corner[8][3];
-    if (!dem__positive(lengths.x) || !dem__positive(lengths.y) || !dem__positive(lengths.z)) {
-        if (reason) *reason = "a length is not a number above 0";
-        return DEM_BAD_ARGUMENT;
-    }
-    for (int k = 0; k < 24; k++) corner[k / 3][k % 3] = (k / 3 >> k % 3 & 1 ? 0.5 : -0.5) * dem_axis(lengths, k % 3);
-    return dem_make_convex(shape, 8, corner[0], rounding, reason);
-}
-
-/* Returns whether every edge of a mesh has one other triangle, which runs along it the other way. */
-static inline int dem__is_closed(const dem_mesh *mesh) {
-    for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
-        const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];
-        int same = 0, opposite = 0;
-        for (ptrdiff_t q = 0; q < 3 * mesh->triangles; q++) {
-            const int32_t a = mesh->triangle[q], b = mesh->triangle[q % 3 < 2 ? q + 1 : q - 2];
-            same += a == from && b == to;
-            opposite += a == to && b == from;
-        }
-        if (same != 1 || opposite != 1) return 0;
-    }
-    return 1;
-}
-
-/* Returns whether every corner of a mesh is behind every triangle, or in its plane. */
-static inline int dem__is_convex(const dem_mesh *mesh) {
-    const double flat = DEM__FLAT * dem__half_size(mesh->vertex, (int)mesh->vertices);
-    for (ptrdiff_t t = 0; t < mesh->triangles; t++) {
-        const dem_vec a = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t]),
-                      b = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 1]),
-                      c = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 2]);
-        const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a));
-        const double area = dem__length(n);
-        for (ptrdiff_t k = 0; k < mesh->vertices; k++) {
-            if (dem__dot(n, dem__sub(dem__point(mesh->vertex + 3 * k), a)) > flat * area) return 0;
-        }
-    }
-    return 1;
-}
-
-DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason) {
-    const char *wrong = NULL;
-    if (!mesh || !mesh->vertex || !mesh->triangle) wrong = "there is no mesh";
-    else if (mesh->vertices < 4 || mesh->vertices > DEM_CORNERS_MAX)
-        wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
-    else if (mesh->triangles < 4 || mesh->triangles > DEM_FACES_MAX)
-        wrong = "the number of triangles is not 4 .. DEM_FACES_MAX";
-    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->triangles; k++) {
-        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices)
-            wrong = "a triangle has a corner that is not there";
-    }
-    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->vertices; k++) {
-        if (!dem__moderate(mesh->vertex[k])) wrong = "a corner is not finite";
-    }
-    if (!wrong && !dem__is_closed(mesh))
-        wrong = "the surface is not closed: an edge has not two triangles that run along it both ways";
-    if (!wrong && !dem__is_convex(mesh)) wrong = "the surface is not convex, or its triangles face inwards";
-    if (!wrong) return dem_make_convex(shape, (int)mesh->vertices, mesh->vertex, rounding, reason);
-    if (reason) *reason = wrong;
-    return DEM_BAD_ARGUMENT;
 }
 
 /* ------------------------------------------------------------------------------------------ >>polyhedra/distance.h */
@@ -17160,8 +17468,9 @@ DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     return 1;
 }
 
-/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. */
-static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
+/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. Beyond `enough`,
+   any larger value. */
+static inline double dem__from_near_faces(const dem_convex *s, dem_vec p, double enough, dem_vec *n) {
     int top = -1;
     double highest = -HUGE_VAL, least = HUGE_VAL;
     for (int f = 0; f < s->faces; f++) {
@@ -17169,25 +17478,29 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
         if (height > highest) highest = height, top = f;
     }
     *n = top < 0 ? dem_vec3(0.0, 0.0, 1.0) : dem__point(s->plane[top]);
+    if (highest > enough) return highest;
     for (int f = 0; f < s->faces; f++) {
         const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
         if ((f != top && !(height > 0.0)) || !dem__over_face(s, f, p)) continue;
         *n = dem__point(s->plane[f]);
         return height;
     }
-    const dem_vec outward = *n;
+    dem_vec off = dem_vec3(0.0, 0.0, 0.0);
     for (int e = 0; e < s->edges || e == 0; e++) { /* a point has a corner, but no edge */
         const dem_vec from = dem__point(s->corner[s->edge[e][0]]),
                       u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
         const double length = dem__dot(u, u),
                      t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
         const dem_vec d = dem__sub(p, dem__plus(from, t, u));
-        const double distance = dem__length(d);
-        if (!(distance < least)) continue;
-        least = distance;
-        *n = distance > 1e-12 * s->reach ? dem__scale(1.0 / distance, d) : outward;
+        const double square = dem__dot(d, d);
+        if (square < least) least = square, off = d;
     }
-    return least;
+    const double distance = sqrt(least);
+    if (distance > 1e-12 * s->reach) *n = dem__scale(1.0 / distance, off);
+    return distance;
+}
+static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
+    return dem__from_near_faces(s, p, HUGE_VAL, n);
 }
 
 /* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger
@@ -17195,7 +17508,7 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
 DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
     const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);
-    const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_faces(s, x, &m);
+    const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_near_faces(s, x, enough, &m);
     *n = distance > enough ? m : dem__from_core_frame(place, m);
     return distance;
 }
@@ -19102,6 +19415,974 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
     else b->curvature = w->engine->contacts.touch[DEM__PLACE_CURVATURE][c];
 }
 
+/* ---------------------------------------------------------------------------------------------- >>polyhedra/hull.h */
+/* The convex hull of any number of points, in triangles (Barber, Dobkin & Huhdanpaa 1996, farthest points first). Reads
+   points; allocates a builder. Promises: sides are decided exactly for coordinates that are rounded to 2^-50 of the
+   size, so that points in one plane or line, or given twice, make a closed surface like any others. */
+
+#define DEM__HULL_MAX 65536 /* corners of a hull, at most */
+
+/* A triangle of a hull, counterclockwise from outside. */
+typedef struct dem__hull_face {
+    int32_t corner[3], beside[3]; /* beside[k]: the triangle across the edge from corner k to the next one */
+    int32_t first, farthest;      /* of a list of points in front of it, or -1; of these the farthest one */
+    int32_t next, queued; /* of a list of triangles with such points, or of unused ones; whether in the former */
+    int32_t alive, seen;  /* seen: number of the point that saw it last */
+    dem_vec normal;       /* unit vector */
+    double height;        /* of the farthest point, in units of the builder */
+} dem__hull_face;
+
+/* Work space of a hull. */
+typedef struct dem__hull_builder {
+    dem_allocator allocator;
+    ptrdiff_t n;
+    double *x;             /* [n][3]: points about their middle, whole numbers up to 2^50 */
+    double unit;           /* of x [m] */
+    int32_t *next;         /* [n]: lists of points */
+    int32_t *begins;       /* [n]: the new triangle whose rim begins at a corner */
+    dem__hull_face *facet; /* [capacity] */
+    int32_t *list, *rim;   /* [capacity], [capacity][3]: triangles that a point sees; around them: from, to, triangle */
+    int32_t facets, capacity, unused, queue;
+    int32_t corners; /* that were added; not all need be corners in the end */
+    int farthest;    /* whether the farthest point of all comes next, and triangles need no queue */
+    void *block;
+    size_t bytes;
+} dem__hull_builder;
+
+/* Splits a b into p, the rounded product, and e, the rest (Dekker 1971). */
+DEM_INLINE void dem__two_product(double a, double b, double *p, double *e) {
+    const double factor = 134217729.0, u = factor * a, v = factor * b;
+    const double high = u - (u - a), low = a - high, top = v - (v - b), rest = b - top;
+    *p = a * b;
+    *e = low * rest - (((*p - high * top) - low * top) - high * rest);
+}
+
+/* Adds a number to an exact sum of n components, from small to large (Shewchuk 1997, grow-expansion). */
+static inline int dem__grow_sum(double *sum, int n, double term) {
+    for (int k = 0; k < n; k++) {
+        const double all = term + sum[k], part = all - term;
+        sum[k] = (term - (all - part)) + (sum[k] - part);
+        term = all;
+    }
+    sum[n] = term;
+    return n + 1;
+}
+
+/* Returns the sign of the determinant of three vectors of whole numbers, exactly. */
+static DEM__NOINLINE int dem__exact_sign(const double *u, const double *v, const double *w) {
+    double sum[24];
+    int n = 0;
+    for (int k = 0; k < 6; k++) {
+        const int a = k % 3, b = (k < 3 ? a + 1 : a + 2) % 3, c = 3 - a - b;
+        double p, rest, parts[4];
+        dem__two_product(k < 3 ? u[a] : -u[a], v[b], &p, &rest);
+        dem__two_product(p, w[c], &parts[0], &parts[1]);
+        dem__two_product(rest, w[c], &parts[2], &parts[3]);
+        for (int q = 0; q < 4; q++) n = dem__grow_sum(sum, n, parts[q]);
+    }
+    while (n > 0 && sum[n - 1] == 0.0) n--;
+    return n == 0 ? 0 : sum[n - 1] > 0.0 ? 1 : -1;
+}
+
+/* Returns 1 if point p is in front of the triangle a, b, c, -1 if behind, 0 if in its plane. */
+static inline int dem__side_of(const double *a, const double *b, const double *c, const double *p) {
+    double u[3], v[3], w[3], sum = 0.0, size = 0.0;
+    for (int k = 0; k < 3; k++) u[k] = b[k] - a[k], v[k] = c[k] - a[k], w[k] = p[k] - a[k];
+    for (int k = 0; k < 3; k++) {
+        const int l = (k + 1) % 3, m = (k + 2) % 3;
+        const double one = u[l] * v[m], two = u[m] * v[l];
+        sum += w[k] * (one - two), size += fabs(w[k]) * (fabs(one) + fabs(two));
+    }
+    if (fabs(sum) > 1e-15 * size) return sum > 0.0 ? 1 : -1;
+    return size > 0.0 ? dem__exact_sign(u, v, w) : 0;
+}
+
+DEM_INLINE int dem__sees(const dem__hull_builder *b, int32_t p, int32_t f) {
+    const int32_t *c = b->facet[f].corner;
+    return dem__side_of(b->x + 3 * c[0], b->x + 3 * c[1], b->x + 3 * c[2], b->x + 3 * p) > 0;
+}
+DEM_INLINE dem_vec dem__hull_point(const dem__hull_builder *b, int32_t k) {
+    return dem_vec3(b->x[3 * k], b->x[3 * k + 1], b->x[3 * k + 2]);
+}
+
+/* Allocates a builder for n points. Returns 0 when out of memory. */
+static inline int dem__begin_hull(dem__hull_builder *b, const dem_allocator *a, ptrdiff_t n) {
+    const size_t points = (size_t)n, facets = 2 * (points < DEM__HULL_MAX ? points : DEM__HULL_MAX) + 8;
+    memset(b, 0, sizeof *b);
+    b->allocator = *a, b->n = n, b->capacity = (int32_t)facets;
+    b->bytes = facets * (sizeof *b->facet + 4 * sizeof(int32_t)) + points * (3 * sizeof(double) + 2 * sizeof(int32_t));
+    b->block = a->fn(a->user, NULL, 0, b->bytes);
+    if (!b->block) return 0;
+    b->facet = (dem__hull_face *)b->block;
+    b->x = (double *)(void *)(b->facet + facets);
+    b->next = (int32_t *)(void *)(b->x + 3 * points), b->begins = b->next + points;
+    b->list = b->begins + points, b->rim = b->list + facets;
+    return 1;
+}
+static inline void dem__end_hull(dem__hull_builder *b) {
+    if (b->block) b->allocator.fn(b->allocator.user, b->block, b->bytes, 0);
+    b->block = NULL;
+}
+
+/* Sets the points: x [n][3], about the middle of the box around them, rounded. */
+static inline void dem__set_points(dem__hull_builder *b, const double *x) {
+    double low[3], high[3], size = 0.0;
+    int exponent = 0;
+    for (int a = 0; a < 3; a++) {
+        low[a] = high[a] = x[a];
+        for (ptrdiff_t k = 1; k < b->n; k++)
+            low[a] = x[3 * k + a] < low[a] ? x[3 * k + a] : low[a],
+            high[a] = x[3 * k + a] > high[a] ? x[3 * k + a] : high[a];
+        size = high[a] - low[a] > size ? high[a] - low[a] : size;
+    }
+    (void)frexp(size, &exponent);
+    b->unit = ldexp(1.0, exponent - 50);
+    for (ptrdiff_t k = 0; k < 3 * b->n; k++) {
+        const int a = (int)(k % 3);
+        b->x[k] = floor((x[k] - 0.5 * (low[a] + high[a])) / b->unit + 0.5);
+    }
+}
+
+/* Takes an unused triangle with these corners. Returns its number, -1 if there is none. */
+static inline int32_t dem__new_facet(dem__hull_builder *b, int32_t i, int32_t j, int32_t k) {
+    int32_t f = b->unused;
+    if (f >= 0) b->unused = b->facet[f].next;
+    else if (b->facets == b->capacity) return -1;
+    else f = b->facets++, b->facet[f].queued = 0;
+    dem__hull_face *facet = &b->facet[f];
+    const dem_vec a = dem__hull_point(b, i),
+                  n = dem__cross(dem__sub(dem__hull_point(b, j), a), dem__sub(dem__hull_point(b, k), a));
+    const double size = dem__length(n);
+    facet->corner[0] = i, facet->corner[1] = j, facet->corner[2] = k;
+    facet->first = facet->farthest = facet->seen = -1, facet->alive = 1, facet->height = 0.0;
+    facet->normal = size > 0.0 ? dem__scale(1.0 / size, n) : dem_vec3(0.0, 0.0, 0.0);
+    return f;
+}
+
+/* Gives point p to triangle f if it is in front of it. Returns whether it is. */
+static inline int dem__give_point(dem__hull_builder *b, int32_t p, int32_t f) {
+    dem__hull_face *facet = &b->facet[f];
+    if (!dem__sees(b, p, f)) return 0;
+    const double height =
+        dem__dot(facet->normal, dem__sub(dem__hull_point(b, p), dem__hull_point(b, facet->corner[0])));
+    b->next[p] = facet->first, facet->first = p;
+    if (facet->farthest < 0 || height > facet->height) facet->height = height, facet->farthest = p;
+    return 1;
+}
+
+/* Finds four points that are far from each other. Returns 0 if all are in one plane, up to `flat` [m]. */
+static inline int dem__first_four(const dem__hull_builder *b, double flat, int32_t *four) {
+    const int32_t n = (int32_t)b->n;
+    double most[3] = {0.0, 0.0, 0.0};
+    four[0] = four[1] = four[2] = four[3] = 0;
+    for (int32_t k = 1; k < n; k++) {
+        const double *p = b->x + 3 * k, *q = b->x + 3 * four[0];
+        if (p[0] < q[0] || (p[0] == q[0] && (p[1] < q[1] || (p[1] == q[1] && p[2] < q[2])))) four[0] = k;
+    }
+    const dem_vec a = dem__hull_point(b, four[0]);
+    for (int32_t k = 0; k < n; k++) {
+        const double far = dem__length(dem__sub(dem__hull_point(b, k), a));
+        if (far > most[0]) most[0] = far, four[1] = k;
+    }
+    const dem_vec u = dem__sub(dem__hull_point(b, four[1]), a);
+    for (int32_t k = 0; k < n; k++) {
+        const double far = dem__length(dem__cross(u, dem__sub(dem__hull_point(b, k), a)));
+        if (far > most[1]) most[1] = far, four[2] = k;
+    }
+    const dem_vec up = dem__cross(u, dem__sub(dem__hull_point(b, four[2]), a));
+    const double area = dem__length(up);
+    for (int32_t k = 0; k < n; k++) {
+        const double far = fabs(dem__dot(up, dem__sub(dem__hull_point(b, k), a)));
+        if (far > most[2]) most[2] = far, four[3] = k;
+    }
+    return area > 0.0 && most[2] > flat / b->unit * area && most[1] > flat / b->unit * most[0];
+}
+
+/* Lets triangles wait that have points in front of them. */
+DEM_INLINE void dem__queue_facet(dem__hull_builder *b, int32_t f) {
+    dem__hull_face *facet = &b->facet[f];
+    if (b->farthest || facet->first < 0 || facet->queued) return;
+    facet->queued = 1, facet->next = b->queue, b->queue = f;
+}
+
+/* Makes the first four triangles, and gives the points to them. Returns 0 if all points are in one plane. */
+static inline int dem__first_facets(dem__hull_builder *b, double flat) {
+    int32_t four[4];
+    if (!dem__first_four(b, flat, four)) return 0;
+    if (dem__side_of(b->x + 3 * four[0], b->x + 3 * four[1], b->x + 3 * four[2], b->x + 3 * four[3]) > 0) {
+        const int32_t swap = four[1];
+        four[1] = four[2], four[2] = swap;
+    }
+    static const int32_t corner[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}},
+                         beside[4][3] = {{1, 2, 3}, {3, 2, 0}, {1, 3, 0}, {2, 1, 0}};
+    for (int f = 0; f < 4; f++) {
+        dem__new_facet(b, four[corner[f][0]], four[corner[f][1]], four[corner[f][2]]);
+        for (int k = 0; k < 3; k++) b->facet[f].beside[k] = beside[f][k];
+    }
+    for (int32_t p = 0; p < (int32_t)b->n; p++) {
+        if (p == four[0] || p == four[1] || p == four[2] || p == four[3]) continue;
+        for (int32_t f = 0; f < 4 && !dem__give_point(b, p, f);) f++;
+    }
+    for (int32_t f = 0; f < 4; f++) dem__queue_facet(b, f);
+    b->corners = 4;
+    return 1;
+}
+
+/* Finds the triangles that point p sees, from f on, and the rim around them. Returns the length of the rim. */
+static inline int32_t dem__find_seen(dem__hull_builder *b, int32_t p, int32_t f, int32_t *seen) {
+    int32_t rim = 0;
+    *seen = 1;
+    b->list[0] = f, b->facet[f].seen = p;
+    for (int32_t at = 0; at < *seen; at++) {
+        const dem__hull_face *facet = &b->facet[b->list[at]];
+        for (int k = 0; k < 3; k++) {
+            const int32_t other = facet->beside[k];
+            if (b->facet[other].seen == p) continue;
+            if (dem__sees(b, p, other)) {
+                b->facet[other].seen = p, b->list[(*seen)++] = other;
+                continue;
+            }
+            b->rim[3 * rim] = facet->corner[k], b->rim[3 * rim + 1] = facet->corner[(k + 1) % 3];
+            b->rim[3 * rim++ + 2] = other;
+        }
+    }
+    return rim;
+}
+
+/* Adds point p, which triangle f sees, to the hull. Returns 0 if there is no room for it. */
+static inline int dem__add_hull_point(dem__hull_builder *b, int32_t p, int32_t f) {
+    int32_t seen;
+    const int32_t rim = dem__find_seen(b, p, f, &seen);
+    int32_t points = -1;
+    for (int32_t m = 0; m < seen; m++) { /* points of triangles that go */
+        dem__hull_face *facet = &b->facet[b->list[m]];
+        for (int32_t q = facet->first, next; q >= 0; q = next) {
+            next = b->next[q];
+            if (q != p) b->next[q] = points, points = q;
+        }
+        facet->first = -1, facet->alive = 0;
+        if (facet->queued) continue; /* it is used again when its turn has come */
+        facet->next = b->unused, b->unused = b->list[m];
+    }
+    for (int32_t m = 0; m < rim; m++) {
+        const int32_t from = b->rim[3 * m], to = b->rim[3 * m + 1], other = b->rim[3 * m + 2];
+        const int32_t fresh = dem__new_facet(b, from, to, p);
+        if (fresh < 0) return 0;
+        b->facet[fresh].beside[0] = other;
+        for (int k = 0; k < 3; k++) {
+            if (b->facet[other].corner[k] == to && b->facet[other].corner[(k + 1) % 3] == from)
+                b->facet[other].beside[k] = fresh;
+        }
+        b->begins[from] = fresh, b->list[m] = fresh;
+    }
+    for (int32_t m = 0; m < rim; m++) {
+        const int32_t after = b->begins[b->facet[b->list[m]].corner[1]];
+        b->facet[b->list[m]].beside[1] = after, b->facet[after].beside[2] = b->list[m];
+    }
+    for (int32_t q = points, next; q >= 0; q = next) {
+        next = b->next[q];
+        for (int32_t m = 0; m < rim && !dem__give_point(b, q, b->list[m]);) m++;
+    }
+    for (int32_t m = 0; m < rim; m++) dem__queue_facet(b, b->list[m]);
+    b->corners++;
+    return 1;
+}
+
+/* Takes a triangle that has points in front of it: the next one, or that with the farthest one of all.
+   Returns -1 if there is none. */
+static inline int32_t dem__next_facet(dem__hull_builder *b) {
+    int32_t best = -1;
+    while (!b->farthest && b->queue >= 0) {
+        const int32_t f = b->queue;
+        dem__hull_face *facet = &b->facet[f];
+        b->queue = facet->next, facet->queued = 0;
+        if (facet->alive && facet->first >= 0) return f;
+        if (!facet->alive) facet->next = b->unused, b->unused = f;
+    }
+    for (int32_t f = 0; f < b->facets && b->farthest; f++) {
+        const dem__hull_face *facet = &b->facet[f];
+        if (facet->alive && facet->first >= 0 && (best < 0 || facet->height > b->facet[best].height)) best = f;
+    }
+    return best;
+}
+
+/* Finds the point that is highest above a triangle of the hull, and that triangle. Returns how high [units]. */
+static inline double dem__highest_point(const dem__hull_builder *b, int32_t *point, int32_t *f) {
+    double most = 0.0;
+    for (int32_t g = 0; g < b->facets; g++) {
+        const dem__hull_face *facet = &b->facet[g];
+        const dem_vec a = dem__hull_point(b, facet->corner[0]);
+        for (int32_t p = 0; p < (int32_t)b->n && facet->alive; p++) {
+            const double height = dem__dot(facet->normal, dem__sub(dem__hull_point(b, p), a));
+            if (height > most) most = height, *point = p, *f = g;
+        }
+    }
+    return most;
+}
+
+/* Builds the hull of at most `most` of the points [n][3] [m], farthest ones first, until all others are nearer to it
+   than `tolerance` [m]. Returns 0 if they are in one plane, up to that. */
+static inline int dem__build_few(dem__hull_builder *b, const double *x, int most, double tolerance) {
+    int32_t point = 0, f = 0;
+    b->facets = b->corners = 0, b->unused = b->queue = -1, b->farthest = 1;
+    dem__set_points(b, x);
+    if (!dem__first_facets(b, tolerance)) return 0;
+    for (int32_t k = 0; k < b->facets; k++) b->facet[k].first = -1; /* lists are not needed */
+    while (b->corners < most && dem__highest_point(b, &point, &f) * b->unit > tolerance) {
+        if (!dem__add_hull_point(b, point, f)) return 0;
+    }
+    return 1;
+}
+
+enum { DEM__HULL_OK, DEM__HULL_FLAT, DEM__HULL_LARGE };
+/* Builds the hull of points x [n][3] [m], finite and not all the same, or of their farthest ones: of at most `most`
+   corners, and none nearer to it than `tolerance` [m]. flat: thickness below which it is none [m]. */
+static inline int dem__build_hull(dem__hull_builder *b, const double *x, int32_t most, double tolerance, double flat) {
+    b->farthest = most < DEM__HULL_MAX || tolerance > 0.0;
+    b->facets = b->corners = 0, b->unused = b->queue = -1;
+    dem__set_points(b, x);
+    if (!dem__first_facets(b, flat)) return DEM__HULL_FLAT;
+    for (;;) {
+        const int32_t f = dem__next_facet(b);
+        if (f < 0 || (b->farthest && (b->corners >= most || b->facet[f].height * b->unit <= tolerance)))
+            return DEM__HULL_OK;
+        if (b->corners >= DEM__HULL_MAX || !dem__add_hull_point(b, b->facet[f].farthest, f)) return DEM__HULL_LARGE;
+    }
+}
+
+/* Returns how far the farthest point is from the hull of farthest ones, at most [m]. */
+static inline double dem__left_out(const dem__hull_builder *b) {
+    double most = 0.0;
+    for (int32_t f = 0; f < b->facets; f++)
+        if (b->facet[f].alive && b->facet[f].first >= 0 && b->facet[f].height > most) most = b->facet[f].height;
+    return most * b->unit;
+}
+
+/* ---------------------------------------------------------------------------------------------- >>polyhedra/core.h */
+/* The core of a hull of many corners: eroded by the radius of the rounding, and reduced to as many corners as a shape
+   may have. Reads a hull; makes a shape. Promises: faces that a face of the core lies in stay where they are; the
+   deviation that is told is the Hausdorff distance from the eroded hull, to rounding. */
+
+#define DEM__ERODED_MAX 1000 /* corners of a hull that are eroded; of more corners, the farthest ones */
+
+/* Corners of a core before it is reduced, the planes of the hull, and by how much the core is behind them. */
+typedef struct dem__cloud {
+    ptrdiff_t points, planes;
+    double *point;      /* [points][3] [m] */
+    double (*plane)[4]; /* [planes] [m]: outward normal, offset */
+    double inwards;     /* [m] */
+} dem__cloud;
+
+/* Returns the point of a cloud that is farthest along u. */
+static inline dem_vec dem__farthest_of(const double *point, ptrdiff_t n, dem_vec u) {
+    ptrdiff_t best = 0;
+    double most = dem__dot(u, dem__point(point));
+    for (ptrdiff_t k = 1; k < n; k++) {
+        const double along = dem__dot(u, dem__point(point + 3 * k));
+        if (along > most) most = along, best = k;
+    }
+    return dem__point(point + 3 * best);
+}
+
+/* Returns the distance of x from the hull of n points (Gilbert, Johnson & Keerthi 1988), 0 within it, to 1e-6 of
+   itself or `tiny`. */
+static inline double dem__from_cloud(const double *point, ptrdiff_t n, dem_vec x, double tiny) {
+    dem__simplex s;
+    double low = 0.0;
+    memset(&s, 0, sizeof s);
+    s.n = 1, s.at[0] = dem__sub(x, dem__farthest_of(point, n, x));
+    for (int round = 0; round < 64; round++) {
+        const dem_vec v = dem__near_simplex(&s);
+        const double distance = dem__length(v);
+        if (!(distance > tiny)) return 0.0;
+        const dem_vec u = dem__scale(1.0 / distance, v), at = dem__sub(x, dem__farthest_of(point, n, u));
+        const double along = dem__dot(u, at);
+        low = along > low ? along : low;
+        if (s.n == 4 || distance - low <= 1e-6 * distance + tiny) return low;
+        s.at[s.n++] = at;
+    }
+    return low;
+}
+
+/* ---- faces of a hull ---- */
+
+/* Adds the plane of triangle f with its normal n, and gives it to all triangles around f that lie in it. */
+static inline void dem__spread_plane(const dem__hull_builder *b, const double *y, double flat, int32_t f, dem_vec n,
+                                     dem__cloud *hull, int32_t *number) {
+    const double offset = dem__dot(n, dem__point(y + 3 * b->facet[f].corner[0]));
+    double *plane = hull->plane[hull->planes];
+    int32_t waiting = 1;
+    b->list[0] = f, number[f] = (int32_t)hull->planes;
+    for (int32_t at = 0; at < waiting; at++) {
+        const dem__hull_face *facet = &b->facet[b->list[at]];
+        for (int k = 0; k < 3; k++) {
+            const int32_t other = facet->beside[k];
+            int in = number[other] < 0 && dem__dot(n, b->facet[other].normal) > 0.0;
+            for (int q = 0; q < 3 && in; q++)
+                in = fabs(dem__dot(n, dem__point(y + 3 * b->facet[other].corner[q])) - offset) <= flat;
+            if (in) number[other] = (int32_t)hull->planes, b->list[waiting++] = other;
+        }
+    }
+    plane[0] = n.x, plane[1] = n.y, plane[2] = n.z, plane[3] = offset;
+    hull->planes++;
+}
+
+/* Finds the planes of a hull's faces: of triangles in one plane, up to `flat`, that of a large one. y: its points.
+   number: of a triangle's plane, or -1. */
+static inline void dem__find_planes(const dem__hull_builder *b, const double *y, double flat, dem__cloud *hull,
+                                    int32_t *number) {
+    double largest = 0.0;
+    hull->planes = 0;
+    for (int32_t f = 0; f < b->facets; f++) {
+        const int32_t *c = b->facet[f].corner;
+        number[f] = -1;
+        if (!b->facet[f].alive) continue;
+        const double area = dem__length(dem__cross(dem__sub(dem__point(y + 3 * c[1]), dem__point(y + 3 * c[0])),
+                                                   dem__sub(dem__point(y + 3 * c[2]), dem__point(y + 3 * c[0]))));
+        largest = area > largest ? area : largest;
+    }
+    for (double least = 0.25 * largest; least > 1e-13 * largest; least *= 0.25) { /* large ones first */
+        for (int32_t f = 0; f < b->facets; f++) {
+            const int32_t *c = b->facet[f].corner;
+            if (!b->facet[f].alive || number[f] >= 0) continue;
+            const dem_vec p = dem__point(y + 3 * c[0]), u = dem__sub(dem__point(y + 3 * c[1]), p),
+                          v = dem__sub(dem__point(y + 3 * c[2]), p), cross = dem__cross(u, v);
+            const double area = dem__length(cross), longest = dem__length(u) + dem__length(v);
+            if (!(area > least) || !(area > flat * longest)) continue; /* slivers have no direction */
+            dem__spread_plane(b, y, flat, f, dem__scale(1.0 / area, cross), hull, number);
+        }
+    }
+}
+
+/* Returns the smallest distance of a face from the point opposite to it. */
+static inline double dem__least_width_of(const dem__cloud *hull, const double *y, ptrdiff_t n) {
+    double least = HUGE_VAL;
+    for (ptrdiff_t f = 0; f < hull->planes; f++) {
+        const dem_vec u = dem__point(hull->plane[f]);
+        const double depth = hull->plane[f][3] - dem__dot(u, dem__farthest_of(y, n, dem__scale(-1.0, u)));
+        least = depth < least ? depth : least;
+    }
+    return least;
+}
+
+/* Finds a point far within planes that have moved inwards. Returns its least depth [m]; if not above 0, there is none.
+ */
+static inline double dem__inner_point(const dem__cloud *hull, dem_vec *point) {
+    dem_vec x = dem_vec3(0.0, 0.0, 0.0);
+    double best = -HUGE_VAL, step = 0.0;
+    *point = x;
+    for (int round = 0; round < 200; round++) {
+        double least = HUGE_VAL;
+        ptrdiff_t nearest = 0;
+        for (ptrdiff_t f = 0; f < hull->planes; f++) {
+            const double depth = hull->plane[f][3] - hull->inwards - dem__dot(dem__point(hull->plane[f]), x);
+            if (depth < least) least = depth, nearest = f;
+        }
+        if (least > best) best = least, *point = x;
+        if (round == 0) step = hull->plane[nearest][3];
+        x = dem__plus(x, -step / (double)(round + 2), dem__point(hull->plane[nearest]));
+    }
+    return best;
+}
+
+/* ---- erosion ---- */
+
+/* Finds the corners of the core: triangles of the hull of the dual points of its planes. dual: a builder for these;
+   work: [planes][3]. Returns 0 if nothing is left. */
+static inline int dem__erode_planes(dem__hull_builder *dual, double flat, double *work, dem__cloud *core) {
+    double(*plane)[4] = core->plane;
+    dem_vec middle;
+    core->points = 0;
+    if (!(dem__inner_point(core, &middle) > 2.0 * flat)) return 0;
+    for (ptrdiff_t f = 0; f < core->planes; f++) {
+        const dem_vec n = dem__point(plane[f]);
+        const double depth = plane[f][3] - core->inwards - dem__dot(n, middle);
+        work[3 * f] = n.x / depth, work[3 * f + 1] = n.y / depth, work[3 * f + 2] = n.z / depth;
+    }
+    if (dem__build_hull(dual, work, DEM__HULL_MAX, 0.0, 0.0) != DEM__HULL_OK) return 0;
+    for (int32_t f = 0; f < dual->facets; f++) {
+        const int32_t *c = dual->facet[f].corner;
+        dem_vec x;
+        if (!dual->facet[f].alive || dem__meet(plane[c[0]], plane[c[1]], plane[c[2]], core->inwards, 1e-9, &x) == 0.0)
+            continue;
+        ptrdiff_t k = 0;
+        while (k < core->planes && dem__dot(dem__point(plane[k]), x) <= plane[k][3] - core->inwards + flat) k++;
+        if (k < core->planes) continue;
+        double *at = core->point + 3 * core->points++;
+        at[0] = x.x, at[1] = x.y, at[2] = x.z;
+    }
+    return core->points >= 4;
+}
+
+/* ---- reduction ---- */
+
+/* The hull of a few corners of a core. */
+typedef struct dem__few {
+    int corners, facets;
+    int32_t from[DEM_CORNERS_MAX]; /* their numbers among the points */
+    uint8_t facet[DEM_FACES_MAX][3];
+    dem_vec normal[DEM_FACES_MAX];
+    double behind[DEM_FACES_MAX]; /* how far the core is in front of a facet [m] */
+} dem__few;
+
+/* Gets it from a builder. */
+static inline void dem__get_few(const dem__hull_builder *b, const dem__cloud *core, dem__few *few) {
+    few->corners = few->facets = 0;
+    for (int32_t f = 0; f < b->facets; f++) {
+        if (!b->facet[f].alive) continue;
+        dem_vec x[3];
+        for (int k = 0; k < 3; k++) {
+            int q = 0;
+            while (q < few->corners && few->from[q] != b->facet[f].corner[k]) q++;
+            if (q == few->corners) few->from[few->corners++] = b->facet[f].corner[k];
+            few->facet[few->facets][k] = (uint8_t)q;
+            x[k] = dem__point(core->point + 3 * few->from[q]);
+        }
+        const dem_vec n = dem__cross(dem__sub(x[1], x[0]), dem__sub(x[2], x[0]));
+        const double size = dem__length(n);
+        if (!(size > 0.0)) continue;
+        const dem_vec u = dem__scale(1.0 / size, n);
+        few->normal[few->facets] = u;
+        few->behind[few->facets++] = dem__dot(u, dem__sub(dem__farthest_of(core->point, core->points, u), x[0]));
+    }
+}
+
+/* Solves m x = b, for a positive definite matrix. */
+static inline dem_vec dem__solve_three(double (*m)[3], dem_vec b) {
+    const dem_vec r = dem__point(m[0]), s = dem__point(m[1]), t = dem__point(m[2]);
+    const dem_vec st = dem__cross(s, t), tr = dem__cross(t, r), rs = dem__cross(r, s);
+    return dem__scale(1.0 / dem__dot(r, st), dem__plus(dem__plus(dem__scale(b.x, st), b.y, tr), b.z, rs));
+}
+
+/* Returns how a corner of the few moves so that its facets move outwards by a share of the way to the core that they
+   are behind. Facets that lie in a face of the core stay. flat: [m] */
+static inline dem_vec dem__way_out(const dem__few *few, int corner, double part, double flat) {
+    double m[3][3] = {{1e-3, 0, 0}, {0, 1e-3, 0}, {0, 0, 1e-3}};
+    dem_vec b = dem_vec3(0.0, 0.0, 0.0), kept[3];
+    int keeps = 0;
+    for (int f = 0; f < few->facets; f++) {
+        const dem_vec n = few->normal[f];
+        if (few->facet[f][0] != corner && few->facet[f][1] != corner && few->facet[f][2] != corner) continue;
+        if (few->behind[f] <= flat) {
+            dem_vec rest = n;
+            for (int k = 0; k < keeps; k++) rest = dem__plus(rest, -dem__dot(rest, kept[k]), kept[k]);
+            const double size = dem__length(rest);
+            if (keeps < 3 && size > 1e-3) kept[keeps++] = dem__scale(1.0 / size, rest);
+            continue;
+        }
+        b = dem__plus(b, part * few->behind[f], n);
+        for (int p = 0; p < 3; p++)
+            for (int q = 0; q < 3; q++) m[p][q] += dem_axis(n, p) * dem_axis(n, q);
+    }
+    dem_vec way = dem__solve_three(m, b);
+    for (int k = 0; k < keeps; k++) way = dem__plus(way, -dem__dot(way, kept[k]), kept[k]);
+    return way;
+}
+
+/* Returns the Hausdorff distance of the hull of a shape's corners from a core. Stops at `enough`. */
+static inline double dem__deviation_from(const dem_convex *s, const dem__cloud *core, double enough, double tiny) {
+    double most = 0.0;
+    for (int k = 0; k < s->corners && most < enough; k++) {
+        const double away = dem__from_cloud(core->point, core->points, dem__point(s->corner[k]), tiny);
+        most = away > most ? away : most;
+    }
+    for (ptrdiff_t k = 0; k < core->points && most < enough; k++) {
+        const double away = dem__from_cloud(s->corner[0], s->corners, dem__point(core->point + 3 * k), tiny);
+        most = away > most ? away : most;
+    }
+    return most;
+}
+
+/* Takes a trial if it is a polyhedron, and nearer to the core than the best one. */
+static inline void dem__try_core(const dem__cloud *core, double flat, dem_convex *trial, dem_convex *best) {
+    if (dem__find_surface(trial, 0.1 * flat) != NULL) return;
+    trial->deviation = dem__deviation_from(trial, core, best->deviation, 0.01 * flat);
+    if (trial->deviation < best->deviation) *best = *trial;
+}
+
+/* Makes a core of at most `most` corners: farthest points, moved outwards by several shares, of which the
+   best one is taken. s: in, the numbers of the shape but those of its core. Returns 0 if none is a polyhedron. */
+static inline int dem__reduce(dem__hull_builder *b, const dem__cloud *core, int most, double flat, dem_convex *s) {
+    dem__few few;
+    dem_convex trial = *s;
+    if (!dem__build_few(b, core->point, most, flat)) return 0;
+    dem__get_few(b, core, &few);
+    s->deviation = HUGE_VAL;
+    for (int share = 0; share <= 8 && s->deviation > flat; share++) {
+        trial.corners = few.corners;
+        for (int k = 0; k < few.corners; k++) {
+            const dem_vec x =
+                dem__add(dem__point(core->point + 3 * few.from[k]), dem__way_out(&few, k, 0.1 * (double)share, flat));
+            trial.corner[k][0] = x.x, trial.corner[k][1] = x.y, trial.corner[k][2] = x.z;
+        }
+        dem__try_core(core, flat, &trial, s);
+    }
+    return s->deviation < HUGE_VAL;
+}
+
+/* ---------------------------------------------------------------------------------------------- >>polyhedra/make.h */
+/* Making convex polyhedra: from corners, from a mesh, from the hull of any points. */
+
+/* What a hull is made with. */
+typedef struct dem__hull_work {
+    dem_allocator allocator;
+    dem__hull_builder given, far, dual, few; /* of the points; of their hull's corners; of its planes; of the core */
+    void *block;
+    size_t bytes;
+    double *y;              /* [corners][3]: of the hull, about its centroid, along its principal axes [m] */
+    int32_t *number, *from; /* of a triangle's plane; of a corner among the points */
+    double *work;
+    dem__cloud core;
+    ptrdiff_t corners;
+} dem__hull_work;
+
+static inline void dem__end_hull_work(dem__hull_work *h) {
+    dem__end_hull(&h->given), dem__end_hull(&h->far), dem__end_hull(&h->dual), dem__end_hull(&h->few);
+    if (h->block) h->allocator.fn(h->allocator.user, h->block, h->bytes, 0);
+}
+
+/* Allocates the arrays for m corners. Returns 0 when out of memory. */
+static inline int dem__begin_hull_work(dem__hull_work *h, ptrdiff_t m) {
+    const size_t corners = (size_t)m, few = corners < DEM__ERODED_MAX ? corners : DEM__ERODED_MAX, planes = 2 * few,
+                 points = 2 * planes + 8, facets = 2 * corners + 8;
+    const size_t doubles = 3 * corners + 7 * planes + 3 * points, integers = facets + corners;
+    h->bytes = doubles * sizeof(double) + integers * sizeof(int32_t);
+    h->block = h->allocator.fn(h->allocator.user, NULL, 0, h->bytes);
+    if (!h->block) return 0;
+    dem__cloud *core = &h->core;
+    h->y = (double *)h->block, core->plane = (double(*)[4])(void *)(h->y + 3 * corners);
+    h->work = h->y + 3 * corners + 4 * planes, core->point = h->work + 3 * planes;
+    h->number = (int32_t *)(void *)(core->point + 3 * points), h->from = h->number + facets;
+    return dem__begin_hull(&h->far, &h->allocator, m);
+}
+
+/* Sums up the moments of the hull's triangles about `middle`. */
+static inline void dem__integrate_hull(const dem__hull_builder *b, const double *x, dem_vec middle,
+                                       dem__moments *bulk) {
+    memset(bulk, 0, sizeof *bulk);
+    for (int32_t f = 0; f < b->facets; f++) {
+        double corner[3][3];
+        if (!b->facet[f].alive) continue;
+        for (int k = 0; k < 9; k++)
+            corner[k / 3][k % 3] = x[3 * b->facet[f].corner[k / 3] + k % 3] - dem_axis(middle, k % 3);
+        dem__add_triangle(bulk, corner[0], corner[1], corner[2]);
+    }
+}
+
+/* Finds the hull of n points: volume, centroid, moments, axes, and its corners. Returns NULL, or what is wrong. */
+static inline const char *dem__measure_hull(dem__hull_work *h, dem_convex *s, ptrdiff_t n, const double *x,
+                                            dem_status *status) {
+    const double flat = DEM__FLAT * dem__half_size(x, (int)n);
+    dem__moments bulk;
+    dem_vec c;
+    *status = DEM_OUT_OF_MEMORY;
+    if (!dem__begin_hull(&h->given, &h->allocator, n)) return "out of memory";
+    *status = DEM_BAD_ARGUMENT;
+    if (!(flat > 0.0)) return "the corners lie in one point";
+    const int built = dem__build_hull(&h->given, x, DEM__HULL_MAX, 0.0, flat);
+    if (built == DEM__HULL_FLAT) return "the corners lie in one plane";
+    if (built == DEM__HULL_LARGE) return "its hull has more than 65536 corners";
+    int32_t *is_used = h->given.begins;
+    memset(is_used, 0, (size_t)n * sizeof *is_used);
+    for (int32_t f = 0; f < h->given.facets; f++) {
+        for (int k = 0; k < 3 && h->given.facet[f].alive; k++) is_used[h->given.facet[f].corner[k]] = 1;
+    }
+    for (ptrdiff_t k = 0; k < n; k++) h->corners += is_used[k];
+    const double *one = x + 3 * h->given.facet[0].corner[0];
+    const dem_vec middle = dem__point(one); /* any corner is near enough */
+    dem__integrate_hull(&h->given, x, middle, &bulk);
+    const char *reason = dem__set_moments(s, &bulk, middle, &c);
+    if (reason) return reason;
+    *status = DEM_OUT_OF_MEMORY;
+    if (!dem__begin_hull_work(h, h->corners)) return "out of memory";
+    *status = DEM_BAD_ARGUMENT;
+    ptrdiff_t m = 0;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const dem_vec d = dem__sub(dem__sub(dem__point(x + 3 * k), middle), c);
+        if (!is_used[k]) continue;
+        for (int a = 0; a < 3; a++) h->y[3 * m + a] = dem__dot(d, s->axis[a]);
+        h->from[m++] = (int32_t)k;
+    }
+    return NULL;
+}
+
+/* Marks the corners of the hull at which three faces or more meet. Returns their number. */
+static inline ptrdiff_t dem__mark_corners(dem__hull_work *h) {
+    ptrdiff_t marked = 0;
+    for (int32_t k = 0; k < (int32_t)h->corners; k++) {
+        int32_t seen[3];
+        int n = 0;
+        for (int32_t f = 0; f < h->far.facets && n < 3; f++) {
+            const int32_t *c = h->far.facet[f].corner, plane = h->number[f];
+            if (!h->far.facet[f].alive || plane < 0 || (c[0] != k && c[1] != k && c[2] != k)) continue;
+            if ((n > 0 && seen[0] == plane) || (n > 1 && seen[1] == plane)) continue;
+            seen[n++] = plane;
+        }
+        h->far.begins[k] = n == 3;
+        marked += n == 3;
+    }
+    return marked;
+}
+
+/* Makes the shape of the marked corners exactly. Returns whether it has one. */
+static inline int dem__make_exactly(const dem__hull_work *h, const double *x, double rounding, dem_convex *s) {
+    dem_convex t;
+    dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
+    int is_large;
+    memset(&t, 0, sizeof t);
+    for (ptrdiff_t k = 0; k < h->corners; k++) {
+        if (!h->far.begins[k]) continue;
+        memcpy(t.corner[t.corners++], x + 3 * h->from[k], sizeof t.corner[0]);
+    }
+    for (int k = 0; k < t.corners; k++) middle = dem__plus(middle, 1.0 / (double)t.corners, dem__point(t.corner[k]));
+    for (int k = 0; k < 3 * t.corners; k++) t.corner[k / 3][k % 3] -= dem_axis(middle, k % 3);
+    if (dem__shape_from(&t, middle, rounding, &is_large) != NULL) return 0;
+    *s = t;
+    return 1;
+}
+
+/* Finds the planes of the hull, and erodes it. Returns NULL, or what is wrong. */
+static inline const char *dem__erode_hull(dem__hull_work *h, dem_convex *s, double rounding, double flat,
+                                          dem_status *status) {
+    s->radius = h->core.inwards = rounding * dem__least_width_of(&h->core, h->y, h->corners);
+    *status = DEM_OUT_OF_MEMORY;
+    if (!dem__begin_hull(&h->dual, &h->allocator, h->core.planes)) return "out of memory";
+    *status = DEM_BAD_ARGUMENT;
+    if (!dem__erode_planes(&h->dual, flat, h->work, &h->core)) return DEM__NO_CORE;
+    *status = DEM_OUT_OF_MEMORY;
+    if (!dem__begin_hull(&h->few, &h->allocator, h->core.points)) return "out of memory";
+    *status = DEM_BAD_ARGUMENT;
+    return NULL;
+}
+
+/* Makes the shape from the hull's corners. is_strict: every point must be a corner. Returns NULL, or what is wrong. */
+static inline const char *dem__shape_of_hull(dem__hull_work *h, dem_convex *s, ptrdiff_t n, const double *x,
+                                             double rounding, double tolerance, int is_strict, dem_status *status) {
+    const char *reason = dem__measure_hull(h, s, n, x, status);
+    if (reason) return reason;
+    if (is_strict && h->corners < n)
+        return "a point is no corner: it lies inside, in a face, on an edge or on another point";
+    const double flat = DEM__FLAT * dem__half_size(h->y, (int)h->corners),
+                 limit = tolerance * riddle_cbrt(6.0 / RIDDLE_PI * s->volume);
+    const int32_t most = h->corners > DEM__ERODED_MAX ? DEM__ERODED_MAX : DEM__HULL_MAX;
+    if (dem__build_hull(&h->far, h->y, most, 0.0, flat) != DEM__HULL_OK) return "the corners lie in one plane";
+    dem__find_planes(&h->far, h->y, flat, &h->core, h->number);
+    if (h->core.planes < 4) return "the corners lie in one plane";
+    const double left = dem__left_out(&h->far);
+    if (h->corners <= DEM__ERODED_MAX) {
+        const ptrdiff_t marked = dem__mark_corners(h);
+        if (is_strict && marked < n) return "a point is no corner: it lies in a face, on an edge or on another point";
+        if (marked <= DEM_CORNERS_MAX && tolerance == 0.0 && dem__make_exactly(h, x, rounding, s)) return NULL;
+    }
+    if ((reason = dem__erode_hull(h, s, rounding, flat, status)) != NULL) return reason;
+    s->given = (int)h->corners;
+    int found = 0;
+    dem_convex trial = *s;
+    for (int k = 0; k <= DEM_CORNERS_MAX - 4 && !found; k++) {
+        trial = *s;
+        found = dem__reduce(&h->few, &h->core, tolerance > 0.0 ? 4 + k : DEM_CORNERS_MAX - k, flat, &trial) &&
+                (tolerance == 0.0 || trial.deviation + left <= limit);
+    }
+    if (!found) return tolerance > 0.0 ? "no core of DEM_CORNERS_MAX corners is so near to it" : DEM__NO_CORE;
+    *s = trial;
+    s->deviation += left;
+    dem__finish_shape(s);
+    return NULL;
+}
+
+/* Makes a shape from the hull of n points, which have been counted. */
+static inline dem_status dem__make_from_hull(dem_convex *shape, ptrdiff_t n, const double *x, double rounding,
+                                             double tolerance, const dem_allocator *a, int is_strict,
+                                             const char **reason) {
+    dem__hull_work work;
+    dem_status status = DEM_OK;
+    memset(&work, 0, sizeof work);
+    memset(shape, 0, sizeof *shape);
+    work.allocator.fn = dem__default_allocator;
+    if (a) work.allocator = *a;
+    *reason = dem__shape_of_hull(&work, shape, n, x, rounding, tolerance, is_strict, &status);
+    dem__end_hull_work(&work);
+    return *reason ? status : DEM_OK;
+}
+
+/* Returns what is wrong with points, or NULL. */
+static inline const char *dem__wrong_points(const dem_convex *shape, ptrdiff_t n, const double *x, double rounding) {
+    if (!shape || !x) return "there is no place for the shape, or there are no corners";
+    if (n < 4) return "there are fewer than 4 corners";
+    if (n > INT32_MAX / 8) return "there are too many corners";
+    if (!(rounding >= 0.001 && rounding <= 0.4)) return "the rounding is not 0.001 .. 0.4";
+    for (ptrdiff_t k = 0; k < 3 * n; k++)
+        if (!dem__moderate(x[k])) return "a corner is not finite";
+    return NULL;
+}
+
+DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding,
+                                   const char **reason) {
+    const char *wrong = dem__wrong_points(shape, n, corners, rounding);
+    dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
+    dem_status status = wrong ? DEM_BAD_ARGUMENT : DEM_OK;
+    int is_large = n > DEM_CORNERS_MAX;
+    if (!wrong && !is_large) {
+        memset(shape, 0, sizeof *shape);
+        shape->corners = n;
+        for (int k = 0; k < n; k++) middle = dem__plus(middle, 1.0 / (double)n, dem__point(corners + 3 * k));
+        for (int k = 0; k < 3 * n; k++) shape->corner[k / 3][k % 3] = corners[k] - dem_axis(middle, k % 3);
+        wrong = dem__shape_from(shape, middle, rounding, &is_large);
+        status = wrong ? DEM_BAD_ARGUMENT : DEM_OK;
+    }
+    if (is_large && (!wrong || n <= DEM_CORNERS_MAX))
+        status = dem__make_from_hull(shape, n, corners, rounding, 0.0, NULL, 1, &wrong);
+    if (reason) *reason = wrong;
+    return status;
+}
+
+DEM_API dem_status dem_make_hull(dem_convex *shape, ptrdiff_t n, const double *points, double rounding,
+                                 double tolerance, const dem_allocator *allocator, const char **reason) {
+    const char *wrong = dem__wrong_points(shape, n, points, rounding);
+    dem_status status = DEM_BAD_ARGUMENT;
+    if (!wrong && !(tolerance >= 0.0 && tolerance <= 0.2)) wrong = "the tolerance is not 0 .. 0.2";
+    if (!wrong) status = dem__make_from_hull(shape, n, points, rounding, tolerance, allocator, 0, &wrong);
+    if (reason) *reason = wrong;
+    return status;
+}
+
+DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason) {
+    double corner[8][3];
+    if (!dem__positive(lengths.x) || !dem__positive(lengths.y) || !dem__positive(lengths.z)) {
+        if (reason) *reason = "a length is not a number above 0";
+        return DEM_BAD_ARGUMENT;
+    }
+    for (int k = 0; k < 24; k++) corner[k / 3][k % 3] = (k / 3 >> k % 3 & 1 ? 0.5 : -0.5) * dem_axis(lengths, k % 3);
+    return dem_make_convex(shape, 8, corner[0], rounding, reason);
+}
+
+#define DEM__CONVEX_MESH_MAX 4000 /* triangles of a mesh that is checked edge by edge */
+
+/* Returns whether every edge of a mesh has one other triangle, which runs along it the other way. */
+static inline int dem__is_closed(const dem_mesh *mesh) {
+    for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
+        const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];
+        int same = 0, opposite = 0;
+        for (ptrdiff_t q = 0; q < 3 * mesh->triangles; q++) {
+            const int32_t a = mesh->triangle[q], b = mesh->triangle[q % 3 < 2 ? q + 1 : q - 2];
+            same += a == from && b == to;
+            opposite += a == to && b == from;
+        }
+        if (same != 1 || opposite != 1) return 0;
+    }
+    return 1;
+}
+
+/* Returns whether every corner of a mesh is behind every triangle, or in its plane. */
+static inline int dem__is_convex(const dem_mesh *mesh) {
+    const double flat = DEM__FLAT * dem__half_size(mesh->vertex, (int)mesh->vertices);
+    for (ptrdiff_t t = 0; t < mesh->triangles; t++) {
+        const dem_vec a = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t]),
+                      b = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 1]),
+                      c = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 2]);
+        const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a));
+        const double area = dem__length(n);
+        for (ptrdiff_t k = 0; k < mesh->vertices; k++) {
+            if (dem__dot(n, dem__sub(dem__point(mesh->vertex + 3 * k), a)) > flat * area) return 0;
+        }
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason) {
+    const char *wrong = NULL;
+    if (!mesh || !mesh->vertex || !mesh->triangle) wrong = "there is no mesh";
+    else if (mesh->vertices < 4) wrong = "there are fewer than 4 corners";
+    else if (mesh->triangles < 4 || mesh->triangles > DEM__CONVEX_MESH_MAX)
+        wrong = "the number of triangles is not 4 .. 4000: dem_make_hull takes the hull of any corners";
+    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->triangles; k++) {
+        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices)
+            wrong = "a triangle has a corner that is not there";
+    }
+    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->vertices; k++) {
+        if (!dem__moderate(mesh->vertex[k])) wrong = "a corner is not finite";
+    }
+    if (!wrong && !dem__is_closed(mesh))
+        wrong = "the surface is not closed: an edge has not two triangles that run along it both ways";
+    if (!wrong && !dem__is_convex(mesh)) wrong = "the surface is not convex, or its triangles face inwards";
+    if (!wrong) return dem_make_hull(shape, mesh->vertices, mesh->vertex, rounding, 0.0, NULL, reason);
+    if (reason) *reason = wrong;
+    return DEM_BAD_ARGUMENT;
+}
+
+/* --------------------------------------------------------------------------------------------- >>polyhedra/ready.h */
+/* Polyhedra by a few lengths: tablets, lenses, cylinders, gravel. */
+
+enum { DEM__TABLET_SIDES = 16, DEM__GRAVEL_MAX = 300 };
+
+/* Adds a ring of n points about the z axis, turned by a share of a side. Returns the new number of points. */
+static inline int dem__add_ring(double (*x)[3], int at, int n, double radius, double height, double share) {
+    for (int k = 0; k < n; k++) {
+        const double angle = 2.0 * RIDDLE_PI * ((double)k + share) / (double)n;
+        x[at + k][0] = radius * riddle_cos(angle), x[at + k][1] = radius * riddle_sin(angle), x[at + k][2] = height;
+    }
+    return at + n;
+}
+
+/* Makes a hull of n points that is scaled to a volume. flat: along x and y alone. */
+static inline dem_status dem__make_of_volume(dem_convex *shape, int n, double (*x)[3], double volume, int flat,
+                                             double rounding, const char **reason) {
+    dem_status status = dem_make_hull(shape, n, x[0], rounding, 0.0, NULL, reason);
+    if (status != DEM_OK) return status;
+    const double factor = flat ? sqrt(volume / shape->volume) : riddle_cbrt(volume / shape->volume);
+    for (int k = 0; k < (flat ? 2 : 3) * n; k++) x[flat ? k / 2 : k / 3][flat ? k % 2 : k % 3] *= factor;
+    return dem_make_hull(shape, n, x[0], rounding, 0.0, NULL, reason);
+}
+
+DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double height, double band, double rounding,
+                                   const char **reason) {
+    double x[10 * DEM__TABLET_SIDES][3];
+    const double cap = 0.5 * (height - band), r = 0.5 * diameter;
+    const char *wrong = !dem__positive(diameter) || !dem__positive(height) ? "a length is not a number above 0"
+                        : !(band >= 0.0 && band <= height)                 ? "the band is not 0 .. the height"
+                        : !(cap <= r)                                      ? "a cap is higher than a half ball"
+                                                                           : NULL;
+    if (reason) *reason = wrong;
+    if (wrong) return DEM_BAD_ARGUMENT;
+    const int sides = DEM__TABLET_SIDES, is_flat = !(cap > 1e-6 * diameter);
+    const double volume = RIDDLE_PI * (r * r * band + cap / 3.0 * (3.0 * r * r + cap * cap));
+    int n = dem__add_ring(x, 0, sides, r, 0.5 * (is_flat ? height : band), 0.0);
+    if (is_flat || band > 1e-3 * height) n = dem__add_ring(x, n, sides, r, -0.5 * (is_flat ? height : band), 0.0);
+    for (int k = 0; k < 12 && !is_flat; k++) { /* rings and a pole on each cap, which is a part of a ball */
+        static const int of_ring[6] = {16, 16, 12, 8, 5, 1};
+        static const double place[6] = {0.95, 0.8, 0.6, 0.4, 0.2, 0.0};
+        const double ball = 0.5 * (r * r + cap * cap) / cap, at = r * place[k % 6],
+                     up = sqrt(ball * ball - at * at) - (ball - cap);
+        n = dem__add_ring(x, n, of_ring[k % 6], at, (k < 6 ? 1.0 : -1.0) * (0.5 * band + up), 0.5 * k);
+    }
+    return dem__make_of_volume(shape, n, x, volume, is_flat, rounding, reason);
+}
+
+DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double elongation, double flatness, int corners,
+                                   uint64_t seed, double rounding, const char **reason) {
+    double x[DEM__GRAVEL_MAX][3];
+    const char *wrong = !dem__positive(diameter)                    ? "the diameter is not a number above 0"
+                        : corners < 6 || corners > DEM__GRAVEL_MAX  ? "the number of corners is not 6 .. 300"
+                        : !(elongation >= 0.1 && elongation <= 1.0) ? "the elongation is not 0.1 .. 1"
+                        : !(flatness >= 0.1 && flatness <= 1.0)     ? "the flatness is not 0.1 .. 1"
+                                                                    : NULL;
+    if (reason) *reason = wrong;
+    if (wrong) return DEM_BAD_ARGUMENT;
+    const double jitter = 1.8 / sqrt((double)corners), axis[3] = {1.0, elongation, elongation * flatness};
+    uint64_t random = seed;
+    for (int k = 0; k < corners; k++) { /* a spiral over the ball, shaken */
+        const double up = 1.0 - (2.0 * (double)k + 1.0) / (double)corners, across = sqrt(1.0 - up * up);
+        const double angle = 2.0 * RIDDLE_PI * (0.618033988749895 * (double)k - floor(0.618033988749895 * (double)k));
+        dem_vec v = dem_vec3(up, across * riddle_cos(angle), across * riddle_sin(angle));
+        v.x += jitter * (dem__uniform(&random) - 0.5), v.y += jitter * (dem__uniform(&random) - 0.5);
+        v.z += jitter * (dem__uniform(&random) - 0.5);
+        v = dem__scale(0.5 * diameter / dem__length(v), v);
+        for (int a = 0; a < 3; a++) x[k][a] = axis[a] * dem_axis(v, a);
+    }
+    return dem__make_of_volume(shape, corners, x, RIDDLE_PI / 6.0 * diameter * diameter * diameter, 0, rounding,
+                               reason);
+}
+
 /* ----------------------------------------------------------------------------------------------- >>polyhedra/add.h */
 /* Adding shapes and polyhedra to a world, and the table of functions that the engine then calls for them
    (dem__convex_calls). Reads shapes; writes the world through dem__add_body. */
@@ -19117,9 +20398,9 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
     if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
         c->faces > DEM_FACES_MAX)
         return 0;
-    int sound = dem__positive(c->radius) && dem__positive(c->reach) && dem__positive(c->volume) &&
-                dem__positive(c->rate) && c->springs > 0 &&
-                c->face_start[0] == 0 && c->face_start[c->faces] == 2 * c->edges;
+    int sound = c->deviation >= 0.0 && c->deviation <= DBL_MAX && dem__positive(c->radius) && dem__positive(c->reach) &&
+                dem__positive(c->volume) && dem__positive(c->rate) && c->springs > 0 && c->face_start[0] == 0 &&
+                c->face_start[c->faces] == 2 * c->edges;
     for (int k = 0; k < 3; k++) sound &= dem__positive(c->moment[k]);
     for (int k = 0; k < 3 * c->corners; k++) sound &= fabs(c->corner[k / 3][k % 3]) <= c->reach;
     for (int k = 0; k < 4 * c->faces; k++) sound &= fabs(c->plane[k / 4][k % 4]) <= (k % 4 < 3 ? 1.0 + 1e-9 : c->reach);
@@ -19191,9 +20472,10 @@ static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, d
     memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
     convex->shapes = (int)n, convex->calls = dem__polyhedra();
     w->engine->walls.touch_keepers++;
-    g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
+    g->fields = dem__shape_fields(convex->shape, g->field), g->needed = g->fields - DEM__SHAPE_OPTIONAL;
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
     for (ptrdiff_t k = 0; k < n; k++) {
+        convex->shape[k].along_axes = 1;
         if (!dem__is_sound_shape(&convex->shape[k])) return DEM_BAD_DATA;
     }
     return DEM_OK;
@@ -19231,16 +20513,19 @@ static inline dem__feature dem__feature_polyhedra(void) {
 
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape)) return -(int)DEM_BAD_ARGUMENT;
+    if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape) || !dem__are_axes(shape->axis))
+        return -(int)DEM_BAD_ARGUMENT;
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
     const size_t size = sizeof *convex->shape, old = (size_t)convex->shapes * size;
+    dem_convex own = *shape; /* `shape` may lie in the array that grows */
+    dem__turn_to_axes(&own);
     if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
     dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
     if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
     convex->shape = fresh, convex->calls = dem__polyhedra();
-    convex->shape[convex->shapes++] = *shape;
+    convex->shape[convex->shapes++] = own;
     if (convex->shapes > 1) return convex->shapes - 1;
     if (dem__take_feature(w, dem__feature_polyhedra()) == DEM_OK) return 0;
     dem__release(a, convex->shape, size);

@@ -79,7 +79,8 @@ typedef struct contact_pair_def {
 
 typedef struct contact_laws {
     contact_pair_def pair[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX]; /* [smaller index][larger index]; contact_pair() finds it */
-    int bonding; /* 1: contacts that begin now become bonds (contact_bonds). Set it, run 0 s, set it back to 0; default 0 */
+    int bonding; /* 1: contacts that begin now become bonds (contact_bonds). Set it, run 0 s, set it back to 0; default 0. What touched
+                    before: contact_bond_touching() */
 } contact_laws;
 
 CONTACT_API contact_laws contact_default_laws(void);
@@ -379,18 +380,25 @@ static inline double contact_prepare_bonds(const dem_birth *b, double *constants
     dem_prepare_linear(b, constants);
     return 0.0;
 }
+/* Whether the materials of a contact bond. */
+static inline int contact__bonds(const dem_world *world, const dem_contact_info *c) {
+    const int j = c->j >= 0 ? world->material[c->j] : world->wall[-1 - c->j].material;
+    return contact_pair((contact_laws *)world->user, world->material[c->i], j)->bond_modulus > 0.0;
+}
 static inline void contact_bonds_born(dem_world *world, const int32_t *numbers, ptrdiff_t n, void *user) {
     const contact_laws *laws = (const contact_laws *)user;
     for (ptrdiff_t k = 0; laws && laws->bonding && k < n; k++) {
         dem_contact_info c = dem_get_contact(world, numbers[k]);
-        const int i = world->material[c.i], j = c.j >= 0 ? world->material[c.j] : world->wall[-1 - c.j].material;
-        if (!(laws->pair[i < j ? i : j][i < j ? j : i].bond_modulus > 0.0)) continue;
+        if (!contact__bonds(world, &c)) continue;
         c.state[CONTACT_WHOLE] = 2.0;
         dem_set_contact_state(world, numbers[k], c.state);
     }
 }
 /* Is contact k (0 .. dem_contact_count-1) a whole bond? */
 CONTACT_API int contact_is_bond(const dem_world *world, ptrdiff_t k);
+/* Makes bonds of what touches now: of all contacts with an overlap that are none, where the pair has a bond_modulus; the gap of now is the
+   rest length. world->user: a contact_laws. Between runs of contact_bonds (0 s finds the contacts). Returns the number of bonds made. */
+CONTACT_API ptrdiff_t contact_bond_touching(dem_world *world);
 
 static const dem_law contact_bonds = {"bonds",
                                       1,
@@ -483,6 +491,18 @@ CONTACT_API double contact_jkr_sticking_speed(double radius, double modulus, dou
 }
 
 CONTACT_API int contact_is_bond(const dem_world *world, ptrdiff_t k) { return dem_get_contact(world, k).state[CONTACT_WHOLE] > 0.0; }
+
+CONTACT_API ptrdiff_t contact_bond_touching(dem_world *world) {
+    ptrdiff_t made = 0;
+    for (ptrdiff_t k = 0; world->user && k < dem_contact_count(world); k++) {
+        dem_contact_info c = dem_get_contact(world, k);
+        if (c.state[CONTACT_WHOLE] > 0.0 || !(c.gap < 0.0) || !contact__bonds(world, &c)) continue;
+        c.state[CONTACT_WHOLE] = 2.0;
+        dem_set_contact_state(world, k, c.state);
+        made++;
+    }
+    return made;
+}
 
 #endif /* CONTACT__BODIES */
 

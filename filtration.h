@@ -687,7 +687,8 @@ FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, i
 
 /* ---- changes during a run: BAD_ARGUMENT, and nothing changes, where a value is out of range. Velocities of faces [voxel / dt], pressures
    [density voxel^2 / dt^2 / 3] and forces [density voxel / dt^2] stay below 1000. ---- */
-/* Sets tau, and so the time step, and rescales the flow: velocity, pressure and stress keep their SI values. */
+/* Sets tau, and so the time step, and rescales the flow: velocity, pressure and stress keep their SI values. Takes over what the caller has
+   changed of bulk_ratio and magic in fluid->def. */
 FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *fluid, double tau);
 FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]); /* [N/m3] */
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure);
@@ -2770,10 +2771,11 @@ static inline void filtration__spread(filtration__lattice *l, ptrdiff_t row) {
     }
 }
 
+/* l->odd is that of the next step already: this one is of the other kind. */
 static inline void filtration__collide_at(filtration__lattice *l, int y, int z) {
     ptrdiff_t place[FILTRATION__Q], row = filtration__row(l, y, z);
     unsigned char *state = l->row_state + (ptrdiff_t)z * l->ny + y;
-    if (l->odd) {
+    if (!l->odd) {
         ptrdiff_t near[3][3];
         for (int b = -1; b <= 1; b++)
             for (int a = -1; a <= 1; a++) near[b + 1][a + 1] = filtration__row(l, y + a, z + b) * l->bundle;
@@ -2784,27 +2786,12 @@ static inline void filtration__collide_at(filtration__lattice *l, int y, int z) 
         if (l->periodic_x) filtration__fold(l, row);
     }
     if (filtration__collide_row(l, place)) *state |= FILTRATION__ROW_BAD;
-    if (!l->odd && l->periodic_x) filtration__spread(l, row);
+    if (l->odd && l->periodic_x) filtration__spread(l, row);
 }
 
 static inline void filtration__task_range(ptrdiff_t n, int task, ptrdiff_t *first, ptrdiff_t *end) {
     *first = n * task / FILTRATION__TASKS;
     *end = n * (task + 1) / FILTRATION__TASKS;
-}
-
-FILTRATION__STATIC void filtration__collide_task(void *context, int task) {
-    filtration__lattice *l = (filtration__lattice *)context;
-    ptrdiff_t first, end;
-    filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
-    l->bad[task] = 0;
-    l->updated[task] = 0;
-    for (ptrdiff_t k = first; k < end; k++) {
-        int y = (int)(k % l->ny), z = (int)(k / l->ny);
-        if (!l->slab_active[z] || (l->row_state[k] & FILTRATION__ROW_SOLID)) continue;
-        filtration__collide_at(l, y, z);
-        l->bad[task] |= l->row_state[k] & FILTRATION__ROW_BAD;
-        l->updated[task] += l->nx;
-    }
 }
 
 /* Wakes slabs at exact rest next to moving ones. An odd step reads the neighbouring slabs and writes to them, so that motion reaches two
@@ -2872,20 +2859,6 @@ static inline int filtration__bad_node(filtration__lattice *l, int y, int z, fil
         problem->node[0] = x, problem->node[1] = y, problem->node[2] = z;
         problem->speed = sqrt(uu);
         return 1;
-    }
-    return 0;
-}
-
-/* Returns whether a row marked bad has a bad fluid node. */
-static inline int filtration__find_problem(filtration__lattice *l, filtration_problem *problem) {
-    for (int task = 0; task < FILTRATION__TASKS; task++) {
-        ptrdiff_t first, end;
-        filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
-        for (ptrdiff_t k = first; l->bad[task] && k < end; k++) {
-            if (!(l->row_state[k] & FILTRATION__ROW_BAD)) continue;
-            l->row_state[k] = (unsigned char)(l->row_state[k] & ~FILTRATION__ROW_BAD);
-            if (filtration__bad_node(l, (int)(k % l->ny), (int)(k / l->ny), problem)) return 1;
-        }
     }
     return 0;
 }
@@ -3056,13 +3029,54 @@ static inline void filtration__face_block(filtration__lattice *l, int x, int n, 
     }
 }
 
+/* A wall beside a node whose other neighbours lie in the box. */
+static inline void filtration__wall_node(filtration__lattice *l, int x, int y, int z) {
+    const int beside = filtration__beside(x, l->nx);
+    const ptrdiff_t place = filtration__inner_place(l, x, y, z), *out = l->out_at[l->odd], *in = l->in_at[l->odd];
+    for (int k = 0; k < l->entry_count[beside]; k++) {
+        const filtration__entry *e = &l->entries[beside][k];
+        double h = filtration__get(l, place + out[e->i]);
+        filtration__enter_wall(l, e, 1, NULL, &h);
+        filtration__put(l, place + in[filtration__opposite(e->i)], h);
+    }
+}
+
+/* Computes what enters a row from what left it. */
 static inline void filtration__face_row(filtration__lattice *l, int y, int z) {
-    int at_face = (l->ghost_y && (y == 0 || y == l->ny - 1)) || (l->ghost_z && (z == 0 || z == l->nz - 1));
+    const int at_end = y == 0 || y == l->ny - 1 || z == 0 || z == l->nz - 1;
+    const int at_face = (l->ghost_y && (y == 0 || y == l->ny - 1)) || (l->ghost_z && (z == 0 || z == l->nz - 1));
     if (!at_face && l->periodic_x) return;
-    filtration__face_block(l, 0, 1, y, z);
+    for (int x = 0; x < l->nx; x += l->nx > 1 ? l->nx - 1 : 1) {
+        if (!at_end && l->nx > 1 && l->face[x > 0]->enter == filtration__enter_wall) filtration__wall_node(l, x, y, z);
+        else filtration__face_block(l, x, 1, y, z);
+    }
     for (int x = 1; at_face && x < l->nx - 1; x += FILTRATION__BLOCK)
         filtration__face_block(l, x, l->nx - 1 - x < FILTRATION__BLOCK ? l->nx - 1 - x : FILTRATION__BLOCK, y, z);
-    if (l->nx > 1) filtration__face_block(l, l->nx - 1, 1, y, z);
+}
+
+/* Mirrored faces read other rows, so faces wait for all rows. */
+static inline int filtration__faces_wait(const filtration__lattice *l) {
+    int wait = 0;
+    for (int f = 0; f < 6; f++) wait |= l->face[f]->beyond == FILTRATION__MIRRORED;
+    return wait;
+}
+
+/* The faces of a row follow its collision while its populations are in the cache. */
+FILTRATION__STATIC void filtration__collide_task(void *context, int task) {
+    filtration__lattice *l = (filtration__lattice *)context;
+    ptrdiff_t first, end;
+    filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
+    const int wait = filtration__faces_wait(l);
+    l->bad[task] = 0;
+    l->updated[task] = 0;
+    for (ptrdiff_t k = first; k < end; k++) {
+        int y = (int)(k % l->ny), z = (int)(k / l->ny);
+        if (!l->slab_active[z] || (l->row_state[k] & FILTRATION__ROW_SOLID)) continue;
+        filtration__collide_at(l, y, z);
+        if (!wait) filtration__face_row(l, y, z);
+        l->bad[task] |= l->row_state[k] & FILTRATION__ROW_BAD;
+        l->updated[task] += l->nx;
+    }
 }
 
 FILTRATION__STATIC void filtration__face_task(void *context, int task) {
@@ -3073,6 +3087,22 @@ FILTRATION__STATIC void filtration__face_task(void *context, int task) {
         int y = (int)(k % l->ny), z = (int)(k / l->ny);
         if (l->slab_active[z] && !(l->row_state[k] & FILTRATION__ROW_SOLID)) filtration__face_row(l, y, z);
     }
+}
+
+/* Returns whether a row marked bad has a bad fluid node. */
+static inline int filtration__find_problem(filtration__lattice *l, filtration_problem *problem) {
+    const int wait = filtration__faces_wait(l);
+    for (int task = 0; task < FILTRATION__TASKS; task++) {
+        ptrdiff_t first, end;
+        filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
+        for (ptrdiff_t k = first; l->bad[task] && k < end; k++) {
+            if (!(l->row_state[k] & FILTRATION__ROW_BAD)) continue;
+            l->row_state[k] = (unsigned char)(l->row_state[k] & ~FILTRATION__ROW_BAD);
+            if (filtration__bad_node(l, (int)(k % l->ny), (int)(k / l->ny), problem)) return 1;
+            if (!wait) filtration__face_row(l, (int)(k % l->ny), (int)(k / l->ny)); /* a node may have been put to rest */
+        }
+    }
+    return 0;
 }
 
 /* ------------------------------------------------------------------------------------------------- >>fluid/batch.h */
@@ -4403,9 +4433,9 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
     const filtration_parallel *p = &fluid->def.parallel;
     int threads = fluid->def.threads;
     filtration__wake_sources(fluid);
+    l->odd = !l->odd;
     filtration__for_each(p, threads, FILTRATION__TASKS, filtration__collide_task, l);
     for (int task = 0; task < FILTRATION__TASKS; task++) fluid->updates += l->updated[task];
-    l->odd = !l->odd;
     fluid->steps++;
     fluid->time += fluid->dt;
     if (filtration__find_problem(l, &fluid->problem)) {
@@ -4413,7 +4443,7 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
         fluid->problem.cell_reynolds = fluid->problem.speed * 3.0 / (fluid->def.tau - 0.5);
         return FILTRATION_DIVERGED;
     }
-    if (!l->periodic_x || l->ghost_y || l->ghost_z) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__face_task, l);
+    if (filtration__faces_wait(l)) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__face_task, l);
     if (l->link_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__link_task, l);
     if (l->ball_count) {
         filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);

@@ -358,6 +358,17 @@ def settling(r, csv, json):
     }
 
 
+def settling_alike(r, csv, json):
+    runs = {x["case"]: x for x in csv("alike.csv")}
+    ratio = runs["D1"]["v_m_per_s"] / runs["A1"]["v_m_per_s"]
+    return {
+        "cases": table(list(runs.values()), [("case", "case", ""), ("v [mm/s]", lambda x: 1e3 * x["v_m_per_s"], ".3f"),
+            ("over reference", lambda x: f"{x['v_m_per_s'] / x['reference_m_per_s']:.3f}", ""),
+            ("gap with 95 % of v [diameters]", "gap_95", ".2f"), ("with half of v", "gap_50", ".2f")]),
+        "cloth": f"{1e2 * (ratio - 1.0):+.2f}",
+    }
+
+
 def own_screen(r, csv, json):
     return {
         "models": table([

@@ -29,6 +29,17 @@ RIDDLE_EXPORT int riddle_set_stop(dem_world *world, int (*stop)(void *user));
    there is no such wall. */
 RIDDLE_EXPORT int riddle_wall(const dem_world *world, int index, double *out);
 
+/* The laws of dem_laws.h by name. A name's number, -1: there is none. Laws: the numbers of all pairs; pair: those of one, in the order of
+   contact_pair_def, NULL for no pair. */
+RIDDLE_EXPORT int riddle_contact_model(const char *name);
+RIDDLE_EXPORT void *riddle_contact_laws(void);
+RIDDLE_EXPORT void riddle_contact_free(void *laws);
+RIDDLE_EXPORT double *riddle_contact_pair(void *laws, int a, int b);
+RIDDLE_EXPORT const char *riddle_contact_bad_field(const void *laws);
+RIDDLE_EXPORT int riddle_contact_run(dem_world *world, void *laws, int model, double duration);
+RIDDLE_EXPORT int riddle_contact_bond(dem_world *world, void *laws, int model);
+RIDDLE_EXPORT ptrdiff_t riddle_contact_bonds(const dem_world *world);
+
 /* What riddle_io.h told of the last file that could not be written; empty where it told nothing. Asking forgets it at the next file. */
 RIDDLE_EXPORT const char *riddle_last_line(void);
 RIDDLE_EXPORT int riddle_picture(const dem_world *world, char **names, int n_names, double speed, const double *direction, int width, int height, unsigned char *rgb);
@@ -87,6 +98,46 @@ int riddle_wall(const dem_world *world, int index, double *out) {
         out[7 + 3 * k] = vectors[k].x, out[8 + 3 * k] = vectors[k].y, out[9 + 3 * k] = vectors[k].z;
     }
     return 0;
+}
+
+/* ---- contact laws by name ---- */
+
+#include "examples/common/contact_models.h"
+
+int riddle_contact_model(const char *name) {
+    for (int k = 0; k < CONTACT_MODELS; k++)
+        if (strcmp(contact_models[k].name, name) == 0) return k;
+    return -1;
+}
+void *riddle_contact_laws(void) {
+    contact_laws *laws = (contact_laws *)malloc(sizeof *laws);
+    if (laws) *laws = contact_default_laws();
+    return laws;
+}
+void riddle_contact_free(void *laws) { free(laws); }
+double *riddle_contact_pair(void *laws, int a, int b) { return (double *)contact_pair((contact_laws *)laws, a, b); }
+const char *riddle_contact_bad_field(const void *laws) { return contact_bad_field((const contact_laws *)laws); }
+
+/* The world has the laws only while it runs, so that nothing of it points to what Python has freed. */
+int riddle_contact_run(dem_world *world, void *laws, int model, double duration) {
+    void *before = world->user;
+    world->user = laws;
+    const dem_status status = dem_run_law(world, duration, contact_models[model].kernel);
+    world->user = before;
+    return (int)status;
+}
+int riddle_contact_bond(dem_world *world, void *laws, int model) {
+    const int status = riddle_contact_run(world, laws, model, 0.0);
+    void *before = world->user;
+    world->user = laws;
+    if (status == 0) contact_bond_touching(world);
+    world->user = before;
+    return status;
+}
+ptrdiff_t riddle_contact_bonds(const dem_world *world) {
+    ptrdiff_t whole = 0;
+    for (ptrdiff_t k = 0; k < dem_contact_count(world); k++) whole += contact_is_bond(world, k);
+    return whole;
 }
 
 /* ---- files and pictures ---- */

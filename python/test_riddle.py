@@ -608,6 +608,91 @@ class Worlds(unittest.TestCase):
                     use()
 
 
+class ContactLaws(unittest.TestCase):
+    """dem.ContactLaw: each against a number that is known."""
+
+    RADIUS = 5e-4
+
+    def ball(self, name, dt, gravity=(0.0, 0.0, -9.81), overlap=0.0):
+        """A ball on a plane."""
+        definition = dem.def_(dt=dt, gravity=gravity)
+        stuff = dem.add_material(definition, 2500.0, 1e8, 0.25)
+        contact = dem.pair(definition, stuff, stuff)
+        contact.restitution, contact.friction, contact.stiffness = 0.5, 0.5, 1e4
+        world, law = dem.World(definition), dem.ContactLaw(name)
+        world.add_plane(stuff, (0, 0, 0), (0, 0, 1))
+        world.add_spheres((0, 0, self.RADIUS - overlap), 2.0 * self.RADIUS, stuff)
+        return world, law
+
+    def pull_off(self, world, law, expected):
+        """The greatest pull that the ball stands, over the expected, as its weight grows away from the plane."""
+        held = 0.0
+        for pull in [*np.linspace(0.0, 0.97, 300, endpoint=False), *np.linspace(0.97, 1.03, 61)]:
+            world.set_gravity((0, 0, pull * expected / world.masses()[0]))
+            world.run_law(3e-3 if pull > 0.96 else 3e-4, law)
+            if world.positions()[0, 2] > 1.01 * self.RADIUS:
+                return held
+            held = pull
+        self.fail("the ball does not leave")
+
+    def test_pull_off(self):
+        for name, factor in (("jkr", 1.5), ("dmt", 2.0)):
+            world, law = self.ball(name, 2e-6, overlap=1e-7)
+            law.pair(0, 0).surface_energy = 0.1
+            world.run_law(0.02, law)
+            self.assertAlmostEqual(self.pull_off(world, law, factor * np.pi * 0.1 * self.RADIUS), 1.0, delta=0.005, msg=name)
+
+    def test_a_bond_breaks(self):
+        world, law = self.ball("bonds", 1e-6, overlap=1e-7)
+        pair = law.pair(0, 0)
+        pair.bond_modulus, pair.tensile, pair.shear = 1e7, 400.0, 400.0
+        world.run_law(0.01, law)
+        self.assertEqual(law.bonds(world), 0)
+        law.bond(world)
+        self.assertEqual(law.bonds(world), 1)
+        copied = copy.copy(world)
+        self.assertAlmostEqual(self.pull_off(world, law, 400.0 * np.pi * self.RADIUS**2), 1.0, delta=0.005)
+        self.assertEqual(law.bonds(world), 0)
+        copied.run_law(0.01, law)
+        self.assertEqual(law.bonds(copied), 1)
+
+    def test_a_ball_rests_on_a_slope(self):
+        slope = np.arctan(0.19)
+        gravity = 9.81 * np.array([np.sin(slope), 0.0, -np.cos(slope)])
+        for name in ("epsd", "epsd_hertz"):
+            for rolling in (0.2, 0.15):
+                world, law = self.ball(name, 2e-6, gravity)
+                law.pair(0, 0).rolling = rolling
+                world.run_law(0.1, law)
+                before = world.positions()[0, 0]
+                world.run_law(0.1, law)
+                moved = world.positions()[0, 0] - before
+                self.assertAlmostEqual(moved, 0.0 if rolling > 0.19 else 1.5e-2 * 5 / 7 * 9.81 * (np.sin(slope) - rolling * np.cos(slope)), delta=1e-11 if rolling > 0.19 else 4e-5)
+
+    def test_refused(self):
+        law = dem.ContactLaw("epsd")
+        pair = law.pair(1, 0)
+        for name, value in (("rolling", -1.0), ("rolling", np.nan), ("tensile", 0.0), ("bond_radius", 0.0)):
+            before = getattr(pair, name)
+            with self.assertRaises(ValueError):
+                setattr(pair, name, value)
+            self.assertEqual(getattr(pair, name), before)
+        pair.rolling = 0.1
+        self.assertEqual(law.pair(0, 1).rolling, 0.1)
+        world = bed(3)
+        for use, error in ((lambda: dem.ContactLaw("jkrs"), ValueError), (lambda: law.pair(0, 99), IndexError), (lambda: law.pair(-1, 0), IndexError),
+                           (lambda: pair.rollings, AttributeError), (lambda: setattr(pair, "rollings", 1), AttributeError), (lambda: law.bond(world), ValueError),
+                           (lambda: law(None, 1.0), TypeError), (lambda: setattr(pair, "rolling", "x"), TypeError)):
+            with self.assertRaises(error):
+                use()
+
+    def test_all_fields(self):
+        with open(os.path.join(root, "dem_laws.h"), encoding="utf-8") as file:
+            fields = re.search(r"typedef struct contact_pair_def \{(.*?)\} contact_pair_def;", file.read(), re.S)[1]
+        fields = re.sub(r"/\*.*?\*/", "", fields, flags=re.S)
+        self.assertEqual(tuple(re.findall(r"\w+", fields.replace("double", ""))), dem.ContactPair._FIELDS)
+
+
 class Wet(unittest.TestCase):
     """python/laws/wet.c."""
 
@@ -1307,7 +1392,17 @@ targets:
 
             done = run(scene)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("with: --set contacts.friction=0.5", done.stdout)
+            self.assertRegex(done.stdout, r"with: --set contacts.friction=0\.(5[01]|4[89])")
+            self.assertIn("with: --set contacts.friction=" + pathlib.Path(folder, "found.set").read_text(encoding="utf-8").split("friction=")[1][:3], done.stdout)
+            twice = scene.replace("targets:\n", f"""targets:
+  - {{command: "{sys.executable} {folder}/heap.py 0.5 {{json}}", result: heap.angle_deg.0, value: 25, error: 0.3}}
+""")  # another program with a result of this name
+            done = run(twice.replace("runs: 14", "runs: 12"))
+            self.assertIn("other parameters or targets", done.stderr)
+            os.remove(os.path.join(folder, "runs.jsonl"))
+            done = run(twice.replace("runs: 14", "runs: 12"))
+            self.assertEqual((done.returncode, done.stdout.count("heap.angle_deg.0")), (0, 2), done.stderr)
+            os.remove(os.path.join(folder, "runs.jsonl"))
             with open(os.path.join(folder, "result.json"), encoding="utf-8") as file:
                 self.assertLess(abs(json.load(file)["parameters"]["mu"]["value"] - 0.5), 0.02)
             for text, said in ((scene.replace("low: 0.1, ", ""), "low is missing"), (scene.replace("error: 0.3", "error: -1"), "error above 0"),

@@ -2,7 +2,7 @@
 """How often the 95 % ranges of riddle.calibrate hold the parameters that synthetic results were made from: drawn within their bounds, with
 noise of the simulation and of the measured values. Leaves with 1 where a range holds in less than 93 or more than 97 of 100 trials, apart
 from what so many trials leave open.
-  tests/calibration_trials.py [TRIALS] [SEED]     trials of each model (500)"""
+  tests/calibration_trials.py [TRIALS] [SEED] [MODEL]     trials of each model (500), or of one: line, idle, heap, three"""
 import importlib.util
 import math
 import os
@@ -41,9 +41,11 @@ MODELS = [(line, [P("mu", 0.1, 0.9)], {"rate": (0.03, 0.05)}, 14),
           (three, [P("mu", 0.1, 0.9), P("roll", 0.0, 1.0), P("e", 0.1, 0.9)], {"angle": (0.5, 0.7), "rate": (0.002, 0.002), "torque": (0.02, 0.03)}, 40)]
 
 
-def trials(number, seed):
+def trials(number, seed, only=None):
     failures = 0
     for model, parameters, errors, runs in MODELS:
+        if only not in (None, model.__name__):
+            continue
         rng = np.random.default_rng(seed)
         held = dict.fromkeys([p.name for p in parameters], 0)
         for k in range(number):
@@ -62,4 +64,4 @@ def trials(number, seed):
 
 
 if __name__ == "__main__":
-    sys.exit(trials(int(sys.argv[1]) if len(sys.argv) > 1 else 500, int(sys.argv[2]) if len(sys.argv) > 2 else 1) > 0)
+    sys.exit(trials(int(sys.argv[1]) if len(sys.argv) > 1 else 500, int(sys.argv[2]) if len(sys.argv) > 2 else 1, sys.argv[3] if len(sys.argv) > 3 else None) > 0)

@@ -1259,6 +1259,46 @@ static void test_order_by_place(void **state) {
     assert_true(hash[1] == hash[2] && hash[1] == hash[3]);
 }
 
+/* Runs the tasks of a loop one after the other, and notes whether particles lie by place. user: the world. */
+static void run_and_look(void *user, int tasks, void (*task)(void *context, int index), void *context) {
+    dem_world *w = user;
+    for (int k = 0; k < tasks; k++) task(context, k);
+    *(int *)w->user |= w->engine->bodies.by_place;
+}
+/* In a long run particles lie by place, in a short one by their numbers: the same bits, records and numbers, while some leave, lists are made
+   anew and ranks, too. */
+static void test_order_in_memory(void **state) {
+    (void)state;
+    int most = 0;
+    dem_world start, w[2];
+    assert_int_equal(make_block(&start, 1237, 1, &most), DEM_OK);
+    assert_true(dem_add_exit(&start, dem_vec3(15 * 4.99e-3 + 1.5e-3, 0.0, 0.0), dem_vec3(-1.0, 0.0, 0.0)) > 0);
+    run(&start, 2000 * start.def.dt, DEM_LINEAR | DEM_FRICTION);
+    for (ptrdiff_t i = 0; i < start.count; i++) {
+        if (start.alive[i] && dem_position(&start, i).x > 13.5 * 4.99e-3 && i % 4)
+            assert_int_equal(dem_set_motion(&start, i, dem_vec3(6.0 + 1e-3 * (double)(i % 7), 0.0, 0.0), dem_vec3(0.0, 0.0, 0.0)), DEM_OK);
+    }
+    size_t size;
+    unsigned char *bytes = saved(&start, &size);
+    for (int k = 0; k < 2; k++) {
+        const int steps = k ? 1 : 140;
+        int by_place = 0;
+        assert_int_equal(dem_load(&w[k], bytes, size, NULL), DEM_OK);
+        w[k].def.threads = 4, w[k].def.parallel = run_and_look, w[k].def.parallel_user = &w[k], w[k].user = &by_place;
+        for (int done = 0; done < 280; done += steps) run(&w[k], steps * w[k].def.dt, DEM_LINEAR | DEM_FRICTION);
+        assert_true(by_place == !k && w[k].step > 2048 && w[k].rebuilds > start.rebuilds && !w[k].engine->bodies.by_place);
+        assert_true(w[k].count < start.count && w[k].passed_count > start.count / 16);
+    }
+    assert_true(w[0].passed_count == w[1].passed_count && w[0].count == w[1].count && dem_hash(&w[0]) == dem_hash(&w[1]));
+    assert_memory_equal(w[0].passed, w[1].passed, (size_t)w[0].passed_count * sizeof *w[0].passed);
+    for (ptrdiff_t i = 0; i < w[0].count; i++) {
+        assert_true(w[0].id[i] == w[1].id[i] && w[0].group[i] == w[1].group[i] && (i == 0 || w[0].id[i] > w[0].id[i - 1]));
+        assert_memory_equal(&w[0].particle[i].x, &w[1].particle[i].x, sizeof(dem_vec));
+    }
+    free(bytes);
+    dem_free(&w[0]), dem_free(&w[1]), dem_free(&start);
+}
+
 /* Many contacts lie in sections, for threads: nothing outside shows where, and particles taken out in between do not change it. */
 static void test_sections_of_contacts(void **state) {
     (void)state;
@@ -2223,6 +2263,7 @@ int main(void) {
         cmocka_unit_test(test_round_walls_are_not_missed),
         cmocka_unit_test(test_sections_of_contacts),
         cmocka_unit_test(test_order_by_place),
+        cmocka_unit_test(test_order_in_memory),
         cmocka_unit_test(test_more_kinds_than_the_table_holds),
         cmocka_unit_test(test_save_and_load),
         cmocka_unit_test(test_save_after_changes),

@@ -519,11 +519,14 @@ static void lies_by(const dem_world *w, const dem_convex *s, dem_quaternion q) {
     const dem__posture p = dem__posture_at(w, r, dem__now(w, 0));
     const dem_quaternion own = dem__turns(p.turn, dem__opposite_turn(r->frame)), told = dem_orientation(w, 0);
     const dem_quaternion of = dem_get_body(w, 0).orientation;
+    const dem_convex *kept = dem_get_shape(w, 0);
     for (int k = 0; k < s->corners; k++) {
-        const double *c = s->corner[k];
-        const dem_vec given = dem__plus(dem__plus(dem__scale(c[0], s->axis[0]), c[1], s->axis[1]), c[2], s->axis[2]);
-        assert_true(dem__length(dem__sub(dem__to_lab(own, dem__point(c)), dem__to_lab(q, given))) <
-                    1e-14 * (1.0 + s->reach / 1e-3));
+        const dem_vec along = dem__point(kept->corner[k]), given = dem__point(s->corner[k]);
+        assert_true(dem__length(dem__sub(dem__to_lab(own, along), dem__to_lab(q, given))) < 1e-14 * (1.0 + s->reach / 1e-3));
+    }
+    for (int f = 0; f < s->faces; f++) {
+        const dem_vec along = dem__point(kept->plane[f]), given = dem__point(s->plane[f]);
+        assert_true(dem__length(dem__sub(dem__to_lab(own, along), dem__to_lab(q, given))) < 1e-14);
     }
     assert_true(fabs(fabs(told.w * q.w + told.x * q.x + told.y * q.y + told.z * q.z) - 1.0) < 1e-14);
     assert_true(of.w == told.w && of.x == told.x && of.y == told.y && of.z == told.z);
@@ -541,12 +544,21 @@ static void test_as_given(void **state) {
         for (int n = 0; n < 8; n++) v[n] = random_plain(&random) - 0.5;
         dem_convex s;
         if (dem_make_convex(&s, k > 0 ? 4 : 6, corner[0], 0.03, NULL) != DEM_OK) continue; /* too flat */
+        for (int n = 0; n < (k > 0 ? 4 : 6); n++) { /* the given corners touch its faces: planes are as given */
+            double highest = -HUGE_VAL;
+            for (int f = 0; f < s.faces; f++)
+                highest = fmax(highest, dem__dot(dem__point(s.plane[f]), dem__sub(dem__point(corner[n]), s.centroid)) - s.plane[f][3]);
+            assert_true(fabs(highest - s.radius) < 1e-12 * s.reach);
+        }
         dem_def def = dem_default_def();
         dem_world w;
         dem_add_material(&def, 2500.0, 1e9, 0.2);
         def.dt = 1e-6, dem_pair(&def, 0, 0)->stiffness = 1e4;
         assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
         const int shape = dem_add_shape(&w, &s);
+        const int again = dem_add_shape(&w, dem_get_shape(&w, shape)); /* the world's copy is not turned again */
+        assert_memory_equal(dem_get_shape(&w, again)->corner, dem_get_shape(&w, shape)->corner, sizeof s.corner);
+        assert_memory_equal(dem_get_shape(&w, again)->plane, dem_get_shape(&w, shape)->plane, sizeof s.plane);
         const double at[3] = {0, 0, s.centroid.z - 1e-9};
         const dem_quaternion one = {1, 0, 0, 0}, any = {v[4], v[5], v[6], v[7]};
         dem_quaternion q, other;

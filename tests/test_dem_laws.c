@@ -635,6 +635,32 @@ static void test_ledger_of_bonds(void **state) {
     dem_free(&w);
 }
 
+/* What touches already becomes a bond, once, where its pair has one; then it holds what parts the others. */
+static void test_bonds_of_what_touches(void **state) {
+    (void)state;
+    contact_laws laws = contact_default_laws();
+    dem_world w;
+    dem_def def = dem_default_def();
+    const double ball_at[] = {0.0, 2.0 * ball - 1e-6, 5.0 * ball, 7.0 * ball - 1e-6, 10.0 * ball};
+    for (int m = 0; m < 2; m++) dem_add_material(&def, ball_density, 1e8, 0.2);
+    def.gravity = none, def.dt = 1e-6;
+    contact_pair_def *p = contact_pair(&laws, 0, 0);
+    p->bond_modulus = 1e6, p->tensile = p->shear = 1e6;
+    start(&w, &def, &laws);
+    for (int k = 0; k < 5; k++) add(&w, v3(ball_at[k], 0, 0), 2.0 * ball, k == 2 || k == 3); /* the second pair does not bond */
+    assert_int_equal(contact_bond_touching(&w), 0); /* nothing has run: no contacts are known */
+    run(&w, 1e-6, BONDS);
+    assert_int_equal(contact_bond_touching(&w), 1);
+    assert_int_equal(contact_bond_touching(&w), 0);
+    for (ptrdiff_t c = 0; c < dem_contact_count(&w); c++) assert_int_equal(contact_is_bond(&w, c), dem_get_contact(&w, c).i < 2);
+    for (int i = 0; i < 4; i++) dem_set_motion(&w, i, v3(i % 2 ? 0.01 : -0.01, 0, 0), none);
+    run(&w, 0.02, BONDS);
+    assert_true(dem_position(&w, 1).x - dem_position(&w, 0).x < 2.01 * ball && dem_position(&w, 3).x - dem_position(&w, 2).x > 2.01 * ball);
+    w.user = NULL;
+    assert_int_equal(contact_bond_touching(&w), 0);
+    dem_free(&w);
+}
+
 /* ---- hostile input ---- */
 
 static void test_bad_parameters(void **state) {
@@ -872,6 +898,7 @@ int main(void) {
         cmocka_unit_test(test_beam),
         cmocka_unit_test(test_bond_breaks),
         cmocka_unit_test(test_ledger_of_bonds),
+        cmocka_unit_test(test_bonds_of_what_touches),
         cmocka_unit_test(test_bad_parameters),
         cmocka_unit_test(test_unchecked_parameters),
         cmocka_unit_test(test_forgotten_laws),

@@ -37,6 +37,9 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
    whole in the worst case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere
    within another is left out: it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
+/* Makes a capsule along the x axis: spheres in a row, so near that the grooves between them are 1 % of the radius deep.
+   diameter, length: over all [m] > 0, length >= diameter. DEM_TOO_MANY from 9.8 diameters on. */
+DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double length);
 DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
 /* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n]
    [m], to which the shape is scaled, NULL: as it was made; orientations: shape [n][4], quaternions (scalar first, of

@@ -56,6 +56,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
                             &bodies->number,
                             &bodies->rank,
                             &bodies->by_rank,
+                            &bodies->given,
                             &bodies->to_check};
     for (size_t k = 0; k < sizeof doubles / sizeof *doubles; k++, n++) {
         list[n].address = doubles[k], list[n].size = sizeof(double);

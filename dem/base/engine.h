@@ -80,7 +80,7 @@ enum {
 
 /* Two particles that may touch before the list is built anew. */
 typedef struct dem__near {
-    int32_t i, j;    /* i < j */
+    int32_t i, j;    /* that of the lower number first */
     double distance; /* of centres, below which they touch [m] */
 } dem__near;
 
@@ -199,6 +199,8 @@ typedef struct dem__bodies {
     int32_t *number;         /* number of particles present before it: its number without gaps */
     int32_t *rank, *by_rank; /* place in the order in which contacts lie; the particle of a rank. Every particle has a
                                    rank, those that are gone too, until arrays are made without them */
+    int by_place;               /* in a run: they lie in the order of ranks, */
+    int32_t *given;             /* and this is the number that the caller knows of each */
     int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
     int32_t *active_at;         /* where it is in the first list */
     ptrdiff_t active_count, to_check_count;
@@ -316,6 +318,7 @@ typedef struct dem__field {
     int64_t *until;        /* step in which a particle's flight ends, or DEM__NO_FLIGHT */
     dem_vec *end_velocity; /* velocity there [m/s] */
     dem_vec *force;        /* on a particle that takes steps, in its last one [N] */
+    dem_vec *torque;       /* the same [N m] */
     double *work;          /* of the field along the flight [J] */
     double *booked;        /* part of the work that the ledger contains [J] */
 } dem__field;

@@ -42,6 +42,8 @@ enum {
 typedef struct dem__feature {
     int place;      /* DEM__LEDGER_FEATURE and so on */
     int adds_loads; /* it adds to the loads of particles */
+    int sorts;      /* in a run particles may lie in another order: it knows them by its arrays alone, and adds up nothing
+                       in the order of particles */
     int exclusive;  /* it moves particles between steps: a world has at most one such feature */
 
     /* Memory. */

@@ -174,3 +174,16 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
     *clump = c;
     return DEM_OK;
 }
+
+DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double length) {
+    double centre[DEM_CLUMP_MAX][3], width[DEM_CLUMP_MAX];
+    if (!clump || !dem__positive(diameter) || !(length >= diameter && length <= DBL_MAX)) return DEM_BAD_ARGUMENT;
+    const double spheres = 1.0 + ceil((length - diameter) / (0.141 * diameter)); /* (s/2)^2 = r^2 - (0.99 r)^2 */
+    if (!(spheres <= (double)DEM_CLUMP_MAX)) return DEM_TOO_MANY;
+    const int n = (int)spheres;
+    for (int k = 0; k < n; k++) {
+        centre[k][0] = n > 1 ? (length - diameter) * ((double)k / (double)(n - 1) - 0.5) : 0.0;
+        centre[k][1] = centre[k][2] = 0.0, width[k] = diameter;
+    }
+    return dem_make_clump(n, centre[0], width, clump);
+}

@@ -51,9 +51,10 @@ static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem
     p->origin = w->step;
 }
 
-/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
-DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
-                                   dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
+
+/* Returns what a law gets to know of particle i at x with v. */
+DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time) {
     dem_force_point at;
     at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
     at.velocity = v;
@@ -61,10 +62,58 @@ DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, d
     at.time = time;
     at.gravity = dem__free_fall(w);
     at.user = w->engine->field.def.user;
+    return at;
+}
+
+/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
+DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
+                                   dem_vec (*law)(const dem_force_point *)) {
+    const dem_force_point at = dem__field_point(w, i, x, v, time);
     return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
 }
 
-DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
+/* A law of torque: -c times the spin relative to the field. In: *spin of a particle [rad/s]; out: the relative one.
+   Returns c [N m s]. NULL: there is no torque. */
+typedef double (*dem__turning_fn)(const dem_force_point *at, dem_vec *spin);
+
+/* The torque of a field on a particle: c and the relative spin, the particle's moment of inertia about that. */
+typedef struct dem__turning {
+    double c, inertia; /* c = 0: none */
+    dem_vec spin;
+} dem__turning;
+/* Returns it for particle i, which spins, or its body, at x. */
+DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin, double time,
+                                        dem__turning_fn turning) {
+    const dem_force_point at = dem__field_point(w, i, x, dem_vec3(0.0, 0.0, 0.0), time);
+    const dem__rigid *r = dem__rigid_of(w, i);
+    dem__turning q;
+    q.spin = spin, q.c = 0.0, q.inertia = 1.0;
+    if (!turning || (!r && !(w->engine->run.features & DEM_FRICTION) && dem__is_zero(spin)))
+        return q; /* spheres without friction do not turn */
+    q.c = turning(&at, &q.spin);
+    const double square = dem__dot(q.spin, q.spin);
+    if (!(q.c > 0.0 && square > 0.0 && square <= DBL_MAX)) {
+        q.c = 0.0;
+        return q;
+    }
+    q.inertia = r ? dem__dot(q.spin, dem__momentum_of(r->turn, r->moments, q.spin)) / square : dem__inertia(w, i);
+    return q;
+}
+
+/* Lets the torque act on particle i, or its body, over a time that has passed, at an origin that has just been set.
+   Exact for a sphere of constant c. Returns the energy that it gains [J]. */
+DEM_INLINE double dem__brake(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    const double before = dem__rotational(w, i), y = q->c * passed / q->inertia;
+    const double part = y < 1e-3 ? 1.0 - y * (0.5 - y * (1.0 / 6.0 - y / 24.0)) : (1.0 - riddle_exp(-y)) / y;
+    const dem_vec impulse = dem__scale(-q->c * passed * part, q->spin);
+    if (r) {
+        r->momentum = dem__add(r->momentum, impulse);
+        w->engine->bodies.calls->place(w, r);
+    } else w->particle[i].spin = dem__plus(w->particle[i].spin, 1.0 / q->inertia, impulse);
+    return dem__rotational(w, i) - before;
+}
+
 /* Returns whether particle i, or its body, has the acceleration of free fall only. */
 DEM_INLINE int dem__falls_freely(const dem_world *w, ptrdiff_t i) {
     return dem__is_zero(dem__sub(dem__centre_pull(w, i), dem__free_fall(w)));
@@ -125,11 +174,13 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
     return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
 }
 
+#define DEM__SLOWS 5e-3 /* share of its spin that a particle may lose in a flight */
+
 /* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right
    at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first one, times
    the time squared. */
-DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem__flown *q,
-                                  dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, const dem__turning *turn,
+                                  dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
     const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
                  probe = 16.0 * dt;
@@ -142,6 +193,10 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     if (jerk > 0.0) {
         const double guess = riddle_cbrt(13.5 * 3.0 * limit / jerk);
         longest = guess < longest ? guess : longest;
+    }
+    if (turn->c > 0.0) { /* the spin is that at the beginning of the flight: it must not change much, if it matters */
+        const double slows = DEM__SLOWS * turn->inertia / turn->c;
+        longest = slows < longest && dem__length(turn->spin) * slows > def->accuracy ? slows : longest;
     }
     int n = dem__steps_within(w, longest);
     for (;;) {
@@ -156,21 +211,25 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     }
 }
 
-/* Begins a flight now. Where the law gives 0 and gave 0 before, the present parabola stays. */
-DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+/* Begins a flight now, after the torque of the one before. Where the law gives 0 and gave 0 before, and there is no
+   torque, the present parabola stays. */
+DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
+                                 dem__turning_fn turning) {
     dem__field *field = &w->engine->field;
-    const double tau = dem__now(w, i), dt = w->engine->run.dt;
+    const double tau = dem__now(w, i), dt = w->engine->run.dt, passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
     const dem_vec x = dem__centre_at(w, i, tau),
                   v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
-    const dem_vec g = dem__free_fall(w);
+    const dem_vec g = dem__free_fall(w), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
+    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
     dem__flown q;
-    const int n = dem__choose_flight(w, i, x, v, &q, law);
+    const int n = dem__choose_flight(w, i, x, v, &turn, &q, law), brakes = turn.c > 0.0 && passed > 0.0;
     const double h = (double)n * dt;
     field->until[i] = w->step + n;
     field->work[i] = q.work, field->booked[i] = 0.0;
     if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
-    if (!(q.zero && dem__falls_freely(w, i))) {
+    if (!(q.zero && dem__falls_freely(w, i)) || brakes) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
+        if (brakes) field->booked[i] = -dem__brake(w, i, passed, &turn); /* the next booking adds it */
     }
     field->end_velocity[i] =
         q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
@@ -198,14 +257,16 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
 }
 
 /* Ends the flight of particle i now. Its position is that on the parabola; its velocity is computed anew. */
-DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
+                                dem__turning_fn turning) {
     dem__field *field = &w->engine->field;
     dem__rigid *r = dem__rigid_of(w, i);
     const dem_vec a = dem__centre_pull(w, i);
-    const double tau = dem__now(w, i);
-    const dem_vec x = dem__centre_at(w, i, tau);
+    const double tau = dem__now(w, i), passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
+    const dem_vec x = dem__centre_at(w, i, tau), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
+    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
     dem_vec v = dem__drift_at(w, i, tau);
-    const int falls = dem__falls_freely(w, i);
+    const int falls = dem__falls_freely(w, i), brakes = turn.c > 0.0 && passed > 0.0;
     field->work[i] = 0.0;
     if (tau > 0.0 && !falls) {
         const dem_vec begun = dem__drift_at(w, i, 0.0);
@@ -217,18 +278,21 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     const dem_vec pull = dem__field_pull(w, i, x, v, w->time, law);
     field->force[i] = dem__scale(w->particle[i].mass, pull);
     field->until[i] = DEM__NO_FLIGHT;
-    if (falls && dem__is_zero(pull)) return; /* the same bits as without a field */
+    if (falls && dem__is_zero(pull) && !brakes) return; /* the same bits as without a field */
     dem__begin_parabola(w, i, x, v, a);
+    if (brakes) field->work[i] += dem__brake(w, i, passed, &turn);
     dem__free_acceleration(w, i);
     if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
 }
 
-/* Adds the law's force on particle i, which takes steps, at its position after a step of h and at the velocity
-   predicted for it. That on a body is added where its forces are summed up. */
-DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *)) {
+/* Adds the law's force and torque on particle i, which takes steps, at its position after a step of h and at the
+   velocity predicted for it. The force on a body is added where its forces are summed up. */
+DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *),
+                                     dem__turning_fn turning) {
     const dem__rigid *r = dem__rigid_of(w, i);
     const dem_particle *p = &w->particle[i];
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0), v = r ? r->v : p->v;
+    w->engine->field.torque[i] = none;
     if (!dem__leads(w, i)) {
         w->engine->field.force[i] = none;
         return;
@@ -239,19 +303,28 @@ DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_ve
     double *load = w->engine->bodies.sum[i].load;
     if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
     w->engine->field.force[i] = force;
+    if (!turning) return;
+    const dem__turning turn =
+        dem__turning_of(w, i, r ? r->x : p->x, p->spin, dem__time_of(w, w->step + (h > 0.0)), turning);
+    const dem_vec torque = turn.c > 0.0 ? dem__scale(-turn.c, turn.spin) : none;
+    load[3] += torque.x, load[4] += torque.y, load[5] += torque.z;
+    w->engine->field.torque[i] = torque;
 }
 
-DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_vec (*law)(const dem_force_point *),
+                                  dem__turning_fn turning) {
     for (ptrdiff_t k = 0; k < q->n; k++) {
         const ptrdiff_t i = q->particle[k];
-        if (q->task == DEM__ADD_FIELD_FORCE) dem__add_field_force(w, i, q->h, law);
-        else if (q->task == DEM__END_FLIGHTS) dem__end_flight(w, i, law);
-        else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law);
+        if (q->task == DEM__ADD_FIELD_FORCE) dem__add_field_force(w, i, q->h, law, turning);
+        else if (q->task == DEM__END_FLIGHTS) dem__end_flight(w, i, law, turning);
+        else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law, turning);
     }
 }
 
-#define DEM_FORCE_FIELD(name, law)                                                                                     \
+/* turning: a law of torque, or NULL. */
+#define DEM__FIELD(name, law, turning)                                                                                 \
     DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
-        dem__field_kernel(world, task, law);                                                                           \
+        dem__field_kernel(world, task, law, turning);                                                                  \
         return 1;                                                                                                      \
     }
+#define DEM_FORCE_FIELD(name, law) DEM__FIELD(name, law, NULL)

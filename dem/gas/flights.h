@@ -214,6 +214,7 @@ static inline void dem__book_stepping(dem_world *w, double h) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         const dem__rigid *r = dem__rigid_of(w, i);
         dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.force[i], r ? r->v : w->particle[i].v));
+        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.torque[i], w->particle[i].spin));
     }
 }
 
@@ -282,6 +283,7 @@ static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
     const dem__array arrays[] = {{&field->until, sizeof *field->until},
                                  {&field->end_velocity, sizeof *field->end_velocity},
                                  {&field->force, sizeof *field->force},
+                                 {&field->torque, sizeof *field->torque},
                                  {&field->work, sizeof *field->work},
                                  {&field->booked, sizeof *field->booked}};
     const int n = (int)(sizeof arrays / sizeof *arrays);
@@ -295,7 +297,7 @@ static inline void dem__release_field(dem_world *w) {
 
 static inline void dem__add_unflown(dem_world *w, ptrdiff_t i) {
     w->engine->field.until[i] = DEM__NO_FLIGHT;
-    w->engine->field.force[i] = dem_vec3(0.0, 0.0, 0.0);
+    w->engine->field.force[i] = w->engine->field.torque[i] = dem_vec3(0.0, 0.0, 0.0);
 }
 
 /* A field without a law: after loading dem_set_force_field comes first. */
@@ -324,6 +326,7 @@ static inline void dem__particle_fields_of_field(dem_world *w, dem__group *g) {
         DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
         DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
         DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
+        DEM__DOUBLES("particle.field_torque", field->torque[0], sizeof *field->torque),
         DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
     };
     dem__add_optional(g, fields, sizeof fields);

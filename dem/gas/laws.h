@@ -189,10 +189,55 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
 }
 
+/* Returns how a component of values at nodes changes along an axis of the grid, per cell. */
+DEM_INLINE double dem__gas_slope(const double *values, const dem__gas_cell *cell, int of, int along) {
+    double sum = 0.0;
+    for (int corner = 0; corner < 8; corner++) {
+        ptrdiff_t node = cell->first;
+        double weight = corner >> along & 1 ? 1.0 : -1.0;
+        for (int a = 0; a < 3; a++) {
+            node += corner >> a & 1 ? cell->next[a] : 0;
+            if (a != along) weight *= corner >> a & 1 ? cell->part[a] : 1.0 - cell->part[a];
+        }
+        sum += weight * values[node * 3 + of];
+    }
+    return sum;
+}
+/* Returns the curl of the gas's velocity in its frame, at a place of the grid. */
+DEM_INLINE dem_vec dem__gas_curl(const dem_gas *gas, const dem__gas_cell *cell) {
+    double curl[3];
+    for (int a = 0; a < 3; a++) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        const double across = (double)(gas->n[b] - 1) / (dem_axis(gas->high, b) - dem_axis(gas->low, b)),
+                     up = (double)(gas->n[c] - 1) / (dem_axis(gas->high, c) - dem_axis(gas->low, c));
+        curl[a] = across * dem__gas_slope(gas->velocity, cell, c, b) - up * dem__gas_slope(gas->velocity, cell, b, c);
+    }
+    return dem_vec3(curl[0], curl[1], curl[2]);
+}
+
+/* Returns the coefficient c of the torque -c (spin - spin of the gas) on a sphere of a particle's volume [N m s]: pi
+   viscosity d^3 up to Re = density d^2 spin/viscosity = 32 (Stokes), beyond that by Dennis, Singh & Ingham 1980; 0
+   beyond the grid. The gas turns with its frame, and with half the curl of its velocity. *spin: in, of the particle
+   [rad/s]; out, relative to the gas. */
+DEM_INLINE double dem_gas_turning(const dem_force_point *at, dem_vec *spin) {
+    const dem_gas *gas = (const dem_gas *)at->user;
+    const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
+    const double d = 2.0 * at->radius;
+    dem_vec place = dem__sub(at->position, f.centre);
+    dem__gas_cell cell;
+    if (gas->spin != 0.0) place = dem__turned(gas, &f, place, -1.0);
+    if (!dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell)) return 0.0;
+    *spin = dem__plus(*spin, -gas->spin, gas->axis);
+    if (gas->velocity) *spin = dem__plus(*spin, -0.5, dem__turned(gas, &f, dem__gas_curl(gas, &cell), 1.0));
+    const double reynolds = gas->density * d * d * dem__length(*spin) / gas->viscosity;
+    const double over = (12.9 * sqrt(reynolds) + 128.4) / (64.0 * RIDDLE_PI); /* Stokes's torque */
+    return RIDDLE_PI * gas->viscosity * d * d * d * (over > 1.0 ? over : 1.0);
+}
+
 /* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or
    one of yours. */
 #define DEM_GAS(name, drag)                                                                                            \
     DEM_INLINE dem_vec name##_force(const dem_force_point *at) {                                                       \
         return dem_gas_force(at, (const dem_gas *)at->user, drag);                                                     \
     }                                                                                                                  \
-    DEM_FORCE_FIELD(name, name##_force)
+    DEM__FIELD(name, name##_force, dem_gas_turning)

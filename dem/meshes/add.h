@@ -4,6 +4,7 @@
 
 static inline dem__feature dem__feature_meshes(void) {
     dem__feature f = dem__new_feature(DEM__MESHES_FEATURE);
+    f.sorts = 1;
     f.follow = dem__follow_meshes;
     return f;
 }

@@ -40,6 +40,7 @@ static inline void dem__hash_fixed(uint64_t *hash, const dem_world *w, ptrdiff_t
 
 static inline dem__feature dem__feature_fixed(void) {
     dem__feature f = dem__new_feature(DEM__FIXED_FEATURE);
+    f.sorts = 1;
     f.list_arrays = dem__list_arrays_of_fixed;
     f.add_particle = dem__add_unfixed;
     f.world_fields = dem__world_fields_of_fixed;

@@ -81,6 +81,8 @@ static inline void dem__compact(dem_world *w) {
         if (contacts->j[c] >= 0) contacts->j[c] = remap[contacts->j[c]];
     }
     w->count = to;
+    for (ptrdiff_t i = 0; i < to && w->engine->bodies.by_place; i++)
+        w->engine->bodies.given[i] = w->engine->bodies.number[i];
     dem__set_ranks(w);
     w->engine->bodies.dropped = 0;
     DEM__TELL(w, renumber, (w, remap));

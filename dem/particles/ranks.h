@@ -40,11 +40,12 @@ typedef struct dem__curve_box {
 
 /* Lays the cube over four standard deviations each way from the mean, within the particles' range: the few outside go
    into the cells at the border. */
-static inline dem__curve_box dem__curve_of(const dem_world *w) {
+static inline dem__curve_box dem__curve_of(const dem_world *w, const int32_t *by_number) {
     double low[3], high[3], sum[3] = {0.0, 0.0, 0.0}, square[3] = {0.0, 0.0, 0.0}, n = 0.0, longest = 0.0;
     dem__curve_box box;
     for (int a = 0; a < 3; a++) low[a] = HUGE_VAL, high[a] = -HUGE_VAL;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
+    for (ptrdiff_t k = 0; k < w->count; k++) {
+        const ptrdiff_t i = by_number ? by_number[k] : k;
         if (!w->alive[i]) continue;
         const dem_vec x = dem__at(w, i, dem__now(w, i));
         n += 1.0;
@@ -111,9 +112,11 @@ static DEM__NOINLINE void dem__renew_ranks(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const int32_t *place = w->engine->pairs.cell_of;
     int32_t *other = w->engine->scratch.index;
-    dem__curve_box box = dem__curve_of(w);
+    const int32_t *by_number = bodies->by_place ? other : NULL; /* sums, and particles of one cell, follow numbers */
+    for (ptrdiff_t i = 0; i < w->count && by_number; i++) other[bodies->given[i]] = (int32_t)i;
+    dem__curve_box box = dem__curve_of(w, by_number);
     dem__in_parts(w, dem__parts(w, 4 * w->count), w->count, dem__place_on_curve, &box);
-    dem__sort_by_place(place, 0, w->count, NULL, bodies->by_rank);
+    dem__sort_by_place(place, 0, w->count, by_number, bodies->by_rank);
     dem__sort_by_place(place, 10, w->count, bodies->by_rank, other);
     dem__sort_by_place(place, 20, w->count, other, bodies->by_rank);
     dem__set_ranks(w);

@@ -5,6 +5,7 @@
 #include "save.h"
 #include "pairs.h"
 #include "block.h"
+#include "ready.h"
 
 static inline const dem__convex_calls *dem__polyhedra(void) {
     static const dem__convex_calls row = {dem__prepare_convex, dem__fill_convex_rows, dem__finish_convex_rows,
@@ -17,9 +18,9 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
     if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
         c->faces > DEM_FACES_MAX)
         return 0;
-    int sound = dem__positive(c->radius) && dem__positive(c->reach) && dem__positive(c->volume) &&
-                dem__positive(c->rate) && c->springs > 0 &&
-                c->face_start[0] == 0 && c->face_start[c->faces] == 2 * c->edges;
+    int sound = c->deviation >= 0.0 && c->deviation <= DBL_MAX && dem__positive(c->radius) && dem__positive(c->reach) &&
+                dem__positive(c->volume) && dem__positive(c->rate) && c->springs > 0 && c->face_start[0] == 0 &&
+                c->face_start[c->faces] == 2 * c->edges;
     for (int k = 0; k < 3; k++) sound &= dem__positive(c->moment[k]);
     for (int k = 0; k < 3 * c->corners; k++) sound &= fabs(c->corner[k / 3][k % 3]) <= c->reach;
     for (int k = 0; k < 4 * c->faces; k++) sound &= fabs(c->plane[k / 4][k % 4]) <= (k % 4 < 3 ? 1.0 + 1e-9 : c->reach);
@@ -91,9 +92,10 @@ static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, d
     memset(convex->shape, 0, (size_t)n * sizeof *convex->shape);
     convex->shapes = (int)n, convex->calls = dem__polyhedra();
     w->engine->walls.touch_keepers++;
-    g->needed = g->fields = dem__shape_fields(convex->shape, g->field);
+    g->fields = dem__shape_fields(convex->shape, g->field), g->needed = g->fields - DEM__SHAPE_OPTIONAL;
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
     for (ptrdiff_t k = 0; k < n; k++) {
+        convex->shape[k].along_axes = 1;
         if (!dem__is_sound_shape(&convex->shape[k])) return DEM_BAD_DATA;
     }
     return DEM_OK;
@@ -131,16 +133,19 @@ static inline dem__feature dem__feature_polyhedra(void) {
 
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape)) return -(int)DEM_BAD_ARGUMENT;
+    if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape) || !dem__are_axes(shape->axis))
+        return -(int)DEM_BAD_ARGUMENT;
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
     const size_t size = sizeof *convex->shape, old = (size_t)convex->shapes * size;
+    dem_convex own = *shape; /* `shape` may lie in the array that grows */
+    dem__turn_to_axes(&own);
     if (convex->shapes == 0 && !dem__make_touch_memory(w)) return -(int)DEM_OUT_OF_MEMORY;
     dem_convex *fresh = (dem_convex *)a->fn(a->user, convex->shape, old, old + size);
     if (!fresh) return -(int)DEM_OUT_OF_MEMORY;
     convex->shape = fresh, convex->calls = dem__polyhedra();
-    convex->shape[convex->shapes++] = *shape;
+    convex->shape[convex->shapes++] = own;
     if (convex->shapes > 1) return convex->shapes - 1;
     if (dem__take_feature(w, dem__feature_polyhedra()) == DEM_OK) return 0;
     dem__release(a, convex->shape, size);

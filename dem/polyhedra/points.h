@@ -46,8 +46,9 @@ DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     return 1;
 }
 
-/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. */
-static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
+/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. Beyond `enough`,
+   any larger value. */
+static inline double dem__from_near_faces(const dem_convex *s, dem_vec p, double enough, dem_vec *n) {
     int top = -1;
     double highest = -HUGE_VAL, least = HUGE_VAL;
     for (int f = 0; f < s->faces; f++) {
@@ -55,25 +56,29 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
         if (height > highest) highest = height, top = f;
     }
     *n = top < 0 ? dem_vec3(0.0, 0.0, 1.0) : dem__point(s->plane[top]);
+    if (highest > enough) return highest;
     for (int f = 0; f < s->faces; f++) {
         const double height = dem__dot(dem__point(s->plane[f]), p) - s->plane[f][3];
         if ((f != top && !(height > 0.0)) || !dem__over_face(s, f, p)) continue;
         *n = dem__point(s->plane[f]);
         return height;
     }
-    const dem_vec outward = *n;
+    dem_vec off = dem_vec3(0.0, 0.0, 0.0);
     for (int e = 0; e < s->edges || e == 0; e++) { /* a point has a corner, but no edge */
         const dem_vec from = dem__point(s->corner[s->edge[e][0]]),
                       u = dem__sub(dem__point(s->corner[s->edge[e][1]]), from);
         const double length = dem__dot(u, u),
                      t = length > 0.0 ? dem__clamp(dem__dot(dem__sub(p, from), u) / length, 0.0, 1.0) : 0.0;
         const dem_vec d = dem__sub(p, dem__plus(from, t, u));
-        const double distance = dem__length(d);
-        if (!(distance < least)) continue;
-        least = distance;
-        *n = distance > 1e-12 * s->reach ? dem__scale(1.0 / distance, d) : outward;
+        const double square = dem__dot(d, d);
+        if (square < least) least = square, off = d;
     }
-    return least;
+    const double distance = sqrt(least);
+    if (distance > 1e-12 * s->reach) *n = dem__scale(1.0 / distance, off);
+    return distance;
+}
+static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n) {
+    return dem__from_near_faces(s, p, HUGE_VAL, n);
 }
 
 /* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger
@@ -81,7 +86,7 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
 DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
     const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);
-    const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_faces(s, x, &m);
+    const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_near_faces(s, x, enough, &m);
     *n = distance > enough ? m : dem__from_core_frame(place, m);
     return distance;
 }

@@ -2,6 +2,8 @@
 #pragma once
 #include "../records/groups.h"
 
+#define DEM__SHAPE_OPTIONAL 2 /* fields at the end of the list that a save may lack */
+
 static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     const size_t s = sizeof *c;
     const dem__saved_field fields[] = {
@@ -24,6 +26,8 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
         {"shape.face_corner", c->face_corner, s, 2 * DEM_EDGES_MAX, 1},
         {"shape.edge", c->edge, s, 2 * DEM_EDGES_MAX, 1},
         {"shape.edge_face", c->edge_face, s, 2 * DEM_EDGES_MAX, 1},
+        DEM__INTEGER("shape.given", c->given, s),
+        DEM__DOUBLES("shape.deviation", c->deviation, s),
     };
     memcpy(field, fields, sizeof fields);
     return (int)(sizeof fields / sizeof *fields);

@@ -7,6 +7,7 @@
 /* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough.
  */
 #define DEM__FLAT 1e-6
+#define DEM__NO_CORE "its core is no polyhedron: a smaller rounding leaves one"
 
 /* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
 typedef struct dem__hull {
@@ -150,21 +151,22 @@ typedef struct dem__moments {
     dem_vec first;
     double second[3][3];
 } dem__moments;
+static inline void dem__add_triangle(dem__moments *bulk, const double *a, const double *b, const double *c) {
+    const double six = dem__dot(dem__point(a), dem__cross(dem__point(b), dem__point(c)));
+    const double sum[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
+    bulk->volume += six / 6.0;
+    bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++)
+            bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
+    }
+}
 static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
     memset(bulk, 0, sizeof *bulk);
     for (int f = 0; f < s->faces; f++) {
         const double *a = s->corner[s->face_corner[s->face_start[f]]];
-        for (int k = s->face_start[f] + 2; k < s->face_start[f + 1]; k++) {
-            const double *b = s->corner[s->face_corner[k - 1]], *c = s->corner[s->face_corner[k]];
-            const double six = dem__dot(dem__point(a), dem__cross(dem__point(b), dem__point(c)));
-            const double sum[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
-            bulk->volume += six / 6.0;
-            bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
-            for (int p = 0; p < 3; p++) {
-                for (int q = 0; q < 3; q++)
-                    bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
-            }
-        }
+        for (int k = s->face_start[f] + 2; k < s->face_start[f + 1]; k++)
+            dem__add_triangle(bulk, a, s->corner[s->face_corner[k - 1]], s->corner[s->face_corner[k]]);
     }
 }
 
@@ -197,19 +199,16 @@ static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
     }
 }
 
-/* Sets volume, centroid and moments; moves the corners to the centroid and turns them to the principal axes. Returns
-   NULL, or what is wrong. */
-static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
-    dem__moments bulk;
+/* Sets volume, centroid, moments and axes. centre: the centroid, from the middle. Returns NULL, or what is wrong. */
+static inline const char *dem__set_moments(dem_convex *s, const dem__moments *bulk, dem_vec middle, dem_vec *centre) {
     double second[3][3], axis[3][3];
-    dem__integrate(s, &bulk);
-    if (!(bulk.volume > 0.0 && bulk.volume < HUGE_VAL)) return "the corners lie in one plane";
-    const dem_vec c = dem__scale(1.0 / bulk.volume, bulk.first);
+    if (!(bulk->volume > 0.0 && bulk->volume < HUGE_VAL)) return "the corners lie in one plane";
+    const dem_vec c = *centre = dem__scale(1.0 / bulk->volume, bulk->first);
     for (int p = 0; p < 3; p++) {
-        for (int q = 0; q < 3; q++) second[p][q] = bulk.second[p][q] - bulk.volume * dem_axis(c, p) * dem_axis(c, q);
+        for (int q = 0; q < 3; q++) second[p][q] = bulk->second[p][q] - bulk->volume * dem_axis(c, p) * dem_axis(c, q);
     }
     dem__principal(second, axis);
-    s->volume = bulk.volume;
+    s->volume = bulk->volume;
     s->centroid = dem__add(middle, c);
     for (int a = 0; a < 3; a++) {
         s->axis[a] = dem__point(axis[a]);
@@ -217,6 +216,16 @@ static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
         if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL))
             return "it is too small or too large for its inertia to be a number";
     }
+    return NULL;
+}
+
+/* Sets them; moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what is wrong. */
+static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
+    dem__moments bulk;
+    dem_vec c;
+    dem__integrate(s, &bulk);
+    const char *reason = dem__set_moments(s, &bulk, middle, &c);
+    if (reason) return reason;
     for (int k = 0; k < s->corners; k++) {
         const dem_vec d = dem__sub(dem__point(s->corner[k]), c);
         for (int a = 0; a < 3; a++) s->corner[k][a] = dem__dot(d, s->axis[a]);
@@ -224,11 +233,13 @@ static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     return NULL;
 }
 
-/* Finds the point where three planes meet that have moved inwards. Returns their determinant; 0 if they hardly meet. */
-static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, dem_vec *at) {
+/* Finds the point where three planes meet that have moved inwards. Returns their determinant, without sign; 0 if that
+   is below `least`. */
+static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, double least,
+                               dem_vec *at) {
     const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
     const double det = dem__dot(a, bc);
-    if (fabs(det) < 1e-6) return 0.0;
+    if (fabs(det) < least) return 0.0;
     const dem_vec sum =
         dem__add(dem__scale(p[3] - inwards, bc),
                  dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
@@ -259,7 +270,7 @@ static inline int dem__erode(const dem_convex *s, dem_convex *core, double radiu
             for (int c = b + 1; c < s->faces; c++) {
                 dem_vec x;
                 int f = 0;
-                const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, &x);
+                const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, 1e-6, &x);
                 if (det == 0.0) continue;
                 while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat)
                     f++;
@@ -299,8 +310,55 @@ static inline void dem__find_box(dem_convex *s) {
     }
 }
 
-/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. */
-static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding) {
+/* Turns corners and planes of a shape: column k of the rotation is where its axis k lies. */
+static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec z) {
+    if (x.x == 1.0 && y.y == 1.0 && z.z == 1.0) return;
+    for (int k = 0; k < s->corners + s->faces; k++) {
+        double *v = k < s->corners ? s->corner[k] : s->plane[k - s->corners];
+        const dem_vec at = dem__plus(dem__plus(dem__scale(v[0], x), v[1], y), v[2], z);
+        v[0] = at.x, v[1] = at.y, v[2] = at.z;
+    }
+}
+/* Turns them from the principal axes to the frame in which the shape was given. */
+static inline void dem__turn_to_given(dem_convex *s) {
+    dem__turn_shape(s, s->axis[0], s->axis[1], s->axis[2]);
+    s->along_axes = 0;
+}
+/* Turns them to the principal axes. A box has its corners at the half lengths again, to the last bit. */
+static inline void dem__turn_to_axes(dem_convex *s) {
+    const dem_vec *a = s->axis;
+    if (!s->along_axes)
+        dem__turn_shape(s, dem_vec3(a[0].x, a[1].x, a[2].x), dem_vec3(a[0].y, a[1].y, a[2].y),
+                        dem_vec3(a[0].z, a[1].z, a[2].z));
+    for (int k = 0; k < 3 * s->corners && s->is_box; k++) {
+        double *v = &s->corner[k / 3][k % 3], half = dem_axis(s->half, k % 3);
+        *v = *v < 0.0 ? -half : half;
+    }
+    s->along_axes = 1;
+}
+/* Returns whether the axes of a shape are a right-handed frame. */
+static inline int dem__are_axes(const dem_vec *a) {
+    const double size = dem__dot(a[0], dem__cross(a[1], a[2]));
+    int right = fabs(size - 1.0) < 1e-6;
+    for (int k = 0; k < 3; k++) right &= fabs(dem__dot(a[k], a[k]) - 1.0) < 1e-6;
+    return right;
+}
+
+/* Completes a shape whose core has its corners, faces and edges, along the principal axes. */
+static inline void dem__finish_shape(dem_convex *core) {
+    core->reach = 0.0;
+    for (int k = 0; k < core->corners; k++) {
+        const double far = dem__length(dem__point(core->corner[k])) + core->radius;
+        core->reach = far > core->reach ? far : core->reach;
+    }
+    dem__find_box(core);
+    dem__find_springs(core);
+    dem__turn_to_given(core);
+}
+
+/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. is_large: whether that is that its
+   core has too many corners. */
+static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding, int *is_large) {
     dem_convex core;
     const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
     const char *reason;
@@ -310,101 +368,11 @@ static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double 
     if ((reason = dem__find_surface(s, flat)) != NULL) return reason; /* planes in the new frame */
     core = *s;
     core.radius = rounding * dem__least_width(s);
-    if (!dem__erode(s, &core, core.radius, flat))
-        return "its core has more than DEM_CORNERS_MAX corners: where over three faces meet";
-    if ((reason = dem__find_surface(&core, 0.1 * flat)) != NULL)
-        return "its core is no polyhedron: a smaller rounding leaves one";
-    core.reach = 0.0;
-    for (int k = 0; k < core.corners; k++) {
-        const double far = dem__length(dem__point(core.corner[k])) + core.radius;
-        core.reach = far > core.reach ? far : core.reach;
-    }
-    dem__find_box(&core);
-    dem__find_springs(&core);
+    *is_large = !dem__erode(s, &core, core.radius, flat);
+    if (*is_large) return "its core has more than DEM_CORNERS_MAX corners";
+    if (dem__find_surface(&core, 0.1 * flat) != NULL) return DEM__NO_CORE;
+    core.given = s->corners;
+    dem__finish_shape(&core);
     *s = core;
     return NULL;
-}
-
-DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding,
-                                   const char **reason) {
-    const char *wrong = NULL;
-    dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
-    if (!shape || !corners) wrong = "there is no place for the shape, or there are no corners";
-    else if (n < 4 || n > DEM_CORNERS_MAX) wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
-    else if (!(rounding >= 0.001 && rounding <= 0.4)) wrong = "the rounding is not 0.001 .. 0.4";
-    for (int k = 0; k < 3 * n && !wrong; k++) {
-        if (!dem__moderate(corners[k])) wrong = "a corner is not finite";
-    }
-    if (!wrong) {
-        memset(shape, 0, sizeof *shape);
-        shape->corners = n;
-        for (int k = 0; k < n; k++) middle = dem__plus(middle, 1.0 / (double)n, dem__point(corners + 3 * k));
-        for (int k = 0; k < 3 * n; k++) shape->corner[k / 3][k % 3] = corners[k] - dem_axis(middle, k % 3);
-        wrong = dem__shape_from(shape, middle, rounding);
-    }
-    if (reason) *reason = wrong;
-    return wrong ? DEM_BAD_ARGUMENT : DEM_OK;
-}
-
-DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason) {
-    double corner[8][3];
-    if (!dem__positive(lengths.x) || !dem__positive(lengths.y) || !dem__positive(lengths.z)) {
-        if (reason) *reason = "a length is not a number above 0";
-        return DEM_BAD_ARGUMENT;
-    }
-    for (int k = 0; k < 24; k++) corner[k / 3][k % 3] = (k / 3 >> k % 3 & 1 ? 0.5 : -0.5) * dem_axis(lengths, k % 3);
-    return dem_make_convex(shape, 8, corner[0], rounding, reason);
-}
-
-/* Returns whether every edge of a mesh has one other triangle, which runs along it the other way. */
-static inline int dem__is_closed(const dem_mesh *mesh) {
-    for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
-        const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];
-        int same = 0, opposite = 0;
-        for (ptrdiff_t q = 0; q < 3 * mesh->triangles; q++) {
-            const int32_t a = mesh->triangle[q], b = mesh->triangle[q % 3 < 2 ? q + 1 : q - 2];
-            same += a == from && b == to;
-            opposite += a == to && b == from;
-        }
-        if (same != 1 || opposite != 1) return 0;
-    }
-    return 1;
-}
-
-/* Returns whether every corner of a mesh is behind every triangle, or in its plane. */
-static inline int dem__is_convex(const dem_mesh *mesh) {
-    const double flat = DEM__FLAT * dem__half_size(mesh->vertex, (int)mesh->vertices);
-    for (ptrdiff_t t = 0; t < mesh->triangles; t++) {
-        const dem_vec a = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t]),
-                      b = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 1]),
-                      c = dem__point(mesh->vertex + 3 * mesh->triangle[3 * t + 2]);
-        const dem_vec n = dem__cross(dem__sub(b, a), dem__sub(c, a));
-        const double area = dem__length(n);
-        for (ptrdiff_t k = 0; k < mesh->vertices; k++) {
-            if (dem__dot(n, dem__sub(dem__point(mesh->vertex + 3 * k), a)) > flat * area) return 0;
-        }
-    }
-    return 1;
-}
-
-DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason) {
-    const char *wrong = NULL;
-    if (!mesh || !mesh->vertex || !mesh->triangle) wrong = "there is no mesh";
-    else if (mesh->vertices < 4 || mesh->vertices > DEM_CORNERS_MAX)
-        wrong = "the number of corners is not 4 .. DEM_CORNERS_MAX";
-    else if (mesh->triangles < 4 || mesh->triangles > DEM_FACES_MAX)
-        wrong = "the number of triangles is not 4 .. DEM_FACES_MAX";
-    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->triangles; k++) {
-        if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices)
-            wrong = "a triangle has a corner that is not there";
-    }
-    for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->vertices; k++) {
-        if (!dem__moderate(mesh->vertex[k])) wrong = "a corner is not finite";
-    }
-    if (!wrong && !dem__is_closed(mesh))
-        wrong = "the surface is not closed: an edge has not two triangles that run along it both ways";
-    if (!wrong && !dem__is_convex(mesh)) wrong = "the surface is not convex, or its triangles face inwards";
-    if (!wrong) return dem_make_convex(shape, (int)mesh->vertices, mesh->vertex, rounding, reason);
-    if (reason) *reason = wrong;
-    return DEM_BAD_ARGUMENT;
 }

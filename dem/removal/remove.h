@@ -36,9 +36,12 @@ static inline void dem__free_untouched(dem_world *w) {
 
 /* Numbers the particles present, after a removal. */
 static inline void dem__number_present(dem_world *w) {
-    int32_t n = 0;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        w->engine->bodies.number[i] = n;
+    const dem__bodies *bodies = &w->engine->bodies;
+    int32_t n = 0, *by_number = w->engine->scratch.index;
+    for (ptrdiff_t i = 0; i < w->count && bodies->by_place; i++) by_number[bodies->given[i]] = (int32_t)i;
+    for (ptrdiff_t k = 0; k < w->count; k++) {
+        const ptrdiff_t i = bodies->by_place ? by_number[k] : k;
+        bodies->number[i] = n;
         n += w->alive[i] != 0;
     }
 }

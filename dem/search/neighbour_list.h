@@ -16,8 +16,9 @@ typedef struct dem__found_pairs {
 static inline int dem__add_near(const dem_world *w, dem__found_pairs *finds, int32_t i, int32_t j) {
     if (finds->n == finds->room) return 0;
     dem__near *q = &finds->pair[finds->n++];
-    q->i = i < j ? i : j;
-    q->j = i < j ? j : i;
+    const int in_order = w->id[i] < w->id[j]; /* so are their numbers, in whatever order they lie */
+    q->i = in_order ? i : j;
+    q->j = in_order ? j : i;
     q->distance = w->particle[i].radius + w->particle[j].radius;
     return 1;
 }

@@ -5,15 +5,14 @@
 
 /* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
 static inline int dem__fail(dem_world *w, dem_status status) {
+    int failed = 0;
     w->status = status;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem_particle *p = &w->particle[i];
         const dem_vec sum = dem__add(dem__add(p->v, p->a), dem__add(p->spin, w->spin_rate[i]));
         const double v = sum.x + sum.y + sum.z;
-        if (!(fabs(v) <= DBL_MAX)) {
-            w->failed_id = w->id[i];
-            break;
-        }
+        if (fabs(v) <= DBL_MAX || (failed && w->failed_id < w->id[i])) continue;
+        failed = 1, w->failed_id = w->id[i];
     }
     return 0;
 }

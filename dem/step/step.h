@@ -3,7 +3,7 @@
 #pragma once
 #include "../removal/remove.h"
 #include "../contacts/forces.h"
-#include "../contacts/order.h"
+#include "memory.h"
 #include "../ledger/ledger.h"
 #include "integrate.h"
 #include "detect.h"
@@ -297,7 +297,12 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     if (w->step_ratio == 0.0 || w->engine->run.needs_lists) w->step_ratio = dem__step_ratio(w, features);
     w->engine->run.running = 1;
     int going = dem__prepare_run(w, kernel, features);
-    for (int64_t n = steps; n > 0 && going; n--) going = dem__step(w, kernel, n == 1);
+    if (going) dem__order_memory(w, kernel, steps);
+    for (int64_t n = steps; n > 0 && going; n--) {
+        going = dem__step(w, kernel, n == 1);
+        if (w->step % DEM__RANK_STEPS == 1 && going) dem__order_memory(w, kernel, n - 1); /* ranks are new */
+    }
+    dem__lie_by_number(w);
     for (int k = 0; k < w->engine->features; k++) {
         if (w->engine->feature[k].end_run) going = w->engine->feature[k].end_run(w, going);
     }

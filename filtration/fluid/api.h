@@ -138,7 +138,8 @@ FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, i
 
 /* ---- changes during a run: BAD_ARGUMENT, and nothing changes, where a value is out of range. Velocities of faces [voxel / dt], pressures
    [density voxel^2 / dt^2 / 3] and forces [density voxel / dt^2] stay below 1000. ---- */
-/* Sets tau, and so the time step, and rescales the flow: velocity, pressure and stress keep their SI values. */
+/* Sets tau, and so the time step, and rescales the flow: velocity, pressure and stress keep their SI values. Takes over what the caller has
+   changed of bulk_ratio and magic in fluid->def. */
 FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *fluid, double tau);
 FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]); /* [N/m3] */
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure);

@@ -53,10 +53,11 @@ static inline void filtration__spread(filtration__lattice *l, ptrdiff_t row) {
     }
 }
 
+/* l->odd is that of the next step already: this one is of the other kind. */
 static inline void filtration__collide_at(filtration__lattice *l, int y, int z) {
     ptrdiff_t place[FILTRATION__Q], row = filtration__row(l, y, z);
     unsigned char *state = l->row_state + (ptrdiff_t)z * l->ny + y;
-    if (l->odd) {
+    if (!l->odd) {
         ptrdiff_t near[3][3];
         for (int b = -1; b <= 1; b++)
             for (int a = -1; a <= 1; a++) near[b + 1][a + 1] = filtration__row(l, y + a, z + b) * l->bundle;
@@ -67,27 +68,12 @@ static inline void filtration__collide_at(filtration__lattice *l, int y, int z) 
         if (l->periodic_x) filtration__fold(l, row);
     }
     if (filtration__collide_row(l, place)) *state |= FILTRATION__ROW_BAD;
-    if (!l->odd && l->periodic_x) filtration__spread(l, row);
+    if (l->odd && l->periodic_x) filtration__spread(l, row);
 }
 
 static inline void filtration__task_range(ptrdiff_t n, int task, ptrdiff_t *first, ptrdiff_t *end) {
     *first = n * task / FILTRATION__TASKS;
     *end = n * (task + 1) / FILTRATION__TASKS;
-}
-
-FILTRATION__STATIC void filtration__collide_task(void *context, int task) {
-    filtration__lattice *l = (filtration__lattice *)context;
-    ptrdiff_t first, end;
-    filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
-    l->bad[task] = 0;
-    l->updated[task] = 0;
-    for (ptrdiff_t k = first; k < end; k++) {
-        int y = (int)(k % l->ny), z = (int)(k / l->ny);
-        if (!l->slab_active[z] || (l->row_state[k] & FILTRATION__ROW_SOLID)) continue;
-        filtration__collide_at(l, y, z);
-        l->bad[task] |= l->row_state[k] & FILTRATION__ROW_BAD;
-        l->updated[task] += l->nx;
-    }
 }
 
 /* Wakes slabs at exact rest next to moving ones. An odd step reads the neighbouring slabs and writes to them, so that motion reaches two
@@ -155,20 +141,6 @@ static inline int filtration__bad_node(filtration__lattice *l, int y, int z, fil
         problem->node[0] = x, problem->node[1] = y, problem->node[2] = z;
         problem->speed = sqrt(uu);
         return 1;
-    }
-    return 0;
-}
-
-/* Returns whether a row marked bad has a bad fluid node. */
-static inline int filtration__find_problem(filtration__lattice *l, filtration_problem *problem) {
-    for (int task = 0; task < FILTRATION__TASKS; task++) {
-        ptrdiff_t first, end;
-        filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
-        for (ptrdiff_t k = first; l->bad[task] && k < end; k++) {
-            if (!(l->row_state[k] & FILTRATION__ROW_BAD)) continue;
-            l->row_state[k] = (unsigned char)(l->row_state[k] & ~FILTRATION__ROW_BAD);
-            if (filtration__bad_node(l, (int)(k % l->ny), (int)(k / l->ny), problem)) return 1;
-        }
     }
     return 0;
 }

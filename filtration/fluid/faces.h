@@ -165,13 +165,54 @@ static inline void filtration__face_block(filtration__lattice *l, int x, int n, 
     }
 }
 
+/* A wall beside a node whose other neighbours lie in the box. */
+static inline void filtration__wall_node(filtration__lattice *l, int x, int y, int z) {
+    const int beside = filtration__beside(x, l->nx);
+    const ptrdiff_t place = filtration__inner_place(l, x, y, z), *out = l->out_at[l->odd], *in = l->in_at[l->odd];
+    for (int k = 0; k < l->entry_count[beside]; k++) {
+        const filtration__entry *e = &l->entries[beside][k];
+        double h = filtration__get(l, place + out[e->i]);
+        filtration__enter_wall(l, e, 1, NULL, &h);
+        filtration__put(l, place + in[filtration__opposite(e->i)], h);
+    }
+}
+
+/* Computes what enters a row from what left it. */
 static inline void filtration__face_row(filtration__lattice *l, int y, int z) {
-    int at_face = (l->ghost_y && (y == 0 || y == l->ny - 1)) || (l->ghost_z && (z == 0 || z == l->nz - 1));
+    const int at_end = y == 0 || y == l->ny - 1 || z == 0 || z == l->nz - 1;
+    const int at_face = (l->ghost_y && (y == 0 || y == l->ny - 1)) || (l->ghost_z && (z == 0 || z == l->nz - 1));
     if (!at_face && l->periodic_x) return;
-    filtration__face_block(l, 0, 1, y, z);
+    for (int x = 0; x < l->nx; x += l->nx > 1 ? l->nx - 1 : 1) {
+        if (!at_end && l->nx > 1 && l->face[x > 0]->enter == filtration__enter_wall) filtration__wall_node(l, x, y, z);
+        else filtration__face_block(l, x, 1, y, z);
+    }
     for (int x = 1; at_face && x < l->nx - 1; x += FILTRATION__BLOCK)
         filtration__face_block(l, x, l->nx - 1 - x < FILTRATION__BLOCK ? l->nx - 1 - x : FILTRATION__BLOCK, y, z);
-    if (l->nx > 1) filtration__face_block(l, l->nx - 1, 1, y, z);
+}
+
+/* Mirrored faces read other rows, so faces wait for all rows. */
+static inline int filtration__faces_wait(const filtration__lattice *l) {
+    int wait = 0;
+    for (int f = 0; f < 6; f++) wait |= l->face[f]->beyond == FILTRATION__MIRRORED;
+    return wait;
+}
+
+/* The faces of a row follow its collision while its populations are in the cache. */
+FILTRATION__STATIC void filtration__collide_task(void *context, int task) {
+    filtration__lattice *l = (filtration__lattice *)context;
+    ptrdiff_t first, end;
+    filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
+    const int wait = filtration__faces_wait(l);
+    l->bad[task] = 0;
+    l->updated[task] = 0;
+    for (ptrdiff_t k = first; k < end; k++) {
+        int y = (int)(k % l->ny), z = (int)(k / l->ny);
+        if (!l->slab_active[z] || (l->row_state[k] & FILTRATION__ROW_SOLID)) continue;
+        filtration__collide_at(l, y, z);
+        if (!wait) filtration__face_row(l, y, z);
+        l->bad[task] |= l->row_state[k] & FILTRATION__ROW_BAD;
+        l->updated[task] += l->nx;
+    }
 }
 
 FILTRATION__STATIC void filtration__face_task(void *context, int task) {
@@ -182,4 +223,20 @@ FILTRATION__STATIC void filtration__face_task(void *context, int task) {
         int y = (int)(k % l->ny), z = (int)(k / l->ny);
         if (l->slab_active[z] && !(l->row_state[k] & FILTRATION__ROW_SOLID)) filtration__face_row(l, y, z);
     }
+}
+
+/* Returns whether a row marked bad has a bad fluid node. */
+static inline int filtration__find_problem(filtration__lattice *l, filtration_problem *problem) {
+    const int wait = filtration__faces_wait(l);
+    for (int task = 0; task < FILTRATION__TASKS; task++) {
+        ptrdiff_t first, end;
+        filtration__task_range((ptrdiff_t)l->ny * l->nz, task, &first, &end);
+        for (ptrdiff_t k = first; l->bad[task] && k < end; k++) {
+            if (!(l->row_state[k] & FILTRATION__ROW_BAD)) continue;
+            l->row_state[k] = (unsigned char)(l->row_state[k] & ~FILTRATION__ROW_BAD);
+            if (filtration__bad_node(l, (int)(k % l->ny), (int)(k / l->ny), problem)) return 1;
+            if (!wait) filtration__face_row(l, (int)(k % l->ny), (int)(k / l->ny)); /* a node may have been put to rest */
+        }
+    }
+    return 0;
 }

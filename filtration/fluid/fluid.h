@@ -392,9 +392,9 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
     const filtration_parallel *p = &fluid->def.parallel;
     int threads = fluid->def.threads;
     filtration__wake_sources(fluid);
+    l->odd = !l->odd;
     filtration__for_each(p, threads, FILTRATION__TASKS, filtration__collide_task, l);
     for (int task = 0; task < FILTRATION__TASKS; task++) fluid->updates += l->updated[task];
-    l->odd = !l->odd;
     fluid->steps++;
     fluid->time += fluid->dt;
     if (filtration__find_problem(l, &fluid->problem)) {
@@ -402,7 +402,7 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
         fluid->problem.cell_reynolds = fluid->problem.speed * 3.0 / (fluid->def.tau - 0.5);
         return FILTRATION_DIVERGED;
     }
-    if (!l->periodic_x || l->ghost_y || l->ghost_z) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__face_task, l);
+    if (filtration__faces_wait(l)) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__face_task, l);
     if (l->link_count) filtration__for_each(p, threads, FILTRATION__TASKS, filtration__link_task, l);
     if (l->ball_count) {
         filtration__for_each(p, threads, FILTRATION__TASKS, filtration__ball_task, l);

@@ -14,7 +14,9 @@
 Each run of the scenes or commands writes JSON; `result` is the name of a number in it, with points between (means.rate). error is the
 standard error of the measured value, of repeated measurements: the mean of many simulations is compared with it. Scenes lie beside the file,
 commands run where you are. Everything is written to out/my_powder, or to the folder that follows --out: the runs (after Ctrl-C the same
-command goes on), result.json, and result.png where matplotlib is there.
+command goes on), result.json, result.png where matplotlib is there, and found.set, with which any scene that has these keys takes what was found:
+
+    riddle run hopper.yaml --set @out/my_powder/found.set
 
 In Python the simulation is a function of your own:
 
@@ -57,8 +59,9 @@ class Target(NamedTuple):
 
 def _kernel(a, b, size, length):
     """Covariance: a plane of any slope, and what departs from it."""
-    away = (a[:, None, :] - b[None, :, :]) / length
-    return 9.0 * (1.0 + a @ b.T) + size * size * np.exp(-0.5 * np.sum(away * away, axis=2))
+    c, d = a / length, b / length
+    halved = c @ d.T - 0.5 * np.sum(c * c, axis=1)[:, None] - 0.5 * np.sum(d * d, axis=1)  # of the square of the way between them, negative
+    return 9.0 * (1.0 + a @ b.T) + size * size * np.exp(np.minimum(halved, 0.0))
 
 
 class _Process:
@@ -109,7 +112,7 @@ class _Process:
             across = _kernel(points, self.x, size, length)
             own = 9.0 * (1.0 + np.sum(points * points, axis=1)) + size * size
             means.append(self.middle + self.scale * (across @ weights))
-            variances.append(self.scale ** 2 * np.maximum(own - np.sum((across @ inverse) * across, axis=1), 0.0))
+            variances.append(self.scale ** 2 * np.maximum(own - np.einsum("ij,ij->i", across @ inverse, across), 0.0))
         return np.array(means), np.array(variances)
 
 
@@ -317,6 +320,12 @@ def _stored(store, parameters, targets):
 
 # ---- the command ----
 
+def _names(targets):
+    """Of the targets of a file: their results, with what gives them where two have one name."""
+    results = [t["result"] for t in targets]
+    return [t["result"] if results.count(t["result"]) == 1 else f"{t.get('scene') or t['command']} {t['result']}" for t in targets]
+
+
 class _Programs:
     """Runs the scenes and commands of a file with values, and reads their results."""
 
@@ -335,7 +344,7 @@ class _Programs:
 
     def __call__(self, values, seed):
         results, done = {}, {}
-        for target in self.targets:
+        for name, target in zip(_names(self.targets), self.targets):
             what = target.get("scene") or target["command"]
             if what not in done:
                 place = os.path.join(self.folder, f"run_{seed}_{len(done)}")
@@ -349,7 +358,7 @@ class _Programs:
             number = done[what]
             for word in target["result"].split("."):
                 number = number.get(word) if isinstance(number, dict) else number[int(word)] if isinstance(number, list) else None
-            results[target["result"]] = number if isinstance(number, (int, float)) else None
+            results[name] = number if isinstance(number, (int, float)) else None
         return results
 
 
@@ -396,10 +405,10 @@ def _read(path):
             raise ValueError(f"{sorted(extra)[0]}: not known here; runs, parallel, seed, parameters, targets are")
         parameters = [Parameter(name, float(p["low"]), float(p["high"]), bool(p.get("log", False))) for name, p in d["parameters"].items()]
         keys = {name: p.get("key", name) for name, p in d["parameters"].items()}
-        targets = [Target(t["result"], float(t["value"]), float(t["error"])) for t in d["targets"]]
         for t in d["targets"]:
             if ("scene" in t) == ("command" in t):
                 raise ValueError(f"target {t['result']}: a scene or a command is needed")
+        targets = [Target(name, float(t["value"]), float(t["error"])) for name, t in zip(_names(d["targets"]), d["targets"])]
         runs = int(d.get("runs", 30))
         _check(parameters, targets, runs)
         return d, parameters, keys, targets, runs
@@ -441,6 +450,8 @@ def main(words=None):
     print(found)
     with open(os.path.join(out, "result.json"), "w", encoding="utf-8") as file:
         json.dump(found.as_dict(), file, indent=1)
+    with open(os.path.join(out, "found.set"), "w", encoding="utf-8") as file:
+        file.write(f"# of {words[0]}\n" + "".join(f"{keys[name]}={value:.6g}\n" for name, value in found.values.items()))
     print("with: " + " ".join(f"--set {keys[name]}={value:.4g}" for name, value in found.values.items()))
     if not _picture(found, os.path.join(out, "result.png")):
         print("no picture: matplotlib is missing")

@@ -313,7 +313,7 @@ class World(_core.Handle):
                 signal.signal(signal.SIGINT, before)
 
     def run_law(self, duration, law, progress=None):
-        """The same with a law of your own: dem.Law, made from a C file."""
+        """The same with another law: dem.ContactLaw, one that comes with Riddle; dem.Law, one of your own, made from a C file."""
         self._advance(duration, lambda span: law(self, span), progress)
 
     def prescribe(self, wall, centre, motion):
@@ -541,7 +541,7 @@ for _name in _RECORDS:
     setattr(World, _name, _view)
 
 _module = sys.modules[__name__]
-__all__ = ["World", "Law", "View", "Wall", "Picture", "Drawing", "Series", "pair"]
+__all__ = ["World", "Law", "ContactLaw", "ContactPair", "View", "Wall", "Picture", "Drawing", "Series", "pair"]
 _core.fill(_module, "dem", {"dem_world": World})
 
 
@@ -611,6 +611,85 @@ class Law:
             raise TypeError(f"law: a World is needed, not {type(world).__name__}")
         world._laws[self._path] = self
         return self._lib.law_run(self._address(world), duration)
+
+
+class ContactPair:
+    """What a ContactLaw wants of a pair of materials beside dem.pair. rolling: coefficient mu_r [-] of "epsd", the tangent of the slope on
+    which a ball begins to roll; rolling_damping [-], 0.3; twisting [-]; surface_energy: work of adhesion of both surfaces together [J/m2];
+    bond_modulus [Pa]: 0, the pair does not bond; bond_shear [-], 0.4; bond_radius: over the smaller sphere's [-], 1; bond_damping [-], 0.1;
+    tensile, shear: strengths [Pa], infinite. All others are 0 to begin with."""
+
+    __slots__ = ("_law", "_numbers")
+    _FIELDS = ("rolling", "rolling_damping", "twisting", "surface_energy", "bond_modulus", "bond_shear", "bond_radius", "bond_damping", "tensile", "shear")
+
+    def __init__(self, law, numbers):
+        object.__setattr__(self, "_law", law)
+        object.__setattr__(self, "_numbers", numbers)
+
+    def _at(self, name):
+        if name not in self._FIELDS:
+            raise AttributeError(f"a pair of a ContactLaw has no {name}; it has {', '.join(self._FIELDS)}")
+        return self._FIELDS.index(name)
+
+    def __getattr__(self, name):
+        return self._numbers[self._at(name)]
+
+    def __setattr__(self, name, value):
+        at, before = self._at(name), self._numbers[self._at(name)]
+        self._numbers[at] = _core.number("double", value, f"ContactLaw: {name}")
+        if lib.riddle_contact_bad_field(self._law._laws) != ffi.NULL:
+            self._numbers[at] = before
+            raise ValueError(f"ContactLaw: {name} cannot be {value}")
+
+    def __dir__(self):
+        return list(self._FIELDS)
+
+    def __repr__(self):
+        return "<dem.ContactPair " + ", ".join(f"{name} = {self._numbers[k]:g}" for k, name in enumerate(self._FIELDS)) + ">"
+
+
+class ContactLaw:
+    """A contact law that comes with Riddle (dem_laws.h), by its name: "epsd" and "epsd_hertz", linear springs and Hertz with rolling that
+    rests; "dmt" and "jkr", Hertz with adhesion; "bonds", linear with bonds that break.
+
+        law = dem.ContactLaw("jkr")
+        law.pair(powder, powder).surface_energy = 0.05
+        world.run_law(1e-3, law)
+
+    Stiffness, restitution and friction come from dem.pair. The numbers are not saved with a world."""
+
+    def __init__(self, name):
+        self._model = lib.riddle_contact_model(name.encode()) if isinstance(name, str) else -1
+        if self._model < 0:
+            raise ValueError(f"ContactLaw: {name!r}: there are epsd, epsd_hertz, dmt, jkr, bonds")
+        self.name, self._laws = name, ffi.gc(lib.riddle_contact_laws(), lib.riddle_contact_free)
+        if self._laws == ffi.NULL:
+            raise MemoryError("ContactLaw")
+
+    def pair(self, a, b):
+        """The numbers of a pair of materials, in either order, to be edited: dem.ContactPair."""
+        numbers = lib.riddle_contact_pair(self._laws, _core.number("int", a, "ContactLaw: a"), _core.number("int", b, "ContactLaw: b"))
+        if numbers == ffi.NULL:
+            raise IndexError(f"ContactLaw: no materials {a}, {b}")
+        return ContactPair(self, numbers)
+
+    def bond(self, world):
+        """Makes bonds of what touches now, where the pair has a bond_modulus. Only of "bonds"."""
+        if self.name != "bonds":
+            raise ValueError(f"bond: of ContactLaw('bonds') only, not of {self.name!r}")
+        world._do(lib.riddle_contact_bond, world._alive, self._laws, self._model)
+
+    def bonds(self, world):
+        """How many bonds of a world are whole, which this law has run."""
+        return lib.riddle_contact_bonds(world._alive) if self.name == "bonds" else 0
+
+    def __call__(self, world, duration):
+        if not isinstance(world, World):
+            raise TypeError(f"law: a World is needed, not {type(world).__name__}")
+        return lib.riddle_contact_run(world._alive, self._laws, self._model, duration)
+
+    def __repr__(self):
+        return f"dem.ContactLaw({self.name!r})"
 
 
 def _method(function):

@@ -63,6 +63,8 @@ static const unit units[] = {
     {UNIT_VISCOSITY, "mPa s", 1e-3},
     {UNIT_TENSION, "N/m", 1.0},
     {UNIT_TENSION, "mN/m", 1e-3},
+    {UNIT_TENSION, "J/m2", 1.0},
+    {UNIT_TENSION, "mJ/m2", 1e-3},
     {UNIT_FORCE, "N", 1.0},
     {UNIT_FORCE, "kN", 1e3},
     {UNIT_TORQUE, "N m", 1.0},

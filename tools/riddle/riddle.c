@@ -69,6 +69,34 @@ static int write_template(const char *name) {
 
 /* ---- reading ---- */
 
+/* Sets KEY=VALUE; 0, or -1 with the message in the tree, or 2 where it is said already. */
+static int set_value(job *j, const char *words) {
+    char path[200], message[200];
+    const char *equals = strchr(words, '=');
+    if (!equals || equals == words || (size_t)(equals - words) >= sizeof path) {
+        snprintf(message, sizeof message, "--set %.100s: allowed: KEY=VALUE, such as materials.glass.density=2600, or @FILE of such lines", words);
+        return refuse(message);
+    }
+    snprintf(path, sizeof path, "%.*s", (int)(equals - words), words);
+    return tree_set(&j->tree, path, equals + 1);
+}
+
+/* The same for each line of a file; empty ones and those that begin with # are left out. */
+static int set_values_of(job *j, const char *name) {
+    char message[400];
+    size_t size;
+    char *text = input_read_most(name, SCENE_MB, &size, message, sizeof message), *next = NULL;
+    int failed = text ? 0 : refuse(message);
+    for (char *line = text; line && *line && !failed; line = next) {
+        char *end = line + strcspn(line, "\r\n");
+        next = end + strspn(end, "\r\n");
+        *end = '\0';
+        if (line[0] != '\0' && line[0] != '#') failed = set_value(j, line);
+    }
+    free(text);
+    return failed;
+}
+
 static int read_scene(job *j, bool seed_given) {
     char message[400];
     size_t size;
@@ -76,16 +104,8 @@ static int read_scene(job *j, bool seed_given) {
     if (!text) return refuse(message);
     int failed = tree_read(&j->tree, j->file, text, size);
     free(text);
-    for (int k = 0; k < j->sets && !failed; k++) {
-        char path[200];
-        const char *equals = strchr(j->set[k], '=');
-        if (!equals || equals == j->set[k] || (size_t)(equals - j->set[k]) >= sizeof path) {
-            snprintf(message, sizeof message, "--set %.100s: allowed: KEY=VALUE, such as materials.glass.density=2600", j->set[k]);
-            return refuse(message);
-        }
-        snprintf(path, sizeof path, "%.*s", (int)(equals - j->set[k]), j->set[k]);
-        failed = tree_set(&j->tree, path, equals + 1);
-    }
+    for (int k = 0; k < j->sets && !failed; k++) failed = j->set[k][0] == '@' ? set_values_of(j, j->set[k] + 1) : set_value(j, j->set[k]);
+    if (failed == 2) return 2;
     if (failed || scene_read(&j->tree, &j->def)) return refuse(j->tree.message);
     if (j->self.quick) j->def.duration *= 0.1;
     if (scene_make(&j->s, &j->def, &j->tree, seed_given ? j->self.seed : (uint64_t)j->def.seed, j->self.threads))
@@ -338,7 +358,7 @@ int main(int argc, char **argv) {
         option_flag("continue", &j.again,
                     "go on from the save in --out, with the same bits as if it had never stopped"),
         option_flag("check", &j.check, "read the file and build the scene, but do not run"),
-        option_string("set", "KEY=VALUE", &set, "another value than the file's: materials.glass.density=2600, feeds[1].rate='2 t/h'; may be given often"),
+        option_string("set", "KEY=VALUE", &set, "another value than the file's: materials.glass.density=2600, feeds[1].rate='2 t/h', contacts.glass-steel.friction=0.4; may be given often; @FILE: of each line of a file"),
         option_string("template", "NAME", &pattern, "write NAME.yaml, to begin with: hopper, screen, drum, box or shapes"),
     };
     if (argc == 2 && strcmp(argv[1], "keys") == 0) {

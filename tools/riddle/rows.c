@@ -9,6 +9,7 @@
 #include "heap_slope.h"
 #include "scene_books.h"
 #include "scene_feed.h"
+#include "scene_laws.h"
 #include "scene_shapes.h"
 #include "scene_walls.h"
 #include "scene_wet.h"
@@ -102,6 +103,7 @@ static void name_columns(row_table *r) {
         add(r, ROW_VALUE, h[k].part.where, "%.60s_angle_deg", h[k].part.name);
     if (s->wet) add(r, ROW_VALUE, def->part.where, "bridges"), add(r, ROW_VALUE, def->part.where, "liquid_kg");
     if (scene_has_polyhedra(s)) add(r, ROW_VALUE, def->part.where, "core_overlaps");
+    if (def->law == LAW_BONDS) add(r, ROW_VALUE, def->part.where, "bonds");
 }
 
 static int check_columns(row_table *r) {
@@ -171,7 +173,7 @@ int rows_open(row_table *r, scene *s) {
     r->s = s;
     for (int k = 0; k < s->sources; k++) r->bodies |= s->source[k].shape != NULL;
     const size_t classes = (size_t)s->groups;
-    const size_t most = ROWS_LEFT_FROM + 4 + classes + (5 + classes) * DEM_WALLS_MAX +
+    const size_t most = ROWS_LEFT_FROM + 5 + classes + (5 + classes) * DEM_WALLS_MAX +
                         (OF_REGION + classes) * (size_t)m->regions.n + (size_t)(m->mixing.n + m->heaps.n);
     r->column = tree_memory(s->file, most * sizeof *r->column);
     r->region = tree_memory(s->file, ((size_t)m->regions.n + 1) * sizeof *r->region);
@@ -343,6 +345,7 @@ int rows_measure(row_table *r) {
         *at++ = bridges, *at++ = volume * s->def->liquid.density;
     }
     if (scene_has_polyhedra(s)) *at++ = (double)dem_core_overlaps(&s->world);
+    if (s->def->law == LAW_BONDS) *at++ = scene_laws_bonds(s);
     r->looked = now;
     return 0;
 }

@@ -7,12 +7,13 @@
 
 #include "scene_books.h"
 #include "scene_feed.h"
+#include "scene_laws.h"
 #include "scene_shapes.h"
 #include "scene_timetable.h"
 #include "scene_walls.h"
 #include "scene_wet.h"
 
-enum { STEPS = 2000, STEPS_OF_A_MAP = 50 };
+enum { STEPS = 2000, STEPS_OF_A_MAP = 5 /* a hit lasts 20 */ };
 static const double EXPECTED_SPEED = 2.0; /* [m/s] for Hertz contacts, as a fall of 0.2 m gives */
 
 /* ---- definition ---- */
@@ -41,7 +42,7 @@ static int find_features(const scene *s, const dem_def *def) {
     for (int a = 0; a < def->materials; a++)
         for (int b = a; b < def->materials; b++)
             friction |= def->pair[a][b].friction > 0.0, rolling |= def->pair[a][b].rolling > 0.0;
-    return (s->def->law == 0 ? DEM_LINEAR : DEM_HERTZ) | (friction || rolling ? DEM_FRICTION : 0) |
+    return (s->def->law == LAW_LINEAR ? DEM_LINEAR : DEM_HERTZ) | (friction || rolling ? DEM_FRICTION : 0) |
            (rolling ? DEM_ROLLING : 0);
 }
 
@@ -94,7 +95,7 @@ static int choose_step(scene *s, dem_def def, double *dt) {
         }
     }
     if (status == DEM_OK)
-        *dt = dem_advise(&trial, s->features, EXPECTED_SPEED).advised;
+        *dt = fmin(dem_advise(&trial, s->features, EXPECTED_SPEED).advised, scene_laws_step(s));
     dem_free(&trial);
     return status == DEM_OK && *dt > 0.0 && isfinite(*dt)
                ? 0
@@ -151,7 +152,7 @@ int scene_make(scene *s, const scene_def *def, tree_file *file, uint64_t seed, i
     dem_def d;
     memset(s, 0, sizeof *s);
     s->def = def, s->file = file, s->seed = seed, s->threads = threads;
-    if (define(s, &d) || scene_make_shapes(s) || scene_add_sources(s)) return -1;
+    if (define(s, &d) || scene_make_shapes(s) || scene_add_sources(s) || scene_laws_begin(s)) return -1;
     if (scene_has_polyhedra(s))
         s->features |= DEM_FRICTION; /* what their contacts remember; without friction its coefficient is 0 */
     if (check_periodic(s) || choose_step(s, d, &d.dt)) return -1;
@@ -167,6 +168,7 @@ void scene_free(scene *s) {
     dem_free(&s->world);
     scene_books_free(s);
     scene_wet_free(s);
+    scene_laws_free(s);
 }
 
 /* ---- time ---- */
@@ -208,7 +210,10 @@ static dem_status advance(scene *s, double next, double length) {
         if (status == DEM_OK) status = scene_books_come(s, before);
         if (status == DEM_OK) status = scene_wet_new(s, &s->feeder[k], before);
     }
-    if (status == DEM_OK) status = s->wet ? scene_wet_run(s, length) : dem_run(&s->world, length, s->features);
+    if (status == DEM_OK)
+        status = s->wet    ? scene_wet_run(s, length)
+                 : s->laws ? scene_laws_run(s, now, length)
+                           : dem_run(&s->world, length, s->features);
     if (status != DEM_STOPPED) book_passed(s);
     return status;
 }

@@ -56,6 +56,7 @@ typedef struct tally {
 } tally;
 
 struct wet_scene;
+struct contact_laws;
 
 typedef struct scene {
     const scene_def *def;
@@ -83,6 +84,7 @@ typedef struct scene {
     int *wet_class; /* by id */
     int wet_room;
     double liquid; /* fed so far [m3] */
+    struct contact_laws *laws; /* NULL: a law of dem.h alone */
 } scene;
 
 /* The world with its walls, before the first feed. 0, or -1 with the message in the file. Free with scene_free in both cases. */

@@ -45,6 +45,16 @@ static const scene_field material_fields[] = {
 };
 SECTION(material, material_def, "material", "A material of particles or walls. At most 8.");
 
+static const scene_field bond_fields[] = {
+    NUMBER(bond_def, modulus, UNIT_STRESS, POSITIVE, MUST, "Young's modulus of the bond, a round beam between the centres"),
+    NUMBER(bond_def, shear_ratio, UNIT_NONE, AT_LEAST_0, "0.4", "its shear stiffness over the normal one"),
+    NUMBER(bond_def, radius, UNIT_NONE, POSITIVE, "1", "its radius over the smaller sphere's"),
+    NUMBER(bond_def, damping, UNIT_NONE, AT_LEAST_0, "0.1", "share of the critical damping of its stretching"),
+    NUMBER(bond_def, tensile, UNIT_STRESS, POSITIVE, MUST, "strength against pull and bending"),
+    NUMBER(bond_def, shear, UNIT_STRESS, POSITIVE, MUST, "strength against shear and twisting"),
+};
+SECTION(bond, bond_def, "bond", "A bond that breaks, of two spheres or a sphere and a wall; once broken, an ordinary contact.");
+
 static const scene_field contact_fields[] = {
     {"between", FIELD_TWO, UNIT_NONE, offsetof(contact_def, between), ANY, MUST, 0, NO_WORDS, "names of two materials, or of one twice"},
     NUMBER(contact_def, stiffness, UNIT_STIFFNESS, POSITIVE, "1e5",
@@ -55,9 +65,19 @@ static const scene_field contact_fields[] = {
      "coefficient of restitution"},
     NUMBER(contact_def, friction, UNIT_NONE, AT_LEAST_0, "0.3", "Coulomb's coefficient"),
     NUMBER(contact_def, rolling, UNIT_LENGTH, AT_LEAST_0, "0",
-           "lever arm of rolling resistance; on a slope below this limit a ball creeps at 5 g sin(slope) dt"),
+           "lever arm of rolling resistance; on a slope below this limit a ball creeps at 5 g sin(slope) dt: `law: epsd` holds it"),
     NUMBER(contact_def, tangential_damping, UNIT_NONE, AT_LEAST_0, "0", "tangential dashpot over the normal one"),
     CHOICE(contact_def, dashpot, "clipped|naive", "clipped", "clipped: it never pulls; `law: linear` only"),
+    NUMBER(contact_def, rolling_coefficient, UNIT_NONE, AT_LEAST_0, "0",
+           "the greatest rolling torque over normal force and R* = R_i R_j/(R_i + R_j), the tangent of the slope on which a ball begins "
+           "to roll; `law: epsd, epsd_hertz`"),
+    NUMBER(contact_def, rolling_damping, UNIT_NONE, AT_LEAST_0, "0.3",
+           "share of the critical damping of the rolling spring; `law: epsd, epsd_hertz`"),
+    NUMBER(contact_def, twisting_coefficient, UNIT_NONE, AT_LEAST_0, "0",
+           "as `rolling_coefficient`, about the normal; `law: epsd, epsd_hertz`"),
+    NUMBER(contact_def, surface_energy, UNIT_TENSION, AT_LEAST_0, "0",
+           "work of adhesion of both surfaces together; `law: dmt, jkr`"),
+    PART(contact_def, bond, bond, "", 0, "without it this pair does not bond; `law: bonds`"),
 };
 SECTION(contact, contact_def, "contact",
         "How two materials touch. A material has the defaults with itself; two that differ and touch must be listed.");
@@ -198,7 +218,8 @@ static const scene_field wall_fields[] = {
     PART(wall_def, rotor, rotor, "", 0, "turned by a torque"),
     {"load_map", FIELD_YES, UNIT_NONE, offsetof(wall_def, load_map), ANY, "no", 0, NO_WORDS,
      "of box, lifters and mesh: `loads_<wall>.vtp` and `.csv`, of each triangle the mean normal force and pressure, normal force x sliding "
-     "(Archard's wear is proportional to it) and work of friction over its area, from the contacts after every tick"},
+     "(Archard's wear is proportional to it), work of friction, and energy that hits lose along the normal, over its area; from the contacts after every "
+     "fifth step, so of one hit that energy is known to a third, of a hundred to a twentieth"},
     {"timetable", FIELD_PAIRS, UNIT_NONE, offsetof(wall_def, timetable), 1, 1000, false, "", 0, NO_WORDS,
      "[[0 s, 0], [2 s, 1]]: factors of the speed of `rotate`, `move` and `belt` and of the amplitude of `vibrate`; "
      "even between two times, "
@@ -217,11 +238,37 @@ static const scene_field shape_sphere_fields[] = {
 };
 SECTION(shape_sphere, shape_sphere, "sphere of a shape", "Spheres may overlap: the body is their union, of one density.");
 static const scene_field shape_mesh_fields[] = {
-    FILE_NAME(shape_mesh, file, "an STL file of a closed convex surface; its name is relative to the scene's folder"),
+    FILE_NAME(shape_mesh, file, "an STL file; its name is relative to the scene's folder"),
     NUMBER(shape_mesh, unit, UNIT_LENGTH, POSITIVE, "1e-3", "length of one unit of the file; 1 mm as CAD writes it"),
     NUMBER(shape_mesh, weld, UNIT_LENGTH, AT_LEAST_0, "0", "corners nearer than this become one"),
+    CHOICE(shape_mesh, hull, "no|yes", "no", "no: a surface that is not closed and convex is refused; yes: its convex hull, for a scan"),
+    {"tolerance", FIELD_NUMBER, UNIT_NONE, offsetof(shape_mesh, tolerance), 0.0, 0.2, false, "0", 0, NO_WORDS,
+     "of the hull: as few corners as keep the surface as near, over the diameter; 0: as near as 32 corners can be"},
 };
-SECTION(shape_mesh, shape_mesh, "mesh of a shape", "At most 32 corners.");
+SECTION(shape_mesh, shape_mesh, "mesh of a shape", "Any number of corners; contacts see at most 32.");
+static const scene_field shape_tablet_fields[] = {
+    NUMBER(shape_tablet, diameter, UNIT_LENGTH, POSITIVE, MUST, "of the round tablet"),
+    NUMBER(shape_tablet, height, UNIT_LENGTH, POSITIVE, MUST, "over all"),
+    NUMBER(shape_tablet, band, UNIT_LENGTH, AT_LEAST_0, "",
+           "height of its straight side; less than `height`: with round caps; 0: a lens; default: a cylinder"),
+};
+SECTION(shape_tablet, shape_tablet, "tablet", "A tablet, lens or cylinder, drawn with 16 sides.");
+static const scene_field shape_capsule_fields[] = {
+    NUMBER(shape_capsule, diameter, UNIT_LENGTH, POSITIVE, MUST, "of the capsule"),
+    NUMBER(shape_capsule, length, UNIT_LENGTH, POSITIVE, MUST, "over all, at least the diameter, at most 9.8 of it"),
+};
+SECTION(shape_capsule, shape_capsule, "capsule", "A row of spheres with grooves of 1 % of the radius.");
+static const scene_field shape_gravel_fields[] = {
+    NUMBER(shape_gravel, diameter, UNIT_LENGTH, POSITIVE, MUST, "of the sphere of the same volume"),
+    {"elongation", FIELD_NUMBER, UNIT_NONE, offsetof(shape_gravel, elongation), 0.1, 1.0, false, "0.8", 0, NO_WORDS,
+     "middle over longest axis"},
+    {"flatness", FIELD_NUMBER, UNIT_NONE, offsetof(shape_gravel, flatness), 0.1, 1.0, false, "0.8", 0, NO_WORDS,
+     "shortest over middle axis"},
+    {"corners", FIELD_WHOLE, UNIT_NONE, offsetof(shape_gravel, corners), 6.0, 300.0, false, "12", 0, NO_WORDS, "of the grain"},
+    {"seed", FIELD_WHOLE, UNIT_NONE, offsetof(shape_gravel, seed), 0.0, 9007199254740992.0, false, "1", 0, NO_WORDS,
+     "another number, another grain"},
+};
+SECTION(shape_gravel, shape_gravel, "gravel", "A grain with corners on an ellipsoid.");
 static const scene_field shape_fields[] = {
     {"spheres", FIELD_LIST, UNIT_NONE, offsetof(shape_def, spheres), 1, SHAPE_SPHERES_MAX, false, "", 1, NULL, &shape_sphere_section,
      "a clump: spheres that move as one body"},
@@ -229,6 +276,9 @@ static const scene_field shape_fields[] = {
     {"corners", FIELD_POINTS, UNIT_LENGTH, offsetof(shape_def, corners), 4, SHAPE_CORNERS_MAX, false, "", 1, NO_WORDS,
      "a convex polyhedron, in any order; its origin is anywhere"},
     PART(shape_def, mesh, shape_mesh, "", 1, "a convex polyhedron from a file"),
+    PART(shape_def, tablet, shape_tablet, "", 1, "a tablet, lens or cylinder"),
+    PART(shape_def, capsule, shape_capsule, "", 1, "a capsule: a clump"),
+    PART(shape_def, gravel, shape_gravel, "", 1, "a grain of gravel"),
     {"rounding", FIELD_NUMBER, UNIT_NONE, offsetof(shape_def, rounding), 0.001, 0.4, false, "0.03", 0, NO_WORDS,
      "radius of edges and corners of a polyhedron, over its smallest width"},
 };
@@ -400,7 +450,7 @@ SECTION(measure, measure_def, "measure",
         "liquid `bridges`, `liquid_kg`; with polyhedra `core_overlaps`, pairs pressed deeper than their rounding: 0 is "
         "right, else contacts "
         "are "
-        "too soft.");
+        "too soft; with `law: bonds` `bonds`, the whole ones.");
 static const scene_field output_fields[] = {
     NUMBER(output_def, frames, UNIT_TIME, POSITIVE, "",
            "time between two frames of the ParaView series `scene.pvd`, `scene_walls.pvd`; default: none"),
@@ -453,7 +503,12 @@ static const scene_field scene_fields[] = {
     VECTOR(scene_def, gravity, UNIT_ACCELERATION, "[0, 0, -9.81]", "or inclined, for a machine that is"),
     {"seed", FIELD_WHOLE, UNIT_NONE, offsetof(scene_def, seed), 0.0, 9007199254740992.0, false, "1", 0, NO_WORDS,
      "of random places and sizes; `--seed` overrides it"},
-    CHOICE(scene_def, law, "linear|hertz", "linear", "normal law; friction and rolling resistance where a contact has them"),
+    CHOICE(scene_def, law, "linear|hertz|epsd|epsd_hertz|dmt|jkr|bonds", "linear",
+           "linear, hertz: friction and rolling resistance where a contact has them. epsd, epsd_hertz: these with rolling that rests "
+           "(a spring that yields). dmt, jkr: hertz with adhesion, of stiff small and of soft large spheres. bonds: linear, with bonds "
+           "that break. Equations: [contact_laws.md](contact_laws.md). The last five know spheres and clumps, bonds spheres only"),
+    NUMBER(scene_def, bond_at, UNIT_TIME, AT_LEAST_0, "",
+           "`law: bonds`: when what touches becomes a bond, where its contact has `bond`"),
     LIST(scene_def, materials, FIELD_NAMED, material, 8, MUST, "materials with names"),
     LIST(scene_def, contacts, FIELD_LIST, contact, 64, "", "pairs of materials"),
     LIST(scene_def, walls, FIELD_NAMED, wall, 32, "", "walls with names"),

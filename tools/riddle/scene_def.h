@@ -10,11 +10,17 @@ typedef struct material_def {
     double density, young_modulus, poisson_ratio;
 } material_def;
 
+typedef struct bond_def {
+    scene_part part;
+    double modulus, shear_ratio, radius, damping, tensile, shear;
+} bond_def;
 typedef struct contact_def {
     scene_part part;
     const char *between[2];
     double stiffness, tangential_ratio, restitution, friction, rolling, tangential_damping;
     int dashpot;
+    double rolling_coefficient, rolling_damping, twisting_coefficient, surface_energy;
+    bond_def bond;
 } contact_def;
 
 /* ---- walls ---- */
@@ -120,13 +126,29 @@ typedef struct shape_sphere {
 typedef struct shape_mesh {
     scene_part part;
     const char *file;
-    double unit, weld;
+    double unit, weld, tolerance;
+    int hull;
 } shape_mesh;
+typedef struct shape_tablet {
+    scene_part part;
+    double diameter, height, band;
+} shape_tablet;
+typedef struct shape_capsule {
+    scene_part part;
+    double diameter, length;
+} shape_capsule;
+typedef struct shape_gravel {
+    scene_part part;
+    double diameter, elongation, flatness, corners, seed;
+} shape_gravel;
 typedef struct shape_def {
     scene_part part; /* of the shapes' name */
     scene_list spheres, corners;
     double box[3], rounding;
     shape_mesh mesh;
+    shape_tablet tablet;
+    shape_capsule capsule;
+    shape_gravel gravel;
 } shape_def;
 
 /* ---- feed ---- */
@@ -242,11 +264,14 @@ typedef struct periodic_def {
     axis_def axis[3];
 } periodic_def;
 
+/* As the words of the key `law` stand. */
+typedef enum scene_law { LAW_LINEAR, LAW_HERTZ, LAW_EPSD, LAW_EPSD_HERTZ, LAW_DMT, LAW_JKR, LAW_BONDS } scene_law;
+
 typedef struct scene_def {
     scene_part part;
     const char *title;
-    double duration, time_step, gravity[3], seed;
-    int law;
+    double duration, time_step, gravity[3], seed, bond_at;
+    int law; /* scene_law */
     scene_list materials, contacts, walls, shapes, feeds, stop;
     periodic_def periodic;
     liquid_def liquid;

@@ -28,10 +28,15 @@ static int make_clump(scene *s, body_shape *b) {
     double centre[SHAPE_SPHERES_MAX][3], diameter[SHAPE_SPHERES_MAX], reach = 0.0;
     const int n = b->def->spheres.n;
     for (int k = 0; k < n; k++) memcpy(centre[k], sphere[k].centre, sizeof centre[k]), diameter[k] = sphere[k].diameter;
-    const dem_status status = dem_make_clump(n, &centre[0][0], diameter, &b->clump);
+    const shape_capsule *capsule = &b->def->capsule;
+    const char *key = n ? "spheres" : "capsule";
+    const dem_status status = n ? dem_make_clump(n, &centre[0][0], diameter, &b->clump)
+                                : dem_make_capsule(&b->clump, capsule->diameter, capsule->length);
     if (status != DEM_OK)
-        return tree_fail(s->file, fields_where(&b->def->part, "spheres"),
-                         "spheres: %s (places or diameters too large or too small)", dem_status_text(status));
+        return tree_fail(s->file, fields_where(&b->def->part, key),
+                         n ? "%s: %s (places or diameters too large or too small)"
+                           : "%s: %s (a length below the diameter, or above 9.8 of it)",
+                         key, dem_status_text(status));
     for (int k = 0; k < b->clump.spheres; k++) {
         const dem_vec x = b->clump.centre[k];
         reach = fmax(reach, sqrt(x.x * x.x + x.y * x.y + x.z * x.z) + b->clump.radius[k]);
@@ -46,18 +51,34 @@ static dem_status make_from_mesh(scene *s, body_shape *b, const char **reason) {
     dem_mesh mesh;
     if (scene_read_stl(s->file, fields_where(&m->part, "file"), m->file, m->unit, m->weld, &mesh))
         return DEM_BAD_ARGUMENT;
-    const dem_status status = dem_make_convex_mesh(&b->polyhedron, &mesh, b->def->rounding, reason);
+    const dem_status status = m->hull ? dem_make_hull(&b->polyhedron, mesh.vertices, mesh.vertex, b->def->rounding,
+                                                      m->tolerance, NULL, reason)
+                                      : dem_make_convex_mesh(&b->polyhedron, &mesh, b->def->rounding, reason);
     dem_free_mesh(&mesh);
     return status;
 }
 
 static int make_polyhedron(scene *s, body_shape *b) {
     const shape_def *d = b->def;
-    const char *reason = "", *key = d->corners.n ? "corners" : d->mesh.part.where ? "mesh" : "box";
-    const dem_status status =
-        d->corners.n         ? dem_make_convex(&b->polyhedron, d->corners.n, d->corners.item, d->rounding, &reason)
-        : d->mesh.part.where ? make_from_mesh(s, b, &reason)
-                             : dem_make_brick(&b->polyhedron, scene_vec(d->box), d->rounding, &reason);
+    const shape_tablet *t = &d->tablet;
+    const shape_gravel *g = &d->gravel;
+    dem_convex *to = &b->polyhedron;
+    const char *reason = "", *key = "box";
+    dem_status status;
+    if (d->corners.n) {
+        key = "corners";
+        status = dem_make_convex(to, d->corners.n, d->corners.item, d->rounding, &reason);
+    } else if (d->mesh.part.where) {
+        key = "mesh";
+        status = make_from_mesh(s, b, &reason);
+    } else if (t->part.where) {
+        key = "tablet";
+        status = dem_make_tablet(to, t->diameter, t->height, isnan(t->band) ? t->height : t->band, d->rounding, &reason);
+    } else if (g->part.where) {
+        key = "gravel";
+        status = dem_make_gravel(to, g->diameter, g->elongation, g->flatness, (int)g->corners, (uint64_t)g->seed,
+                                 d->rounding, &reason);
+    } else status = dem_make_brick(to, scene_vec(d->box), d->rounding, &reason);
     if (status != DEM_OK) return tree_fail(s->file, fields_where(&d->part, key), "%s: %s", key, reason);
     b->diameter = diameter_of(b->polyhedron.volume);
     b->reach = 2.0 * b->polyhedron.reach / b->diameter;
@@ -70,7 +91,7 @@ int scene_make_shapes(scene *s) {
     if (!s->shape) return -1;
     for (int k = 0; k < s->def->shapes.n; k++) {
         s->shape[k].def = &d[k];
-        if (d[k].spheres.n ? make_clump(s, &s->shape[k]) : make_polyhedron(s, &s->shape[k])) return -1;
+        if (d[k].spheres.n || d[k].capsule.part.where ? make_clump(s, &s->shape[k]) : make_polyhedron(s, &s->shape[k])) return -1;
     }
     return 0;
 }

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[16] = "riddle scene 4\n";
+static const char magic[16] = "riddle scene 5\n";
 enum { BEFORE_VERSION = 13 }; /* bytes */
 
 /* Fowler, Noll & Vo's hash, 64 bits. */

@@ -279,6 +279,19 @@ static tree *read_piece(tree_file *file, const char *text) {
     return root;
 }
 
+/* The element of a list of contacts whose materials are these, "glass-steel", in either order; -1: there is none. */
+static int element_between(const tree *list, const char *pair) {
+    char forth[200], back[200];
+    for (int k = 0; k < list->n; k++) {
+        const tree *two = tree_find(list->item[k], "between");
+        if (!two || two->kind != TREE_LIST || two->n != 2 || two->item[0]->kind != TREE_TEXT || two->item[1]->kind != TREE_TEXT) continue;
+        snprintf(forth, sizeof forth, "%.90s-%.90s", two->item[0]->text, two->item[1]->text);
+        snprintf(back, sizeof back, "%.90s-%.90s", two->item[1]->text, two->item[0]->text);
+        if (strcmp(pair, forth) == 0 || strcmp(pair, back) == 0) return k;
+    }
+    return -1;
+}
+
 int tree_set(tree_file *file, const char *path, const char *value) {
     char key[80];
     int index;
@@ -289,6 +302,10 @@ int tree_set(tree_file *file, const char *path, const char *value) {
         tree *now = *place;
         at = step_of(at, key, sizeof key, &index);
         if (!at) return refuse_path(file, path, "a path is wanted, such as materials.glass.density or feeds[1].rate");
+        if (index < 0 && now->kind == TREE_LIST) {
+            index = element_between(now, key);
+            if (index < 0) return refuse_path(file, path, "no element of this list is between these two materials");
+        }
         if (index >= 0) {
             if (now->kind != TREE_LIST || index >= now->n) return refuse_path(file, path, "there is no such element of a list");
             place = &now->item[index];
