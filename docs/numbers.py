@@ -364,7 +364,8 @@ def settling_alike(r, csv, json):
     return {
         "cases": table(list(runs.values()), [("case", "case", ""), ("v [mm/s]", lambda x: 1e3 * x["v_m_per_s"], ".3f"),
             ("over reference", lambda x: f"{x['v_m_per_s'] / x['reference_m_per_s']:.3f}", ""),
-            ("gap with 95 % of v [diameters]", "gap_95", ".2f"), ("with half of v", "gap_50", ".2f")]),
+            ("gap with 95 % of v [diameters]", lambda x: "-" if x["gap_95"] != x["gap_95"] else f"{x['gap_95']:.2f}", ""),
+            ("with half of v", lambda x: "-" if x["gap_50"] != x["gap_50"] else f"{x['gap_50']:.2f}", "")]),
         "cloth": f"{1e2 * (ratio - 1.0):+.2f}",
     }
 
