@@ -364,7 +364,8 @@ def settling_alike(r, csv, json):
     return {
         "cases": table(list(runs.values()), [("case", "case", ""), ("v [mm/s]", lambda x: 1e3 * x["v_m_per_s"], ".3f"),
             ("over reference", lambda x: f"{x['v_m_per_s'] / x['reference_m_per_s']:.3f}", ""),
-            ("gap with 95 % of v [diameters]", "gap_95", ".2f"), ("with half of v", "gap_50", ".2f")]),
+            ("gap with 95 % of v [diameters]", lambda x: "-" if x["gap_95"] != x["gap_95"] else f"{x['gap_95']:.2f}", ""),
+            ("with half of v", lambda x: "-" if x["gap_50"] != x["gap_50"] else f"{x['gap_50']:.2f}", "")]),
         "cloth": f"{1e2 * (ratio - 1.0):+.2f}",
     }
 
@@ -658,6 +659,21 @@ def brick_pairs(r, csv, json):
         "rows": table(csv("pairs.csv"),
             [("pair", "pair", ""), ("points", "points", ".1f"), ("to find them [ns]", "known_ns", ".0f"),
                 ("without the step before [ns]", "new_ns", ".0f"), ("all of a step [ns]", "step_ns", ".0f")]),
+    }
+
+
+def rocks(r, csv, json):
+    beds = csv("300/rocks.csv")
+    return {
+        "rows": table(csv("rocks.csv"),
+            [("corners", "corners", ".0f"), ("of the core", "core_corners", ".0f"),
+                ("deviation over diameter [%]", lambda x: 100 * x["deviation"], ".1f"),
+                ("to make one [ms]", lambda x: 1e3 * x["make_s"], ".1f"), ("points a pair", "points", ".1f"),
+                ("to find them [ns]", lambda x: 1e9 * x["points_s"], ".0f"),
+                ("all of a step [ns]", lambda x: 1e9 * x["step_s"], ".0f")]),
+        "beds": table(beds,
+            [("corners", "corners", ".0f"), ("porosity", "porosity", ".3f"), ("contacts a rock", "contacts", ".1f"),
+                ("particle-steps per second", "particle_steps_per_s", ".3g"), ("core overlaps", "core_overlaps", ".0f")]),
     }
 
 

@@ -10,6 +10,7 @@ typedef struct load {
     double push;  /* time integral of the normal force [N s] */
     double slide; /* integral of normal force x sliding speed [J]: Archard's wear is proportional to it */
     double rub;   /* work of friction [J] */
+    double hit;   /* integral of normal force x closing speed [J]: what a contact has stored comes back, what hits lose stays */
 } load;
 
 typedef struct load_map {
@@ -103,13 +104,12 @@ static int nearest(const load_map *map, const dem_wall *w, dem_vec place) {
 }
 
 /* Velocity of the particle's surface over the wall's, at the place of the contact. */
-static dem_vec sliding(const load_maps *m, const dem_wall *w, const dem_contact_info *c) {
+static dem_vec relative(const load_maps *m, const dem_wall *w, const dem_contact_info *c) {
     const dem_world *world = &m->s->world;
     const dem_vec spin = dem_vec3(w->spin * w->spin_axis.x, w->spin * w->spin_axis.y, w->spin * w->spin_axis.z), belt = w->asked.belt;
     dem_vec v = less(plus(dem_velocity(world, c->i), 1.0, across(dem_spin(world, c->i), less(c->point, dem_position(world, c->i)))),
                      plus(w->velocity, 1.0, across(spin, less(c->point, w->position))));
-    v = less(v, plus(belt, 1.0, across(w->asked.belt_turn, c->normal)));
-    return plus(v, -times(v, c->normal), c->normal);
+    return less(v, plus(belt, 1.0, across(w->asked.belt_turn, c->normal)));
 }
 
 void load_maps_add(load_maps *m, double time) {
@@ -123,11 +123,12 @@ void load_maps_add(load_maps *m, double time) {
         if (map == m->maps) continue;
         const dem_wall *w = wall_of(m, map);
         const double normal = times(c.force, c.normal);
-        const dem_vec slip = sliding(m, w, &c), friction = plus(c.force, -normal, c.normal);
+        const dem_vec v = relative(m, w, &c), slip = plus(v, -times(v, c.normal), c.normal), friction = plus(c.force, -normal, c.normal);
         load *l = &m->map[map].load[nearest(&m->map[map], w, c.point)];
         l->push += normal * time;
         l->slide += fmax(normal, 0.0) * sqrt(times(slip, slip)) * time;
         l->rub -= times(friction, slip) * time;
+        l->hit -= normal * times(v, c.normal) * time;
     }
 }
 
@@ -136,7 +137,7 @@ static void write_map(const load_maps *m, int number, const char *folder, void (
     const dem_wall *w = wall_of(m, number);
     const int n = w->tree->triangles;
     const char *wall = ((const wall_def *)m->s->def->walls.item)[map->wall].part.name;
-    double *room = malloc(3 * (size_t)n * 7 * sizeof *room), *xyz = room, *value[4];
+    double *room = malloc(3 * (size_t)n * 8 * sizeof *room), *xyz = room, *value[5];
     int *ends = malloc(4 * (size_t)n * sizeof *ends), *corners = ends + n;
     char name[80];
     if (!room || !ends) {
@@ -144,10 +145,10 @@ static void write_map(const load_maps *m, int number, const char *folder, void (
         free(room), free(ends);
         return;
     }
-    for (int a = 0; a < 4; a++) value[a] = room + 3 * (size_t)n * (size_t)(3 + a);
+    for (int a = 0; a < 5; a++) value[a] = room + 3 * (size_t)n * (size_t)(3 + a);
     snprintf(name, sizeof name, "loads_%.60s.csv", wall);
     riddle_io_file *file = riddle_io_open(folder, name);
-    riddle_io_print(file, "x_m,y_m,z_m,area_m2,normal_force_N,pressure_Pa,normal_force_x_sliding_J_m2,friction_J_m2\n");
+    riddle_io_print(file, "x_m,y_m,z_m,area_m2,normal_force_N,pressure_Pa,normal_force_x_sliding_J_m2,friction_J_m2,hits_J_m2\n");
     for (int k = 0; k < n; k++) {
         dem_vec x[3], middle = dem_vec3(0.0, 0.0, 0.0);
         for (int c = 0; c < 3; c++) {
@@ -157,21 +158,22 @@ static void write_map(const load_maps *m, int number, const char *folder, void (
         }
         const dem_vec normal = across(less(x[1], x[0]), less(x[2], x[0]));
         const double area = 0.5 * sqrt(times(normal, normal)), force = m->time > 0.0 ? map->load[k].push / m->time : 0.0;
-        const double row[8] = {middle.x, middle.y, middle.z, area, force, force / area, map->load[k].slide / area, map->load[k].rub / area};
-        riddle_io_row(file, row, 8);
+        const double row[9] = {middle.x, middle.y, middle.z, area, force, force / area, map->load[k].slide / area, map->load[k].rub / area, map->load[k].hit / area};
+        riddle_io_row(file, row, 9);
         for (int c = 0; c < 3; c++) {
             const int at = 3 * k + c;
             xyz[3 * at] = x[c].x, xyz[3 * at + 1] = x[c].y, xyz[3 * at + 2] = x[c].z;
-            for (int a = 0; a < 4; a++) value[a][at] = row[4 + a];
+            for (int a = 0; a < 5; a++) value[a][at] = row[4 + a];
             corners[at] = at;
         }
         ends[k] = 3 * (k + 1);
     }
     if (riddle_io_close(file) == RIDDLE_IO_OK) wrote(user, name);
-    const riddle_io_array arrays[4] = {riddle_io_scalar("normal_force_N", value[0]), riddle_io_scalar("pressure_Pa", value[1]),
-                                       riddle_io_scalar("normal_force_x_sliding_J_m2", value[2]), riddle_io_scalar("friction_J_m2", value[3])};
+    const riddle_io_array arrays[5] = {riddle_io_scalar("normal_force_N", value[0]), riddle_io_scalar("pressure_Pa", value[1]),
+                                       riddle_io_scalar("normal_force_x_sliding_J_m2", value[2]), riddle_io_scalar("friction_J_m2", value[3]),
+                                       riddle_io_scalar("hits_J_m2", value[4])};
     snprintf(name, sizeof name, "loads_%.60s.vtp", wall);
-    if (riddle_io_polygons(folder, name, 3 * n, riddle_io_vector("position", xyz), n, ends, corners, arrays, 4) == RIDDLE_IO_OK)
+    if (riddle_io_polygons(folder, name, 3 * n, riddle_io_vector("position", xyz), n, ends, corners, arrays, 5) == RIDDLE_IO_OK)
         wrote(user, name);
     free(room), free(ends);
 }
@@ -185,9 +187,9 @@ int load_maps_exchange(load_maps *m, scene_state *io) {
     for (int k = 0; k < m->maps && !io->failed; k++)
         for (int t = 0; t < wall_of(m, k)->tree->triangles; t++) {
             load *l = &m->map[k].load[t];
-            double v[3] = {l->push, l->slide, l->rub};
-            state_numbers(io, v, 3);
-            l->push = v[0], l->slide = v[1], l->rub = v[2];
+            double v[4] = {l->push, l->slide, l->rub, l->hit};
+            state_numbers(io, v, 4);
+            l->push = v[0], l->slide = v[1], l->rub = v[2], l->hit = v[3];
         }
     return io->failed ? -1 : 0;
 }

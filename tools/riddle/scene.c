@@ -13,7 +13,7 @@
 #include "scene_walls.h"
 #include "scene_wet.h"
 
-enum { STEPS = 2000, STEPS_OF_A_MAP = 50 };
+enum { STEPS = 2000, STEPS_OF_A_MAP = 5 /* a hit lasts 20 */ };
 static const double EXPECTED_SPEED = 2.0; /* [m/s] for Hertz contacts, as a fall of 0.2 m gives */
 
 /* ---- definition ---- */

@@ -218,7 +218,8 @@ static const scene_field wall_fields[] = {
     PART(wall_def, rotor, rotor, "", 0, "turned by a torque"),
     {"load_map", FIELD_YES, UNIT_NONE, offsetof(wall_def, load_map), ANY, "no", 0, NO_WORDS,
      "of box, lifters and mesh: `loads_<wall>.vtp` and `.csv`, of each triangle the mean normal force and pressure, normal force x sliding "
-     "(Archard's wear is proportional to it) and work of friction over its area, from the contacts after every tick"},
+     "(Archard's wear is proportional to it), work of friction, and energy that hits lose along the normal, over its area; from the contacts after every "
+     "fifth step, so of one hit that energy is known to a third, of a hundred to a twentieth"},
     {"timetable", FIELD_PAIRS, UNIT_NONE, offsetof(wall_def, timetable), 1, 1000, false, "", 0, NO_WORDS,
      "[[0 s, 0], [2 s, 1]]: factors of the speed of `rotate`, `move` and `belt` and of the amplitude of `vibrate`; "
      "even between two times, "
