@@ -220,7 +220,8 @@ extern "C" {
 #define DEM__OF_CHUNK (6 * DEM__BLOCK)
 #define DEM__CHUNKS 256
 #define DEM__RANK_STEPS 2048 /* steps between two renewals of the order of particles by place: they move little in them */
-/* Steps of a run that pay for putting particles into another order in memory and back, which takes as long as six. */
+/* Steps of a run that pay for putting particles into another order in memory and back, which takes as long as three or
+   four of a dense bed. */
 #define DEM__MOVE_STEPS 64
 #define DEM__SHARE 256       /* items that pay for waking a thread, at about 20 ns each */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */
@@ -1088,8 +1089,9 @@ typedef struct dem_advice {
     double dashpot;  /* m_eff/gamma of the strongest dashpot */
     double advised;  /* min(t_c/20, 0.2 rayleigh for DEM_HERTZ, dashpot/2); with polyhedra 0.4 of it */
     /* For hits at the given speed v, of each body with all of its mass m on what does not give way: */
-    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m]: with it in all pairs no overlap is
-                         deeper than d, the rounding of a polyhedron or a tenth of a sphere's radius */
+    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m], for a polyhedron times
+                         dem_convex.springs: with it in all pairs no overlap is deeper than d, the rounding of a
+                         polyhedron or a tenth of a sphere's radius */
     double depth;     /* overlap over d with the pairs as they are, of the body that gets deepest; above 1 they are too
                          soft */
 } dem_advice;
@@ -1173,6 +1175,8 @@ typedef struct dem_contact_info {
                     polyhedra: of the corner, edge or face that touches, so that force acts on i at `point` [m] */
     int element; /* screen: the bar; mesh: 0, 1 ... tell a particle's contacts with it apart */
     double state[DEM_STATE_MAX]; /* of the law */
+    dem_vec couple; /* of polyhedra: the torque on i that `force` at `point` does not have; on j the opposite: rolling
+                       resistance, and what points that share a law exchange [N m]; otherwise 0 */
 } dem_contact_info;
 /* Returns link k = 0 .. dem_link_count-1; gap and force as last evaluated. */
 DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);
@@ -1331,7 +1335,8 @@ typedef struct dem_convex {
     double reach;     /* from the centroid to the farthest point [m] */
     double volume;    /* [m3] */
     double moment[3]; /* principal moments of inertia over density [m5] */
-    double share;     /* share of its mass that the outermost corner has in an impact, mean over directions [-] */
+    int springs;      /* greatest number of corners of a face: that of corners with the spring of a pair */
+    double rate;      /* square of the highest frequency of a contact of a face or a corner, over k/m */
     dem_vec half;     /* of a box [m] */
     dem_vec centroid; /* in the frame in which the polyhedron was given [m] */
     dem_vec
@@ -1384,8 +1389,8 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
    length but 0, scalar first, from the frame in which the shape was given to the world's; NULL: as it was given.
    Otherwise as dem_add_spheres. Each is one particle, whose radius is that of the sphere around it. A contact is a
    point: a corner at the other body, or two edges that cross. At each point the pair's law acts between spheres with
-   the rounding radii (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a
-   face has as many springs as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
+   the rounding radii (of a sphere its own); all points of a pair share its spring and its dashpot, so that a
+   face is one contact. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
    need DEM_FRICTION (otherwise DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of
    the radii: cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls
    of every kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
@@ -1812,6 +1817,7 @@ DEM_INLINE dem_vec dem__cross(dem_vec a, dem_vec b) {
 DEM_INLINE double dem__length(dem_vec a) { return sqrt(dem__dot(a, a)); }
 
 DEM_INLINE double dem__clamp(double v, double low, double high) { return v < low ? low : (v > high ? high : v); }
+DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
 
 /* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
 /* Laws of drag: pure functions of scalars. */
@@ -2199,7 +2205,12 @@ typedef struct dem__convex_point {
     int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges, or its ends */
     int32_t taken;      /* a contact uses it */
     dem_vec normal, at; /* from b to a; [m] */
-    double gap, weight; /* [m]; factor of forces: 1, or what an end takes back from a crossing, at least -1 */
+    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1; then the
+                           part that it has in its pair's law */
+    double count;       /* of a corner 1, of a crossing what its ends leave, of an end 0; over the springs of its body */
+    double spring;      /* factor of the force of its spring: polyhedra/share.h */
+    double pull;        /* the part that it has in its pair's pull, over the force of its spring */
+    double damping;     /* factor of the closing speed in the law */
 } dem__convex_point;
 
 /* Two bodies that may touch, at least one of them a polyhedron: particles i < j, or particle i and wall -1 - j. */
@@ -2211,7 +2222,9 @@ typedef struct dem__convex_pair {
     int64_t origin[2];    /* origin steps of these flights */
     double speed, spin;   /* bounds of the wall's motion on which it relies [m/s], [rad/s] */
     dem__nearest_cache cache;
-    dem_vec axis; /* a direction in which the cores were apart at the last test; 0: none */
+    dem_vec axis;   /* a direction in which the cores were apart at the last test; 0: none */
+    double pull[9]; /* what the springs of its points exert beyond their parts in the law, over the stiffness: force on
+                       i, torques on i and j */
 } dem__convex_pair;
 
 /* The functions that the engine calls for polyhedra, in the order of a step; they are in polyhedra/add.h. The first
@@ -2316,15 +2329,19 @@ typedef struct dem__wall_force {
 enum {
     DEM__PLACE_NORMAL = 0,    /* mesh, polyhedron: normal of the place that it follows (3 numbers) */
     DEM__PLACE_GAP = 3,       /* mesh, polyhedron: gap there [m] */
-    DEM__PLACE_BEFORE = 9,    /* mesh, polyhedron: the normal one step before (3) */
+    DEM__PLACE_BEFORE = 11,   /* mesh, polyhedron: the normal one step before (3) */
     DEM__PLACE_FOOTING = 4,   /* mesh: dem__footing.at (3) */
     DEM__PLACE_SLACK = 7,     /* mesh: dem__footing.slack [m]; 0: no footing */
     DEM__PLACE_FACE = 8,      /* mesh: dem__footing.face */
     DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
     DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
     DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
+    DEM__PLACE_DAMPING = 9,   /* polyhedron: factor of the closing speed [-] */
+    DEM__PLACE_PULL = 10,     /* polyhedron: part of its pair's pull over its spring [1/m; Hertz 1/m1.5] */
+    DEM__PLACE_WAS = 14,      /* polyhedron: factor of the force one step before; then the energy of friction that its
+                                 change takes [J] */
     DEM__KEPT_CURVATURE = 0,  /* sphere at a thin sheet: the same */
-    DEM__PLACES = 12
+    DEM__PLACES = 15
 };
 
 /* Two particles that may touch before the list is built anew. */
@@ -2410,6 +2427,7 @@ typedef struct dem__run {
     int running;      /* a run or a removal is in progress: functions of the caller may not change the world */
     int ending;       /* the law's hook ended is being called: it may not add links either */
     int keeps_wrenches;
+    double power;    /* of the overlap, to which the elastic energy of a contact is proportional: 2, Hertz 2.5 */
     int turns;       /* whether spins may change in this step: without friction and loads only those of rigid bodies */
     double stiffest; /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
     int has_unset_pairs; /* some pair of different materials was never set */
@@ -8661,6 +8679,14 @@ static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     return touch.curvature;
 }
 
+/* Returns how much stiffer a contact of polyhedra may be than its spring and masses tell: a body turns. */
+DEM_INLINE double dem__rate_of(const dem_world *w, ptrdiff_t c) {
+    const ptrdiff_t j = w->engine->contacts.j[c];
+    const dem_convex *s = dem__shape_of(w, w->engine->contacts.i[c]), *other = j >= 0 ? dem__shape_of(w, j) : NULL;
+    const double own = s ? s->rate : 1.0;
+    return other && other->rate > own ? other->rate : own;
+}
+
 /* Computes the constants of the contact in slot c; shares those of a contact type that has the same. */
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
     const dem__run *run = &w->engine->run;
@@ -8690,7 +8716,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         b.mass = w->particle[i].mass;
         b.inertia = inertia;
     }
-    if (dem__is_convex_contact(w, c)) w->engine->convex.calls->prepare(w, c, &b);
+    const int is_convex = dem__is_convex_contact(w, c);
+    if (is_convex) w->engine->convex.calls->prepare(w, c, &b);
     else if (j < 0) b.curvature = dem__curvature_at(w, c);
     b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j]
                                          : &w->def.pair[b.material_j][b.material_i];
@@ -8700,8 +8727,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     kind.mass = b.mass;
     kind.sum = b.radius_i + b.radius_j;
     kind.part = b.radius_i / kind.sum;
-    const double k = stiffness * run->dt * run->dt / b.mass;
-    if (k > w->engine->run.stiffest) w->engine->run.stiffest = k;
+    const double k = stiffness * run->dt * run->dt / b.mass, rate = is_convex ? dem__rate_of(w, c) : 1.0;
+    if (rate * k > w->engine->run.stiffest) w->engine->run.stiffest = rate * k;
     kind.predict = dem__prediction(k, 2.0 * b.damping_ratio * sqrt(k));
     while (same < contacts->type_count && memcmp(&contacts->types[same], &kind, sizeof kind) != 0) same++;
     if (same < DEM__TYPES_MAX) {
@@ -10170,7 +10197,7 @@ static inline int dem__pays_to_move(const dem_world *w, int64_t steps) {
         apart += d > 8 || d < -8;
         far += d > 1024 || d < -1024;
     }
-    return 4 * far > w->count || (4 * apart > w->count && steps >= 8 * DEM__MOVE_STEPS);
+    return 4 * far > w->count || (4 * apart > w->count && steps >= 4 * DEM__MOVE_STEPS);
 }
 
 /* Puts particles into the order of their ranks where it pays. steps: left in this run. */
@@ -11434,6 +11461,7 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
    failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
+    run->power = features & DEM_HERTZ ? 2.5 : 2.0; /* for the first search of contacts, too */
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
     run->turns = 1; /* in the first step: a run before this one may have left spin rates */
@@ -12131,8 +12159,10 @@ static inline void dem__get_place(const dem_world *w, ptrdiff_t slot, dem_contac
     const double gap = w->engine->contacts.touch[DEM__PLACE_GAP][slot], radius = dem__touching_radius(w, info->i);
     const double part = info->j >= 0 ? radius / (radius + dem__touching_radius(w, info->j)) : 1.0;
     info->normal = dem__place_normal(w, slot);
-    info->point =
-        dem__add(dem_position(w, info->i), dem__plus(dem__place_arm(w, slot), -(radius + part * gap), info->normal));
+    const dem_vec arm = dem__plus(dem__place_arm(w, slot), -(radius + part * gap), info->normal);
+    double *const *torque = w->engine->contacts.wrench + 3;
+    info->point = dem__add(dem_position(w, info->i), arm);
+    info->couple = dem__sub(dem_vec3(torque[0][slot], torque[1][slot], torque[2][slot]), dem__cross(arm, info->force));
 }
 
 /* Finds normal and point of the contact in a slot, or of a link (slot -1): from the present positions, but for
@@ -16594,7 +16624,8 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
         DEM__DOUBLES("shape.reach", c->reach, s),
         DEM__DOUBLES("shape.volume", c->volume, s),
         DEM__DOUBLES("shape.moment", c->moment, s),
-        DEM__DOUBLES("shape.share", c->share, s),
+        DEM__DOUBLES("shape.rate", c->rate, s),
+        DEM__INTEGER("shape.springs", c->springs, s),
         DEM__DOUBLES("shape.half", c->half, s),
         DEM__DOUBLES("shape.centroid", c->centroid, s),
         DEM__DOUBLES("shape.axis", c->axis, s),
@@ -16609,6 +16640,83 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     };
     memcpy(field, fields, sizeof fields);
     return (int)(sizeof fields / sizeof *fields);
+}
+
+/* ------------------------------------------------------------------------------------------- >>polyhedra/springs.h */
+/* What a shape tells of its contacts: among how many corners a face shares the spring of a pair, and how fast contacts
+   are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a face or a corner alone. */
+
+/* A contact's stiffness over k/m, for motion along its normal and for turns about the three axes. */
+typedef struct dem__modes {
+    double of[4][4];
+} dem__modes;
+
+/* Adds the spring of a point, w its part. u: how fast the point moves along the normal by each motion. */
+static inline void dem__add_spring(dem__modes *m, double w, const double *u) {
+    for (int k = 0; k < 16; k++) m->of[k / 4][k % 4] += w * u[k / 4] * u[k % 4];
+}
+
+/* Returns the largest eigenvalue, or at most 5 % more: the 32nd root of the trace of the 32nd power. */
+static inline double dem__highest_rate(const dem__modes *modes) {
+    dem__modes m = *modes, square;
+    double scale = 0.0, trace = 0.0;
+    for (int a = 0; a < 4; a++) scale += m.of[a][a];
+    for (int k = 0; k < 16; k++) m.of[k / 4][k % 4] /= scale;
+    for (int pass = 0; pass < 5; pass++) {
+        memset(&square, 0, sizeof square);
+        for (int k = 0; k < 64; k++) square.of[k / 16][k % 4] += m.of[k / 16][k / 4 % 4] * m.of[k / 4 % 4][k % 4];
+        m = square;
+    }
+    for (int a = 0; a < 4; a++) trace += m.of[a][a];
+    for (int pass = 0; pass < 5; pass++) trace = sqrt(trace);
+    return scale * trace;
+}
+
+/* Returns the rate of a corner alone, in the direction in which it is highest: along each direction it moves by itself
+   and by turns about the axes. */
+static inline double dem__rate_of_corner(const dem_convex *s, dem_vec r) {
+    dem__modes m;
+    memset(&m, 0, sizeof m);
+    for (int a = 0; a < 3; a++) {
+        dem_vec axis = dem_vec3(0.0, 0.0, 0.0);
+        double own[4] = {0.0, 0.0, 0.0, 0.0};
+        *dem_axis_of(&axis, a) = own[a] = 1.0;
+        const dem_vec turned = dem__scale(sqrt(s->volume / s->moment[a]), dem__cross(axis, r));
+        const double u[4] = {turned.x, turned.y, turned.z, 0.0};
+        dem__add_spring(&m, 1.0, own), dem__add_spring(&m, 1.0, u);
+    }
+    return dem__highest_rate(&m) / (double)s->springs;
+}
+
+/* Returns the rate of a face. */
+static inline double dem__rate_of_face(const dem_convex *s, int f) {
+    const dem_vec n = dem__point(s->plane[f]);
+    dem__modes m;
+    memset(&m, 0, sizeof m);
+    for (int k = s->face_start[f]; k < s->face_start[f + 1]; k++) {
+        const dem_vec arm = dem__cross(dem__point(s->corner[s->face_corner[k]]), n);
+        double u[4] = {1.0, 0.0, 0.0, 0.0};
+        for (int a = 0; a < 3; a++) u[1 + a] = dem_axis(arm, a) * sqrt(s->volume / s->moment[a]);
+        dem__add_spring(&m, 1.0 / (double)s->springs, u);
+    }
+    return dem__highest_rate(&m);
+}
+
+/* Sets how many corners share a spring, and the rate. */
+static inline void dem__find_springs(dem_convex *s) {
+    s->springs = 1, s->rate = 1.0;
+    for (int f = 0; f < s->faces; f++) {
+        const int corners = s->face_start[f + 1] - s->face_start[f];
+        s->springs = corners > s->springs ? corners : s->springs;
+    }
+    for (int f = 0; f < s->faces; f++) {
+        const double rate = dem__rate_of_face(s, f);
+        s->rate = rate > s->rate ? rate : s->rate;
+    }
+    for (int k = 0; k < s->corners; k++) {
+        const double rate = dem__rate_of_corner(s, dem__point(s->corner[k]));
+        s->rate = rate > s->rate ? rate : s->rate;
+    }
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/shape.h */
@@ -16626,8 +16734,6 @@ typedef struct dem__hull {
     uint32_t holds[DEM_FACES_MAX];
     double plane[DEM_FACES_MAX][4], area[DEM_FACES_MAX];
 } dem__hull;
-
-DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
 
 /* Returns half the size of a set of points: half of the longest side of the box around it. */
 static inline double dem__half_size(const double *x, int n) {
@@ -16923,32 +17029,6 @@ static inline void dem__find_box(dem_convex *s) {
     }
 }
 
-/* Returns the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), as
-   a mean over all directions. Weight: the energy that this corner takes up in an impact, which is proportional to the
-   share. Directions: the middles of 8 x 8 squares on each side of a cube. */
-static inline double dem__mean_share(const dem_convex *s) {
-    double sum = 0.0, weights = 0.0;
-    for (int k = 0; k < 6 * 64; k++) {
-        const double a = 0.25 * (double)(k % 8) - 0.875, b = 0.25 * (double)(k / 8 % 8) - 0.875,
-                     c = k % 128 < 64 ? 1.0 : -1.0;
-        const int side = k / 128;
-        const double length = sqrt(1.0 + a * a + b * b), weight = 1.0 / (length * length * length);
-        double farthest = -HUGE_VAL, turned = 0.0;
-        dem_vec n;
-        *dem_axis_of(&n, side) = c / length, *dem_axis_of(&n, (side + 1) % 3) = a / length,
-                         *dem_axis_of(&n, (side + 2) % 3) = b / length;
-        for (int q = 0; q < s->corners; q++) {
-            const dem_vec r = dem__point(s->corner[q]), t = dem__cross(r, n);
-            if (dem__dot(r, n) <= farthest) continue;
-            farthest = dem__dot(r, n);
-            turned = s->volume * (t.x * t.x / s->moment[0] + t.y * t.y / s->moment[1] + t.z * t.z / s->moment[2]);
-        }
-        const double share = 1.0 / (1.0 + turned);
-        sum += weight * share * share, weights += weight * share;
-    }
-    return sum / weights;
-}
-
 /* Turns corners and planes of a shape: column k of the rotation is where its axis k lies. */
 static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec z) {
     if (x.x == 1.0 && y.y == 1.0 && z.z == 1.0) return;
@@ -16991,7 +17071,7 @@ static inline void dem__finish_shape(dem_convex *core) {
         core->reach = far > core->reach ? far : core->reach;
     }
     dem__find_box(core);
-    core->share = dem__mean_share(core);
+    dem__find_springs(core);
     dem__turn_to_given(core);
 }
 
@@ -17354,6 +17434,12 @@ enum {
     1.000001 /* features are tested up to this multiple of the radii, so that rounding of directions does not decide   \
               */
 
+/* Sets what a point has that is a corner: its whole law. */
+DEM_INLINE void dem__count_point(dem__convex_point *p, double gap) {
+    p->taken = 0;
+    p->gap = gap, p->weight = p->count = p->spring = 1.0;
+}
+
 /* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`,
    any larger value without a direction. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec *n) {
@@ -17598,9 +17684,9 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
         n++;
     }
     if (!(left > 1e-10)) return 0;
-    out->weight = left;
+    out->weight = out->count = left;
     for (int k = 0; k < 4; k++) out->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight];
+    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight], out[m].count = 0.0;
     return n;
 }
 
@@ -17624,8 +17710,8 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
         if (b->shape->is_box && dem__passes_box(b, x, DEM__WINDOW * radii)) continue;
         const double distance = dem__from_core(b->shape, b->place, x, DEM__WINDOW * radii, &p->normal);
         if (!(distance < radii)) continue;
-        p->key = key + k, p->taken = 0, p->weight = 1.0, p->at = x;
-        p->gap = distance - radii;
+        p->key = key + k, p->at = x;
+        dem__count_point(p, distance - radii);
         if (key > 0) { /* a and b have changed places */
             p->at = dem__plus(x, -distance, p->normal);
             p->normal = dem__scale(-1.0, p->normal);
@@ -18170,9 +18256,10 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
     dem_vec n;
     if (q->n == DEM__POINTS_MAX || !(dem__length(x) < q->shape->reach + radius)) return;
     const double distance = dem__from_core(q->shape, &q->core, x, DEM__WINDOW * (radius + q->shape->radius), &n);
-    point->gap = distance - radius - q->shape->radius;
-    if (!(point->gap < 0.0) || dem__dot(n, tip) > 0.0) return;
-    point->key = key, point->taken = 0, point->weight = 1.0;
+    const double gap = distance - radius - q->shape->radius;
+    if (!(gap < 0.0) || dem__dot(n, tip) > 0.0) return;
+    point->key = key;
+    dem__count_point(point, gap);
     point->normal = dem__scale(-1.0, n), point->at = dem__plus(x, -distance, n);
     q->n++;
 }
@@ -18220,8 +18307,9 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
         for (int m = 0; m < found && q->n < DEM__POINTS_MAX; m++) {
             dem__convex_point *point = &q->out[q->n];
             int is_new = touch[m].gap < 0.0;
-            point->key = dem__wall_key(q->wall, &touch[m], k), point->taken = 0;
-            point->normal = touch[m].normal, point->at = arm, point->gap = touch[m].gap, point->weight = 1.0;
+            point->key = dem__wall_key(q->wall, &touch[m], k);
+            dem__count_point(point, touch[m].gap);
+            point->normal = touch[m].normal, point->at = arm;
             for (int p = q->n - 1; p >= q->n - m && is_new && p >= 0; p--) is_new = q->out[p].key != point->key;
             q->n += is_new;
         }
@@ -18289,9 +18377,9 @@ static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, 
     }
     if (!(left > 1e-10)) return;
     point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
-    point->at = dem__plus(e->from, t, e->along), point->weight = left;
+    point->at = dem__plus(e->from, t, e->along), point->weight = point->count = left;
     for (int k = 0; k < 2; k++) point->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight];
+    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight], point[m].count = 0.0;
     q->n += n;
 }
 
@@ -18431,13 +18519,152 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
     return dem__core_passes_mesh(w->tree, s, corner, dem__to_frame(w, dem__sub(place->x, w->position)));
 }
 
+/* --------------------------------------------------------------------------------------------- >>polyhedra/share.h */
+/* How the points of a pair share its law: a face that lands flat has the spring and the dashpot of the pair, however many
+   corners it is drawn with. Reads a pair's points and bodies; writes their parts and what the springs of the pair exert
+   beyond them. Promises: springs are the gradient of a potential (of a linear law and of Hertz's); a point that begins or
+   ends changes no force by a jump.
+
+   A point has the part w = 1/n of the spring, where n is the greatest number of corners of a face of its body
+   (dem_convex.springs), and l what the ends of edges leave of it (1 for a corner). With D its overlap and t = D^2, the
+   energy of the pair is
+
+       U = (k/p) sum w l D^p / N(c),     c = (sum w l t)^2 / sum w l t^2,     p = 2, Hertz 5/2.
+
+   c is the stiffness over k if all points are as deep as each other. N is 1 up to 2, which two equal faces on each other
+   have, and c/2 from 2.5 on: a tile that lies on a hundred wires is no stiffer than 2 k. Up to there nothing but the sum
+   of springs acts. It must be a sum: a body tips when the load is over its edge, and if an edge were as stiff as a face,
+   points about to part would have to pull for it.
+
+   The dashpot acts on the mass that the resultant of the springs meets, with the stiffness that they have. So the
+   restitution, at the point where the resultant acts, is that of the pair. */
+
+/* Returns the overlap to the power of the energy, or of the force, from its square. */
+DEM_INLINE double dem__energy_at(double square, double power) {
+    return power > 2.0 ? square * sqrt(sqrt(square)) : square;
+}
+DEM_INLINE double dem__force_at(double square, double power) {
+    return power > 2.0 ? sqrt(square * sqrt(square)) : sqrt(square);
+}
+
+/* Gives a point its part of the spring of its body. */
+DEM_INLINE void dem__divide_point(dem__convex_point *p, int springs) {
+    p->weight /= (double)springs, p->count /= (double)springs;
+}
+
+/* The number of springs that the points of a pair are to be divided by, and its slope, from c: 1 up to 2, c/2 from 2.5
+   on. */
+typedef struct dem__division {
+    double by, slope;
+} dem__division;
+DEM_INLINE dem__division dem__divide(double c) {
+    const double from = 2.0, to = 2.5, x = dem__clamp((c - from) / (to - from), 0.0, 1.0);
+    dem__division d;
+    d.by = c < to ? 1.0 + 0.25 * x * x * (2.0 - x) : 0.5 * c;
+    d.slope = c < to ? 0.5 * x * (4.0 - 3.0 * x) : 0.5;
+    return d;
+}
+
+/* Sets the parts of a pair's n points in its law and the factors of their springs. Returns its energy over k/p. */
+static inline double dem__share_points(dem__convex_point *p, int n, double power) {
+    const double half = 0.5 * power;
+    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0,
+           head = 1.0; /* head: square of the crossing of an end */
+    for (int k = 0; k < n; k++) most = p[k].gap * p[k].gap > most ? p[k].gap * p[k].gap : most;
+    for (int k = 0; k < n; k++) {
+        const double t = p[k].gap * p[k].gap / most;
+        first += p[k].count * t, second += p[k].count * t * t, sum += p[k].count * dem__energy_at(t, power);
+    }
+    if (n == 0) return 0.0;
+    const dem__division divided = dem__divide(first * first / second);
+    const double lost = sum * divided.slope / (divided.by * divided.by), per = first / second;
+    for (int k = 0; k < n; k++) {
+        const double l = p[k].count, w = p[k].weight, own = p[k].gap * p[k].gap / most, t = l > 0.0 ? head = own : head;
+        double spring = dem__energy_at(t, power) / t * (w + (half - 1.0) * l) / divided.by;
+        if (lost > 0.0) spring -= lost * per * (2.0 * w - per * t * (w + l));
+        p[k].spring = power > 2.0 ? spring / (half * sqrt(sqrt(own))) : spring;
+        p[k].weight = l / divided.by;
+    }
+    return sum / divided.by * dem__energy_at(most, power);
+}
+
+/* Sums of a pair: its energy over k/p; over the stiffness the forces of the law by the parts, and of the springs. */
+typedef struct dem__shared {
+    double energy, parts, springs, whole; /* whole: sum of the parts */
+    dem_vec normal, on_i, on_j;           /* the forces by the parts, and their moments about the centres */
+} dem__shared;
+
+/* Returns how much a force of 1 N with a moment about the centre of particle i moves i where it acts [1/kg]. */
+DEM_INLINE double dem__per_mass_at(const dem_world *w, ptrdiff_t i, dem_vec moment) {
+    const dem_convex *s = dem__shape_of(w, i);
+    double sum = 1.0;
+    if (dem__is_fixed(w, i)) return 0.0;
+    if (s) {
+        const dem_vec t = dem__into_core(&w->engine->convex.place[i], moment);
+        sum += s->volume * (t.x * t.x / s->moment[0] + t.y * t.y / s->moment[1] + t.z * t.z / s->moment[2]);
+    }
+    return sum / w->particle[i].mass;
+}
+
+/* Returns the factor of the closing speed that makes the pair's dashpot that of the resultant: the law's own is that of
+   the whole masses and of the pair's spring. */
+static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, const dem__shared *s,
+                                     double power) {
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    const double length = dem__length(s->normal), least = 0.5 * s->parts; /* normals may face each other */
+    const double per = 1.0 / (length > least ? length : least), depth = s->energy / s->springs;
+    double whole = dem__per_mass_at(w, pair->i, none), here = dem__per_mass_at(w, pair->i, dem__scale(per, s->on_i));
+    if (pair->j >= 0) {
+        whole += dem__per_mass_at(w, pair->j, none);
+        here += dem__per_mass_at(w, pair->j, dem__scale(per, s->on_j));
+    }
+    const double stiffness = s->energy / dem__energy_at(depth * depth, power); /* over that of the pair */
+    return here > 0.0 ? sqrt(stiffness * whole / here) / s->whole : 1.0;
+}
+
+/* Completes the n points of a pair, and removes ends. apart: from the centre of j to that of i. energy: of the pair over
+   k/p. The parts are raised so that friction, which they limit, counts on the whole force. Returns the number of points
+   left. */
+static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, double energy,
+                                     dem__convex_point *p, int n) {
+    const double power = w->engine->run.power;
+    dem__shared s;
+    int kept = 0;
+    memset(&s, 0, sizeof s);
+    s.energy = energy;
+    for (int k = 0; k < n; k++) {
+        const double force = dem__force_at(p[k].gap * p[k].gap, power), part = p[k].weight * force;
+        s.parts += part, s.springs += p[k].spring * force;
+        s.normal = dem__plus(s.normal, part, p[k].normal);
+        s.on_i = dem__plus(s.on_i, part, dem__cross(p[k].at, p[k].normal));
+        s.on_j = dem__plus(s.on_j, part, dem__cross(dem__add(p[k].at, apart), p[k].normal));
+    }
+    const double raise = dem__clamp(s.springs / s.parts, 0.25, 4.0);
+    s.springs = raise * s.parts;
+    for (int k = 0; k < n; k++) s.whole += raise * p[k].weight;
+    const double damping = dem__damping_of(w, pair, &s, power);
+    for (int a = 0; a < 9; a++) pair->pull[a] = 0.0;
+    for (int k = 0; k < n; k++) {
+        const double part = raise * p[k].weight,
+                     more = (p[k].spring - part) * dem__force_at(p[k].gap * p[k].gap, power);
+        const dem_vec f = dem__scale(more, p[k].normal), on_i = dem__cross(p[k].at, f),
+                      on_j = dem__cross(dem__add(p[k].at, apart), f);
+        for (int a = 0; a < 3; a++) {
+            pair->pull[a] += dem_axis(f, a);
+            pair->pull[3 + a] += dem_axis(on_i, a), pair->pull[6 + a] -= dem_axis(on_j, a);
+        }
+        p[k].damping = damping, p[k].pull = p[k].weight / s.parts, p[k].weight = part;
+        if (p[k].count > 0.0) p[kept++] = p[k];
+    }
+    return kept;
+}
+
 /* ------------------------------------------------------------------------------------------- >>polyhedra/entered.h */
 /* Two cores that are in each other: they are pushed apart along the direction of least overlap. Reads shapes, places
    and the points of a pair; adds one point and lowers the weights of the others. Promises: forces stay the gradient of a
    potential (of a linear law); nothing changes where cores begin to overlap; deep cores have one way only, apart. */
 
-#define DEM__DEEP_SPRINGS 4.0 /* springs of a pair whose cores are deep in each other: as many as a face has corners */
-#define DEM__DEEP 1.0         /* overlap of cores over the radii of the roundings from which on nothing else acts */
+#define DEM__DEEP 1.0 /* overlap of cores over the radii of the roundings from which on nothing else acts */
 
 /* The corners of a core that are farthest along a direction: how many, their mean, and two of them. */
 typedef struct dem__farthest_part {
@@ -18471,28 +18698,30 @@ static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem_
 }
 
 /* Adds the point at which two overlapping cores are pushed apart to the n points of a pair. With U, the energy of these
-   over the stiffness, and that of the point, V = c (radii + depth)^2/2, the energy of the pair is (1 - s) U + s V, where
-   s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. */
+   over k/p, and that of the point, V = (radii + depth)^p, the energy of the pair is (1 - s) U + s V, where s goes from 0
+   to 1 with the depth. Forces are its gradient. Returns the number of points. power: p; energy: U, then that of the pair. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
-                                  const dem__placed *pb, const dem__gap_of_cores *gap, dem__convex_point *out, int n) {
+                                         const dem__placed *pb, const dem__gap_of_cores *gap, double power,
+                                         double *energy, dem__convex_point *out, int n) {
     const double radii = a->radius + b->radius, depth = -gap->separation, overlap = radii + depth,
                  over = depth / (DEM__DEEP * radii);
     const double x = dem__clamp(over, 0.0, 1.0), s = x * x * (3.0 - 2.0 * x),
                  slope = 6.0 * x * (1.0 - x) / (DEM__DEEP * radii);
-    double energy = 0.0;
+    const double force = dem__force_at(overlap * overlap, power);
     if (!(depth > 0.0)) return n;
     if (n == DEM__POINTS_MAX) n--;
     for (int k = 0; k < n; k++) {
-        energy += 0.5 * out[k].weight * out[k].gap * out[k].gap;
-        out[k].weight *= 1.0 - s;
+        out[k].weight *= 1.0 - s, out[k].spring *= 1.0 - s;
     }
     const dem__farthest_part of_a = dem__find_part(a, pa, dem__scale(-1.0, gap->normal)),
                              of_b = dem__find_part(b, pb, gap->normal);
     dem__convex_point *point = &out[n];
-    point->key = 2 * DEM_CORNERS_MAX + 5 * DEM_EDGES_MAX * DEM_EDGES_MAX, point->taken = 0;
-    point->normal = gap->normal, point->gap = -overlap;
+    point->key = 2 * DEM_CORNERS_MAX + 5 * DEM_EDGES_MAX * DEM_EDGES_MAX;
+    dem__count_point(point, -overlap);
+    point->normal = gap->normal;
     point->at = dem__meeting_point(&of_a, &of_b);
-    point->weight = s * DEM__DEEP_SPRINGS + slope * (0.5 * DEM__DEEP_SPRINGS * overlap - energy / overlap);
+    point->weight = s, point->spring = s + slope * (overlap - *energy / force) / power;
+    *energy = (1.0 - s) * *energy + s * overlap * force;
     return n + 1;
 }
 
@@ -18751,7 +18980,8 @@ static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *
     out->gap = distance - radius - s->radius;
     out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
     if (!(out->gap < 0.0)) return 0;
-    out->key = out->taken = 0, out->weight = 1.0;
+    out->key = 0;
+    dem__count_point(out, out->gap);
     out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
     return 1;
 }
@@ -18775,7 +19005,7 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
                         : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
         if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
-        return n;
+        return n > 0 ? dem__finish_points(w, p, d, dem__share_points(out, n, w->engine->run.power), out, n) : 0;
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
@@ -18791,7 +19021,14 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
         apart = gap.separation, p->axis = gap.normal;
     }
     int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
-    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, out, n);
+    const double power = w->engine->run.power;
+    for (int k = 0; k < n; k++) {
+        const int of_a = out[k].key < DEM_CORNERS_MAX, of_b = !of_a && out[k].key < 2 * DEM_CORNERS_MAX;
+        dem__divide_point(&out[k], of_a || (!of_b && a->springs > b->springs) ? a->springs : b->springs);
+    }
+    double energy = dem__share_points(out, n, power);
+    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &energy, out, n);
+    if (n > 0) n = dem__finish_points(w, p, d, energy, out, n);
     if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
     return n;
 }
@@ -18804,7 +19041,10 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
     const dem_convex *s = dem__shape_of(w, p->i);
     const dem__placed *place = &w->engine->convex.place[p->i];
     int may_cut, is_cut = 0;
-    const int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
+    int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
+    for (int k = 0; k < n; k++) dem__divide_point(&out[k], s->springs);
+    const double energy = dem__share_points(out, n, w->engine->run.power);
+    if (n > 0) n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), energy, out, n);
     for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
     *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
     if (n == 0 && dem__may_rest_at_wall(w, p->i))
@@ -18881,6 +19121,7 @@ DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_poin
     dem__set_place_vec(w, DEM__PLACE_NORMAL, c, p->normal);
     dem__set_place_vec(w, DEM__PLACE_ARM, c, p->at);
     place[DEM__PLACE_GAP][c] = p->gap, place[DEM__PLACE_WEIGHT][c] = p->weight;
+    place[DEM__PLACE_DAMPING][c] = p->damping, place[DEM__PLACE_PULL][c] = p->pull;
 }
 
 /* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall,
@@ -18897,6 +19138,7 @@ static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__co
     }
     dem__set_place(w, c, p);
     contacts->touch[DEM__PLACE_CURVATURE][c] = touch.curvature;
+    contacts->touch[DEM__PLACE_WAS][c] = p->weight;
     dem__set_place_vec(w, DEM__PLACE_BEFORE, c, p->normal);
 }
 
@@ -18911,11 +19153,14 @@ static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t e
             const dem__convex_pair *p = &w->engine->convex.pair[-2 - contacts->near[c]];
             dem__convex_point *point = w->engine->convex.point + p->first, *stop = point + p->count;
             dem__set_place_vec(w, DEM__PLACE_BEFORE, c, dem__place_normal(w, c));
+            contacts->touch[DEM__PLACE_WAS][c] = contacts->touch[DEM__PLACE_WEIGHT][c];
             while (point < stop && point->key != contacts->element[c]) point++;
             if (point < stop) {
                 dem__set_place(w, c, point);
                 point->taken = 1;
-            } else contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius;
+            } else
+                contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius,
+                contacts->touch[DEM__PLACE_PULL][c] = 0.0;
         }
     }
 }
@@ -19016,13 +19261,6 @@ static inline int dem__list_convex_pairs(dem_world *w) {
    the centres of the bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are
    left as they are. */
 
-/* Returns particle i's mass over the mass that it has at a point of contact: 1 for a sphere; for a polyhedron, which
-   turns aside, the mean. */
-DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
-    const dem_convex *s = dem__shape_of(w, i);
-    return s ? 1.0 / s->share : 1.0;
-}
-
 /* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre.
  */
 DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
@@ -19037,6 +19275,45 @@ DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, i
     const double reach = t->sum[k] + b->gap[k];
     return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k],
                     arm.z + b->dz[k] - reach * b->nz[k]);
+}
+
+/* Returns a vector whose part along n is larger by a factor 1 + more. */
+DEM_INLINE dem_vec dem__speed_up(dem_vec v, dem_vec n, double more) { return dem__plus(v, more * dem__dot(v, n), n); }
+
+/* Calls the law of the run for the springs of row k alone, with these states. */
+static inline void dem__spring_of(const dem_world *w, const dem__type_rows *t, int k, double gap, const double *state,
+                                  dem_response *r) {
+    const dem_law *law = w->engine->run.law;
+    dem_contact q;
+    double s[DEM_STATE_MAX], constant[DEM_CONSTANTS_MAX];
+    memset(&q, 0, sizeof q), memset(r, 0, sizeof *r);
+    for (int a = 0; a < law->states; a++) s[a] = state ? state[a] : 0.0;
+    for (int a = 0; a < law->constants; a++) constant[a] = t->constant[a][k];
+    q.gap = gap, q.normal[2] = 1.0, q.mass = t->mass[k], q.rate = 1.0 / w->engine->run.dt, q.share = 1.0;
+    q.constants = constant, q.user = w->user;
+    law->force(&q, s, r);
+}
+
+/* Fits the stored friction of the contact in slot c to the change of its weight: a larger weight leaves the force as it
+   is, a smaller one the displacement. So the change takes energy and never gives any. Finds how much. */
+static inline void dem__fit_friction(const dem_world *w, const dem__type_rows *t, int k, ptrdiff_t c) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem_law *law = w->engine->run.law;
+    const double weight = contacts->touch[DEM__PLACE_WEIGHT][c], was = contacts->touch[DEM__PLACE_WAS][c];
+    const double gap = contacts->touch[DEM__PLACE_GAP][c],
+                 keep = fabs(weight) > fabs(was) ? fabs(was) / fabs(weight) : 1.0;
+    double state[DEM_STATE_MAX], any = 0.0;
+    contacts->touch[DEM__PLACE_WAS][c] = 0.0;
+    if (weight == was || !(gap < 0.0)) return;
+    for (int a = 0; a < law->states; a++)
+        state[a] = contacts->state[a][c], any += a < 3 * law->vectors ? fabs(state[a]) : 0.0;
+    if (any == 0.0) return;
+    if (w->engine->ledger.on) {
+        dem_response with, without;
+        dem__spring_of(w, t, k, gap, state, &with), dem__spring_of(w, t, k, gap, NULL, &without);
+        contacts->touch[DEM__PLACE_WAS][c] = (was - keep * keep * weight) * (with.elastic - without.elastic);
+    }
+    for (int a = 0; a < 3 * law->vectors; a++) contacts->state[a][c] = keep * state[a];
 }
 
 /* Fills row k of a polyhedron's contact with another body or a wall. */
@@ -19060,7 +19337,8 @@ static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const 
         at->velocity = other_v;
         other_v = dem__plus(other_v, -half, other_a);
     }
-    const dem_vec dv = dem__sub(v, other_v), da = dem__sub(a, other_a),
+    const double more = w->engine->contacts.touch[DEM__PLACE_DAMPING][c] - 1.0; /* of the speed along the normal */
+    const dem_vec dv = dem__speed_up(dem__sub(v, other_v), n, more), da = dem__speed_up(dem__sub(a, other_a), n, more),
                   turned = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
     b->vx[k] = dv.x, b->vy[k] = dv.y, b->vz[k] = dv.z, b->ax[k] = da.x, b->ay[k] = da.y, b->az[k] = da.z;
     b->wi[0][k] = w->particle[i].spin.x, b->wi[1][k] = w->particle[i].spin.y, b->wi[2][k] = w->particle[i].spin.z;
@@ -19071,10 +19349,22 @@ static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b
                                                 ptrdiff_t base, int n, double half, dem__wall_row *wall) {
     for (int k = 0, q = 0; k < n; k++) {
         const int at_wall = w->engine->contacts.j[base + k] < 0;
-        if (dem__is_convex_contact(w, base + k))
+        if (dem__is_convex_contact(w, base + k)) {
+            if (!w->engine->run.only_ledger) dem__fit_friction(w, t, k, base + k);
             dem__fill_convex_row(w, b, t, k, base + k, half, at_wall ? &wall[q] : NULL);
+        }
         q += at_wall;
     }
+}
+
+/* Adds to row k its part of what the springs of its pair exert beyond their parts in the law. */
+static inline void dem__pull(const dem_world *w, const dem__type_rows *t, ptrdiff_t c, double *const *out, int k) {
+    const double part = w->engine->contacts.touch[DEM__PLACE_PULL][c],
+                 *pull = w->engine->convex.pair[-2 - w->engine->contacts.near[c]].pull;
+    dem_response spring;
+    if (part == 0.0) return;
+    dem__spring_of(w, t, k, w->engine->contacts.touch[DEM__PLACE_GAP][c], NULL, &spring);
+    for (int a = 0; a < 9; a++) out[a][k] += part * spring.contact * pull[a];
 }
 
 /* Multiplies a block's forces by their weights, and adds torques about the centres of its bodies. */
@@ -19086,20 +19376,23 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
     for (int k = 0; k < n; k++) {
         const ptrdiff_t c = base + k;
         if (!dem__is_convex_contact(w, c)) continue;
-        const double weight = contacts->touch[DEM__PLACE_WEIGHT][c];
+        const double weight = contacts->touch[DEM__PLACE_WEIGHT][c],
+                     power = weight / contacts->touch[DEM__PLACE_DAMPING][c]; /* of its true speed */
         const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
         for (int a = 0; a < 9; a++) out[a][k] *= weight;
         const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f),
                       on_j = dem__cross(other, f);
         for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
-        if (!(features & DEM_ENERGY) || weight == 1.0) continue;
+        if (!w->engine->run.only_ledger) dem__pull(w, t, c, out, k);
+        if (!(features & DEM_ENERGY)) continue;
         /* losses by powers are means of the power before, which has its weight, and of the power now; without a force,
            the energy of the spring is lost */
         if (fabs(before[k]) + fabs(at->force[k]) == 0.0) at->loss[0][k] -= (weight - 1.0) * at->elastic[k];
-        else at->loss[0][k] += (weight - 1.0) * half * at->power[0][k];
+        else at->loss[0][k] += (power - 1.0) * half * at->power[0][k];
         at->loss[2][k] += (weight - 1.0) * half * at->power[1][k];
         at->elastic[k] *= weight, at->loss[1][k] *= weight;
-        for (int a = 0; a < 2; a++) at->power[a][k] *= weight;
+        if (!w->engine->run.only_ledger) at->loss[1][k] += contacts->touch[DEM__PLACE_WAS][c];
+        at->power[0][k] *= power, at->power[1][k] *= weight;
     }
 }
 
@@ -19116,9 +19409,9 @@ static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, p
 /* Sets what a law needs of a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
 static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    const double per_i = dem__is_fixed(w, i) ? 0.0 : dem__per_share(w, i) / w->particle[i].mass;
+    const double per_i = dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
     b->radius_i = dem__touching_radius(w, i);
-    b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
+    b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? 1.0 / w->particle[j].mass : 0.0));
     if (j >= 0) b->radius_j = dem__touching_radius(w, j);
     else b->curvature = w->engine->contacts.touch[DEM__PLACE_CURVATURE][c];
 }
@@ -20002,7 +20295,7 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
     if (!mesh || !mesh->vertex || !mesh->triangle) wrong = "there is no mesh";
     else if (mesh->vertices < 4) wrong = "there are fewer than 4 corners";
     else if (mesh->triangles < 4 || mesh->triangles > DEM__CONVEX_MESH_MAX)
-        wrong = "the number of triangles is not 4 .. 4000: dem_make_hull takes the hull of any corners";
+        wrong = "the number of triangles is not 4 .. 4000: take the hull of the corners";
     for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->triangles; k++) {
         if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices)
             wrong = "a triangle has a corner that is not there";
@@ -20107,7 +20400,7 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
         c->faces > DEM_FACES_MAX)
         return 0;
     int sound = c->deviation >= 0.0 && c->deviation <= DBL_MAX && dem__positive(c->radius) && dem__positive(c->reach) &&
-                dem__positive(c->volume) && c->share > 0.0 && c->share <= 1.0 && c->face_start[0] == 0 &&
+                dem__positive(c->volume) && dem__positive(c->rate) && c->springs > 0 && c->face_start[0] == 0 &&
                 c->face_start[c->faces] == 2 * c->edges;
     for (int k = 0; k < 3; k++) sound &= dem__positive(c->moment[k]);
     for (int k = 0; k < 3 * c->corners; k++) sound &= fabs(c->corner[k / 3][k % 3]) <= c->reach;
@@ -20649,11 +20942,13 @@ static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int materi
     memset(&b, 0, sizeof b);
     b.def = &w->def, b.features = features, b.material_i = m, b.material_j = material;
     b.pair = m < material ? &w->def.pair[m][material] : &w->def.pair[material][m];
+    const double springs = s ? (double)s->springs : 1.0; /* of which a corner has one */
     b.radius_i = s ? s->radius : w->particle[i].radius, b.mass = w->particle[i].mass;
-    if (!(features & DEM_HERTZ)) return speed * sqrt(b.mass / b.pair->stiffness);
+    if (!(features & DEM_HERTZ)) return speed * sqrt(springs * b.mass / b.pair->stiffness);
     dem_prepare_hertz(&b, constants);
     return speed / 2.943275175395 *
-           dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K], constants[DEM__HERTZ_RADIUS], b.mass, speed);
+           dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K] / springs, constants[DEM__HERTZ_RADIUS], b.mass,
+                                  speed);
 }
 
 /* Sets the advised stiffness, and how deep bodies get with the present one. A pair of bodies, whose mass is less and
@@ -20665,7 +20960,9 @@ static inline void dem__advise_stiffness(const dem_world *w, int features, doubl
     for (ptrdiff_t i = 0; i < w->count; i++) present[w->material[i]] |= w->alive[i] != 0;
     for (int k = 0; k < w->walls; k++) present[w->wall[k].material] |= dem__has_surface(&w->wall[k]);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const double deep = dem__deep_overlap(w, i), needed = w->particle[i].mass * (speed / deep) * (speed / deep);
+        const dem_convex *s = dem__shape_of(w, i);
+        const double deep = dem__deep_overlap(w, i), springs = s ? (double)s->springs : 1.0,
+                     needed = springs * w->particle[i].mass * (speed / deep) * (speed / deep);
         if (!w->alive[i] || dem__is_fixed(w, i)) continue;
         a->stiffness = needed > a->stiffness ? needed : a->stiffness;
         for (int m = 0; m < w->def.materials; m++) {
@@ -20731,7 +21028,9 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
 static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) return w->particle[i].mass;
-    const double arm = dem__shape_of(w, i) ? w->particle[i].radius : dem__length(w->engine->bodies.offset[i]);
+    const dem_convex *s = dem__shape_of(w, i);
+    if (s) return r->mass / s->rate;
+    const double arm = dem__length(w->engine->bodies.offset[i]);
     const double two = r->moments.x < r->moments.y ? r->moments.x : r->moments.y,
                  least = two < r->moments.z ? two : r->moments.z;
     return 1.0 / (1.0 / r->mass + arm * arm / least);

@@ -494,7 +494,7 @@ CONTACT_API int contact_is_bond(const dem_world *world, ptrdiff_t k) { return de
 
 CONTACT_API ptrdiff_t contact_bond_touching(dem_world *world) {
     ptrdiff_t made = 0;
-    for (ptrdiff_t k = 0; world->user && k < dem_contact_count(world); k++) {
+    for (ptrdiff_t k = 0; world && world->user && k < dem_contact_count(world); k++) {
         dem_contact_info c = dem_get_contact(world, k);
         if (c.state[CONTACT_WHOLE] > 0.0 || !(c.gap < 0.0) || !contact__bonds(world, &c)) continue;
         c.state[CONTACT_WHOLE] = 2.0;

@@ -69,11 +69,12 @@ static double pitch(const gap *g) { return 2.0 * RIDDLE_PI / g->machine.wheel.pa
 /* ---- contacts: a spring whose contact time is the same for all sizes; each beginning is counted ---- */
 
 static double prepare(const dem_birth *birth, double *constants) {
-    const double *contact_time = birth->user ? &((const record *)birth->user)->g->contact_time : NULL;
+    const gap *g = birth->user ? ((const record *)birth->user)->g : NULL;
     dem_birth b = *birth;
     dem_pair_def pair = *birth->pair;
-    const double damping = log(pair.restitution), t = contact_time ? *contact_time : 1e-7;
-    pair.stiffness = b.mass * (RIDDLE_PI * RIDDLE_PI + damping * damping) / (t * t);
+    const double damping = log(pair.restitution), t = g ? g->contact_time : 1e-7;
+    const double springs = g && g->shape == BRICK ? 4.0 : 1.0; /* a corner of a brick has a quarter of the spring */
+    pair.stiffness = springs * b.mass * (RIDDLE_PI * RIDDLE_PI + damping * damping) / (t * t);
     b.pair = &pair;
     return dem_prepare_linear(&b, constants);
 }

@@ -483,7 +483,7 @@ static void test_shapes_that_are_none(void **state) {
 #define REFUSED(change) (bad = good, change, assert_int_equal(dem_add_shape(&w, &bad), -(int)DEM_BAD_ARGUMENT))
     REFUSED(bad.corners = 33), REFUSED(bad.corners = -1), REFUSED(bad.edges = INT_MAX), REFUSED(bad.faces = 1000), REFUSED(bad.faces = 0);
     REFUSED(bad.face_corner[3] = 200), REFUSED(bad.edge[2][1] = 32), REFUSED(bad.edge_face[0][0] = 60), REFUSED(bad.face_start[1] = 0);
-    REFUSED(bad.radius = (double)NAN), REFUSED(bad.reach = (double)INFINITY), REFUSED(bad.volume = 0.0), REFUSED(bad.share = 0.0);
+    REFUSED(bad.radius = (double)NAN), REFUSED(bad.reach = (double)INFINITY), REFUSED(bad.volume = 0.0), REFUSED(bad.rate = 0.0), REFUSED(bad.springs = 0);
     REFUSED(bad.moment[1] = -1.0), REFUSED(bad.corner[5][2] = 1e9), REFUSED(bad.plane[4][0] = (double)NAN);
 #undef REFUSED
     assert_int_equal(dem_add_shape(&w, &good), 0);

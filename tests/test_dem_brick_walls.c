@@ -67,7 +67,7 @@ static void add_support(dem_world *w, int kind) {
 /* A brick across them touches with its faces and edges, no corner: it lies still, as deep as its springs, and its energy stays. */
 static void test_rests_across(void **state) {
     (void)state;
-    const int springs[KINDS] = {4, 8, 8, 8}; /* two edges over each bar; over both its sides; of a screen also the bars across */
+    const double springs[KINDS] = {1, 2, 2, 2}; /* a quarter at each point: two edges over each bar; over both its sides; of a screen also the bars across */
     for (int kind = 0; kind < KINDS; kind++) {
         dem_world w;
         make(&w, 1e-5, 1e4, 0.5, 0.5, down);
@@ -110,9 +110,10 @@ static void test_holes(void **state) {
         put(&w, kind == 1 || kind == 5 ? dem_vec3(0.016, 0.004, 0.004) : dem_vec3(0.016, 0.014, 0.004), dem_vec3(0, 0, 0.002), straight);
         RUN(&w, 0.5);
         /* points of the rim; four crossings, two points of the rim; the tip; points of both rims; four corners, points of the rim */
-        const int springs[6] = {16, 6, 1, 32, 20, 6};
-        near(0.002 - dem_position(&w, 0).z, dem_mass(&w, 0) * 9.81 / (springs[kind] * 1e4), 1e-9);
-        assert_int_equal(dem_contact_count(&w), springs[kind]);
+        const int points[6] = {16, 6, 1, 32, 20, 6};
+        const double springs = fmin(0.25 * points[kind], 2.0); /* a quarter at each, two at most */
+        near(0.002 - dem_position(&w, 0).z, dem_mass(&w, 0) * 9.81 / (springs * 1e4), 1e-9);
+        assert_int_equal(dem_contact_count(&w), points[kind]);
         assert_true(dem__length(dem_velocity(&w, 0)) < 1e-9);
         dem_free(&w);
     }
@@ -127,7 +128,7 @@ static void test_inside(void **state) {
     put(&w, dem_vec3(0.01, 0.012, 0.02), dem_vec3(0.005, 0.006, 0.01), straight);
     put(&w, dem_vec3(0.01, 0.012, 0.02), dem_vec3(0.02, 0.02, 0.01), straight);
     RUN(&w, 0.5);
-    for (int k = 0; k < 2; k++) near(0.01 - dem_position(&w, k).z, dem_mass(&w, k) * 9.81 / 4e4, 1e-10);
+    for (int k = 0; k < 2; k++) near(0.01 - dem_position(&w, k).z, dem_mass(&w, k) * 9.81 / 1e4, 1e-10);
     assert_true(dem_contact_count(&w) >= 8);
     dem_free(&w);
 }

@@ -39,7 +39,7 @@ static void ground(dem_world *w) { assert_int_equal(dem_add_plane(w, 0, dem_vec3
 
 #define RUN(w, time) assert_int_equal(dem_run(w, time, DEM_LINEAR | DEM_FRICTION), DEM_OK)
 
-/* Standing, it sinks by m g/(4 k); on a face of another brick as well. */
+/* Standing, it sinks by m g/k; on a face of another brick as well. */
 static void test_rest(void **state) {
     (void)state;
     dem_world w;
@@ -51,9 +51,9 @@ static void test_rest(void **state) {
     put(&w, shape, 0.1, 0, 0.0204, 1, 0, 0, 0);
     RUN(&w, 2.0);
     const double m = dem_mass(&w, 0), load = m + dem_mass(&w, 1);
-    near(0.0104 - dem_position(&w, 0).z, m * 9.81 / 4e4, 1e-12);
-    near(0.005 - dem_position(&w, 1).z, load * 9.81 / 4e4, 1e-11);
-    near(dem_position(&w, 1).z + 0.0154 - dem_position(&w, 2).z, m * 9.81 / 4e4, 1e-11);
+    near(0.0104 - dem_position(&w, 0).z, m * 9.81 / 1e4, 1e-12);
+    near(0.005 - dem_position(&w, 1).z, load * 9.81 / 1e4, 1e-11);
+    near(dem_position(&w, 1).z + 0.0154 - dem_position(&w, 2).z, m * 9.81 / 1e4, 1e-11);
     assert_int_equal(dem_contact_count(&w), 12);
     assert_int_equal(dem_core_overlaps(&w), 0);
     dem_free(&w);
@@ -91,7 +91,9 @@ static void test_contacts_read(void **state) {
             const dem_vec f = c.force, x = c.j < 0 ? w.wall[plane].position : dem_position(&w, 0);
             dem_vec r = dem_vec3(c.point.x - x.x, c.point.y - x.y, c.point.z - x.z);
             r.x -= 0.1 * floor(r.x / 0.1 + 0.5);
-            const dem_vec t = dem_vec3(r.y * f.z - r.z * f.y, r.z * f.x - r.x * f.z, r.x * f.y - r.y * f.x);
+            const dem_vec own = c.couple;
+            dem_vec t = dem_vec3(r.y * f.z - r.z * f.y, r.z * f.x - r.x * f.z, r.x * f.y - r.y * f.x);
+            t.x += own.x, t.y += own.y, t.z += own.z;
             const double along = f.x * c.normal.x + f.y * c.normal.y + f.z * c.normal.z;
             const double aside = sqrt(fabs(f.x * f.x + f.y * f.y + f.z * f.z - along * along));
             dem_vec *sum = c.j < 0 ? &on_wall : &on_body, *turn = c.j < 0 ? &wall_twist : &twist;
@@ -121,7 +123,7 @@ static void test_slide(void **state) {
     make(&w, 1e-5, 1e4, 0.5, 0.3, 0.8, dem_vec3(9.81 * 0.5, 0, -9.81 * sqrt(0.75)), 1);
     ground(&w);
     const int shape = brick(&w, 0.01, 0.01, 0.0208, 0.03);
-    put(&w, shape, 0, 0, 0.005 - 1000 * 2.08e-6 * 9.81 * sqrt(0.75) / 4e4, 1, 1, 0, 0);
+    put(&w, shape, 0, 0, 0.005 - 1000 * 2.08e-6 * 9.81 * sqrt(0.75) / 1e4, 1, 1, 0, 0);
     RUN(&w, 0.2);
     const double before = dem_velocity(&w, 0).x;
     RUN(&w, 0.2);
@@ -210,8 +212,8 @@ static dem_vec angular(const dem_world *w) {
     return sum;
 }
 
-/* Elastic hits of bricks, at so many steps a contact: the root mean square error of the energy; momenta are kept. */
-static double hit_error(int hits, double steps, double friction) {
+/* Elastic hits of bricks by a law, at so many steps a contact: the root mean square error of the energy; momenta are kept. */
+static double hit_error(int hits, double steps, double friction, int law) {
     double sum = 0.0;
     int n = 0;
     seed = 7;
@@ -226,7 +228,7 @@ static double hit_error(int hits, double steps, double friction) {
         dem_set_motion(&w, 1, dem_vec3(-0.5, 0, 0), dem_vec3(0.3 * random_bell(&seed), 0.3 * random_bell(&seed), 0.3 * random_bell(&seed)));
         const double before = energy(&w);
         const dem_vec turning = angular(&w);
-        while (w.time < 3.0 || dem_contact_count(&w) > 0) RUN(&w, 0.1);
+        while (w.time < 3.0 || dem_contact_count(&w) > 0) assert_int_equal(dem_run(&w, 0.1, law | DEM_FRICTION), DEM_OK);
         assert_true(dem__length(dem_momentum(&w)) < 1e-13 * m);
         assert_true(dem__length(dem__sub(angular(&w), turning)) < 1e-13 * m);
         assert_int_equal(dem_core_overlaps(&w), 0);
@@ -238,17 +240,20 @@ static double hit_error(int hits, double steps, double friction) {
 }
 static void test_hits(void **state) {
     (void)state;
-    const double coarse = hit_error(100, 100, 0.0), fine = hit_error(60, 400, 0.0);
-    print_message("energy of a hit: rms error %.2g at t_n/100, %.2g at t_n/400\n", coarse, fine);
-    assert_true(coarse < 2e-3 && fine < 2e-4);
-    hit_error(20, 50, 0.5); /* momenta with friction */
+    const double coarse = hit_error(100, 100, 0.0, DEM_LINEAR), fine = hit_error(60, 400, 0.0, DEM_LINEAR);
+    const double hertz = hit_error(60, 400, 0.0, DEM_HERTZ);
+    print_message("energy of a hit: rms error %.2g at t_n/100, %.2g at t_n/400, Hertz %.2g\n", coarse, fine, hertz);
+    assert_true(coarse < 2e-4 && fine < 1e-5 && hertz < 1e-5);
+    hit_error(20, 50, 0.5, DEM_LINEAR); /* momenta with friction */
 }
 
-/* A brick that falls on a plane, turned at random: restitution of its centre and scatter of its rebound, against the spec's own program. */
+/* A brick that falls on a plane, turned at random: restitution of its centre and scatter of its rebound. The angles are those of the spec's
+   own program; so is the restitution at 0.29. Its dashpot acts on the mean mass at a corner, here it acts on the mass where it is hit, as
+   the test after this one shows. */
 static void test_rebound(void **state) {
     (void)state;
     const double table[5][4] = {
-        {.29, .18, .14, 54}, {.50, .28, .17, 45}, {.65, .34, .19, 41}, {.75, .38, .20, 41}, {.90, .47, .21, 37}};
+        {.29, .18, .10, 51}, {.50, .29, .14, 45}, {.65, .37, .16, 41}, {.75, .42, .18, 41}, {.90, .49, .21, 37}};
     for (int row = 0; row < 5; row++) {
         double sum = 0, squares = 0, angles = 0;
         const int n = 400;
@@ -591,12 +596,174 @@ static void test_as_given(void **state) {
     assert_true(cases > 200 && largest[0] > 20 && largest[1] > 20 && largest[2] > 20 && largest[3] > 20);
 }
 
+
+/* ---- faces, edges and corners that land ---- */
+
+/* An upright prism of 1 mm across and half as high. */
+static int prism(dem_world *w, int sides) {
+    double corner[32][3];
+    dem_convex s;
+    for (int k = 0; k < 2 * sides; k++) {
+        const double turn = 2.0 * pi * (k / 2) / sides + 0.1;
+        corner[k][0] = 5e-4 * cos(turn), corner[k][1] = 5e-4 * sin(turn), corner[k][2] = k % 2 ? 2.5e-4 : -2.5e-4;
+    }
+    assert_int_equal(dem_make_convex(&s, 2 * sides, corner[0], 0.03, NULL), DEM_OK);
+    return dem_add_shape(w, &s);
+}
+
+/* What a prism lands on, and how: on a face, an edge and a corner. */
+enum { ON_PLANE, ON_BOX, ON_CYLINDER, ON_SLAB, GROUNDS };
+enum { FLAT, ON_EDGE, ON_CORNER, LANDINGS };
+
+/* Returns the restitution at the point where a prism hits, without friction. */
+static double landing(int sides, int where, int way, double e, double k, double speed, double density, int law) {
+    dem_world w;
+    dem_def def = dem_default_def();
+    double low = 1.0, most = 0.0, x[3] = {0, 0, 0}, q[4] = {1, 0, 0, 0};
+    dem_vec arm = dem_vec3(0, 0, 0), along = dem_vec3(0, 0, 1); /* of the resultant when it is greatest */
+    dem_add_material(&def, density, 1e7, 0.3);
+    dem_pair_def *pair = dem_pair(&def, 0, 0);
+    pair->stiffness = k, pair->restitution = e, pair->friction = 0.0;
+    def.gravity = dem_vec3(0, 0, 0);
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    const int shape = prism(&w, sides);
+    const dem_convex *s = dem_get_shape(&w, shape);
+    if (way == ON_EDGE) { /* about an edge of the cap */
+        const double turn = 0.1 + pi / sides + pi / 2;
+        q[0] = cos(0.3), q[1] = sin(0.3) * cos(turn), q[2] = sin(0.3) * sin(turn);
+    }
+    if (way == ON_CORNER) q[0] = 1.0, q[1] = 0.35, q[2] = 0.21, q[3] = 0.1;
+    assert_int_equal(dem_add_convex(&w, shape, 1, x, q, 0, 0), DEM_OK);
+    const dem_quaternion turn = dem_orientation(&w, 0);
+    dem__placed place;
+    for (int a = 0; a < 3; a++) { /* the shape's own axes in the world */
+        const dem_vec u = s->axis[a], one = dem__scale(u.x, dem__first_axis(turn)), two = dem__scale(u.y, dem__second_axis(turn));
+        place.axis[a] = dem__add(dem__add(one, two), dem__scale(u.z, dem__third_axis(turn)));
+    }
+    for (int c = 0; c < s->corners; c++) {
+        const double z = dem__dot(dem__from_core_frame(&place, dem__point(s->corner[c])), dem_vec3(0, 0, 1));
+        low = z < low ? z : low;
+    }
+    const double ground_z = low - s->radius - 1e-7;
+    if (where == ON_PLANE) dem_add_plane(&w, 0, dem_vec3(0, 0, ground_z), dem_vec3(0, 0, 1));
+    else if (where == ON_BOX) dem_add_box(&w, 0, dem_vec3(-2e-3, -2.1e-3, ground_z - 1e-3), dem_vec3(2.2e-3, 2e-3, ground_z));
+    else if (where == ON_CYLINDER) dem_add_cylinder(&w, 0, dem_vec3(0, 0, ground_z - 0.05), dem_vec3(1, 0, 0), 0.05, 0);
+    else {
+        const int slab = brick(&w, 5e-3, 5.2e-3, 1e-3, 0.03);
+        put(&w, slab, 1e-4, 2e-4, ground_z - 5e-4, 1, 0, 0, 0.1);
+        assert_int_equal(dem_fix(&w, 1, 1), DEM_OK);
+    }
+    assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0, 0, -speed), dem_vec3(0, 0, 0)), DEM_OK);
+    dem_set_time_step(&w, dem_advise(&w, law | DEM_FRICTION, speed).advised / 4.0);
+    do {
+        assert_int_equal(dem_run(&w, 1e-6, law | DEM_FRICTION), DEM_OK);
+        const dem_vec x0 = dem_position(&w, 0);
+        dem_vec force = dem_vec3(0, 0, 0), sum = dem_vec3(0, 0, 0);
+        double total = 0.0;
+        for (ptrdiff_t c = 0; c < dem_contact_count(&w); c++) {
+            const dem_contact_info at = dem_get_contact(&w, c);
+            const double push = fabs(dem__dot(at.force, at.normal));
+            force = dem__add(force, at.force), total += push;
+            sum = dem__plus(sum, push, dem__sub(at.point, x0));
+        }
+        if (dem__length(force) > most)
+            most = dem__length(force), along = dem__scale(1.0 / most, force), arm = dem__scale(1.0 / total, sum);
+    } while ((dem_contact_count(&w) > 0 || most == 0.0) && w.time < 0.1);
+    const dem_vec v = dem_velocity(&w, 0), spin = dem_spin(&w, 0);
+    dem_free(&w);
+    return dem__dot(dem__add(v, dem__cross(spin, arm)), along) / (speed * fabs(along.z));
+}
+
+/* A face, an edge and a corner rebound with what was asked, however many corners a face has, from walls and bodies, by both laws. */
+static void test_landings(void **state) {
+    (void)state;
+    static const char *const on[GROUNDS] = {"plane", "box", "cylinder", "fixed slab"}, *const as[LANDINGS] = {"face", "edge", "corner"};
+    for (int where = 0; where < GROUNDS; where++) {
+        for (int way = 0; way < LANDINGS; way++) {
+            if (where == ON_CYLINDER && way != FLAT) continue; /* points touch one after the other */
+            double worst = 0.0;
+            for (int k = 0; k < 9; k++) {
+                const int sides = 4 << k % 3, law = k % 2 ? DEM_HERTZ : DEM_LINEAR;
+                const double e = 0.1 + 0.1 * k, stiffness = k % 4 ? 2e4 : 3e3, speed = k % 5 ? 0.02 : 0.05, density = k % 3 ? 2500 : 900;
+                if (law == DEM_HERTZ && (way != FLAT || where == ON_CYLINDER)) continue; /* overlaps are too deep; radii differ */
+                const double got = landing(sides, where, way, e, stiffness, speed, density, law);
+                worst = fmax(worst, fabs(got - e));
+                if (!(fabs(got - e) < 0.02)) print_message("  %d sides, law %d: asked %.1f, got %.3f\n", sides, law, e, got);
+            }
+            print_message("%s on %s: restitution at the point is that asked to %.4f\n", as[way], on[where], worst);
+            assert_true(worst < 0.02);
+        }
+    }
+}
+
+/* Without losses a prism tumbles between six walls, and keeps its energy, however many corners it has. */
+static void test_tumble(void **state) {
+    (void)state;
+    for (int sides = 3; sides <= 16; sides = sides == 3 ? 4 : 2 * sides) {
+        dem_world w;
+        const double x[3] = {0, 0, 0}, d = 1.2e-3;
+        make(&w, 1e-6, 100.0, 1.0, 0.0, 0.8, dem_vec3(0, 0, 0), 1);
+        assert_int_equal(dem_add_convex(&w, prism(&w, sides), 1, x, NULL, 0, 0), DEM_OK);
+        for (int k = 0; k < 6; k++) {
+            const double to = k % 2 ? -1.0 : 1.0;
+            const dem_vec n = dem_vec3(k / 2 == 0 ? to : 0, k / 2 == 1 ? to : 0, k / 2 == 2 ? to : 0);
+            assert_true(dem_add_plane(&w, 0, dem_vec3(-d * n.x, -d * n.y, -d * n.z), n) >= 0);
+        }
+        assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0.02, -0.013, 0.03), dem_vec3(20, -30, 10)), DEM_OK);
+        dem_set_time_step(&w, 0.5 * dem_advise(&w, DEM_LINEAR, 0.04).advised);
+        const double before = energy(&w);
+        double worst = 0.0;
+        int64_t steps = 0;
+        for (int k = 0; k < 8; k++) {
+            RUN(&w, 0.04);
+            steps = w.contact_steps;
+            if (dem_contact_count(&w) == 0) worst = fmax(worst, fabs(energy(&w) / before - 1.0));
+        }
+        print_message("%d sides: energy within %.1e after 0.3 s, %ld steps of contacts\n", sides, worst, (long)steps);
+        assert_true(worst < 1e-3 && steps > 1000);
+        dem_free(&w);
+    }
+}
+
+/* Tablets that lie on each other come to rest at the advised step. */
+static void test_stack_of_tablets(void **state) {
+    (void)state;
+    for (int sides = 4; sides <= 16; sides *= 2) {
+        dem_world w;
+        enum { N = 3 };
+        const double h = 5e-4;
+        double x[3 * N], q[4 * N];
+        make(&w, 1e-6, 100.0, 0.3, 0.5, 0.8, dem_vec3(0, 0, -9.81), 1);
+        dem_pair_def damped = *dem_pair(&w.def, 0, 0);
+        damped.tangential_damping = 1.0; /* without it what they swing sideways below the limit of friction stays */
+        assert_int_equal(dem_set_pair(&w, 0, 0, &damped), DEM_OK);
+        const int shape = prism(&w, sides);
+        for (int k = 0; k < N; k++) {
+            const double turn = 0.1 * k;
+            x[3 * k] = 1e-5 * k, x[3 * k + 1] = -2e-5 * k, x[3 * k + 2] = h * (k + 0.5);
+            q[4 * k] = cos(turn), q[4 * k + 1] = q[4 * k + 2] = 0.0, q[4 * k + 3] = sin(turn);
+        }
+        assert_int_equal(dem_add_convex(&w, shape, N, x, q, 0, 0), DEM_OK);
+        ground(&w);
+        const double scale = dem_mass(&w, 0) * 9.81 * h;
+        dem_set_time_step(&w, dem_advise(&w, DEM_LINEAR, 0.1).advised);
+        assert_int_equal(dem_run(&w, 0.1, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY), DEM_OK);
+        const double open = dem_energy(&w).error;
+        assert_int_equal(dem_run(&w, 0.1, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY), DEM_OK);
+        print_message("%d sides: kinetic %.1e m g h, energy open by %.1e m g h a second\n", sides, energy(&w) / scale,
+                      (dem_energy(&w).error - open) / 0.1 / scale);
+        assert_true(energy(&w) < 1e-12 * scale && fabs(dem_energy(&w).error - open) < 0.1 * 1e-6 * scale);
+        dem_free(&w);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rest),     cmocka_unit_test(test_contacts_read),
         cmocka_unit_test(test_slide),    cmocka_unit_test(test_tip),
         cmocka_unit_test(test_rock),     cmocka_unit_test(test_hits),
-        cmocka_unit_test(test_rebound),  cmocka_unit_test(test_pile),
+        cmocka_unit_test(test_rebound), cmocka_unit_test(test_landings), cmocka_unit_test(test_tumble),
+        cmocka_unit_test(test_stack_of_tablets),  cmocka_unit_test(test_pile),
         cmocka_unit_test(test_spheres),  cmocka_unit_test(test_feed),
         cmocka_unit_test(test_refused),  cmocka_unit_test(test_memory),
         cmocka_unit_test(test_groups),   cmocka_unit_test(test_saved_in_a_funnel),

@@ -302,8 +302,9 @@ typedef struct dem_advice {
     double dashpot;  /* m_eff/gamma of the strongest dashpot */
     double advised;  /* min(t_c/20, 0.2 rayleigh for DEM_HERTZ, dashpot/2); with polyhedra 0.4 of it */
     /* For hits at the given speed v, of each body with all of its mass m on what does not give way: */
-    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m]: with it in all pairs no overlap is
-                         deeper than d, the rounding of a polyhedron or a tenth of a sphere's radius */
+    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m], for a polyhedron times
+                         dem_convex.springs: with it in all pairs no overlap is deeper than d, the rounding of a
+                         polyhedron or a tenth of a sphere's radius */
     double depth;     /* overlap over d with the pairs as they are, of the body that gets deepest; above 1 they are too
                          soft */
 } dem_advice;
@@ -387,6 +388,8 @@ typedef struct dem_contact_info {
                     polyhedra: of the corner, edge or face that touches, so that force acts on i at `point` [m] */
     int element; /* screen: the bar; mesh: 0, 1 ... tell a particle's contacts with it apart */
     double state[DEM_STATE_MAX]; /* of the law */
+    dem_vec couple; /* of polyhedra: the torque on i that `force` at `point` does not have; on j the opposite: rolling
+                       resistance, and what points that share a law exchange [N m]; otherwise 0 */
 } dem_contact_info;
 /* Returns link k = 0 .. dem_link_count-1; gap and force as last evaluated. */
 DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);

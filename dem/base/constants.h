@@ -35,7 +35,8 @@
 #define DEM__OF_CHUNK (6 * DEM__BLOCK)
 #define DEM__CHUNKS 256
 #define DEM__RANK_STEPS 2048 /* steps between two renewals of the order of particles by place: they move little in them */
-/* Steps of a run that pay for putting particles into another order in memory and back, which takes as long as six. */
+/* Steps of a run that pay for putting particles into another order in memory and back, which takes as long as three or
+   four of a dense bed. */
 #define DEM__MOVE_STEPS 64
 #define DEM__SHARE 256       /* items that pay for waking a thread, at about 20 ns each */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */

@@ -63,15 +63,19 @@ typedef struct dem__wall_force {
 enum {
     DEM__PLACE_NORMAL = 0,    /* mesh, polyhedron: normal of the place that it follows (3 numbers) */
     DEM__PLACE_GAP = 3,       /* mesh, polyhedron: gap there [m] */
-    DEM__PLACE_BEFORE = 9,    /* mesh, polyhedron: the normal one step before (3) */
+    DEM__PLACE_BEFORE = 11,   /* mesh, polyhedron: the normal one step before (3) */
     DEM__PLACE_FOOTING = 4,   /* mesh: dem__footing.at (3) */
     DEM__PLACE_SLACK = 7,     /* mesh: dem__footing.slack [m]; 0: no footing */
     DEM__PLACE_FACE = 8,      /* mesh: dem__footing.face */
     DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
     DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
     DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
+    DEM__PLACE_DAMPING = 9,   /* polyhedron: factor of the closing speed [-] */
+    DEM__PLACE_PULL = 10,     /* polyhedron: part of its pair's pull over its spring [1/m; Hertz 1/m1.5] */
+    DEM__PLACE_WAS = 14,      /* polyhedron: factor of the force one step before; then the energy of friction that its
+                                 change takes [J] */
     DEM__KEPT_CURVATURE = 0,  /* sphere at a thin sheet: the same */
-    DEM__PLACES = 12
+    DEM__PLACES = 15
 };
 
 /* Two particles that may touch before the list is built anew. */
@@ -157,6 +161,7 @@ typedef struct dem__run {
     int running;      /* a run or a removal is in progress: functions of the caller may not change the world */
     int ending;       /* the law's hook ended is being called: it may not add links either */
     int keeps_wrenches;
+    double power;    /* of the overlap, to which the elastic energy of a contact is proportional: 2, Hertz 2.5 */
     int turns;       /* whether spins may change in this step: without friction and loads only those of rigid bodies */
     double stiffest; /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
     int has_unset_pairs; /* some pair of different materials was never set */

@@ -19,7 +19,12 @@ typedef struct dem__convex_point {
     int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges, or its ends */
     int32_t taken;      /* a contact uses it */
     dem_vec normal, at; /* from b to a; [m] */
-    double gap, weight; /* [m]; factor of forces: 1, or what an end takes back from a crossing, at least -1 */
+    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1; then the
+                           part that it has in its pair's law */
+    double count;       /* of a corner 1, of a crossing what its ends leave, of an end 0; over the springs of its body */
+    double spring;      /* factor of the force of its spring: polyhedra/share.h */
+    double pull;        /* the part that it has in its pair's pull, over the force of its spring */
+    double damping;     /* factor of the closing speed in the law */
 } dem__convex_point;
 
 /* Two bodies that may touch, at least one of them a polyhedron: particles i < j, or particle i and wall -1 - j. */
@@ -31,7 +36,9 @@ typedef struct dem__convex_pair {
     int64_t origin[2];    /* origin steps of these flights */
     double speed, spin;   /* bounds of the wall's motion on which it relies [m/s], [rad/s] */
     dem__nearest_cache cache;
-    dem_vec axis; /* a direction in which the cores were apart at the last test; 0: none */
+    dem_vec axis;   /* a direction in which the cores were apart at the last test; 0: none */
+    double pull[9]; /* what the springs of its points exert beyond their parts in the law, over the stiffness: force on
+                       i, torques on i and j */
 } dem__convex_pair;
 
 /* The functions that the engine calls for polyhedra, in the order of a step; they are in polyhedra/add.h. The first

@@ -21,7 +21,8 @@ typedef struct dem_convex {
     double reach;     /* from the centroid to the farthest point [m] */
     double volume;    /* [m3] */
     double moment[3]; /* principal moments of inertia over density [m5] */
-    double share;     /* share of its mass that the outermost corner has in an impact, mean over directions [-] */
+    int springs;      /* greatest number of corners of a face: that of corners with the spring of a pair */
+    double rate;      /* square of the highest frequency of a contact of a face or a corner, over k/m */
     dem_vec half;     /* of a box [m] */
     dem_vec centroid; /* in the frame in which the polyhedron was given [m] */
     dem_vec
@@ -74,8 +75,8 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
    length but 0, scalar first, from the frame in which the shape was given to the world's; NULL: as it was given.
    Otherwise as dem_add_spheres. Each is one particle, whose radius is that of the sphere around it. A contact is a
    point: a corner at the other body, or two edges that cross. At each point the pair's law acts between spheres with
-   the rounding radii (of a sphere its own), and the dashpot counts on `share` of a polyhedron's mass; so a face on a
-   face has as many springs as points. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
+   the rounding radii (of a sphere its own); all points of a pair share its spring and its dashpot, so that a
+   face is one contact. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
    need DEM_FRICTION (otherwise DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of
    the radii: cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls
    of every kind. Links of polyhedra are refused with DEM_POLYHEDRON. */

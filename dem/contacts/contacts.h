@@ -160,6 +160,14 @@ static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     return touch.curvature;
 }
 
+/* Returns how much stiffer a contact of polyhedra may be than its spring and masses tell: a body turns. */
+DEM_INLINE double dem__rate_of(const dem_world *w, ptrdiff_t c) {
+    const ptrdiff_t j = w->engine->contacts.j[c];
+    const dem_convex *s = dem__shape_of(w, w->engine->contacts.i[c]), *other = j >= 0 ? dem__shape_of(w, j) : NULL;
+    const double own = s ? s->rate : 1.0;
+    return other && other->rate > own ? other->rate : own;
+}
+
 /* Computes the constants of the contact in slot c; shares those of a contact type that has the same. */
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
     const dem__run *run = &w->engine->run;
@@ -189,7 +197,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         b.mass = w->particle[i].mass;
         b.inertia = inertia;
     }
-    if (dem__is_convex_contact(w, c)) w->engine->convex.calls->prepare(w, c, &b);
+    const int is_convex = dem__is_convex_contact(w, c);
+    if (is_convex) w->engine->convex.calls->prepare(w, c, &b);
     else if (j < 0) b.curvature = dem__curvature_at(w, c);
     b.pair = b.material_i < b.material_j ? &w->def.pair[b.material_i][b.material_j]
                                          : &w->def.pair[b.material_j][b.material_i];
@@ -199,8 +208,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     kind.mass = b.mass;
     kind.sum = b.radius_i + b.radius_j;
     kind.part = b.radius_i / kind.sum;
-    const double k = stiffness * run->dt * run->dt / b.mass;
-    if (k > w->engine->run.stiffest) w->engine->run.stiffest = k;
+    const double k = stiffness * run->dt * run->dt / b.mass, rate = is_convex ? dem__rate_of(w, c) : 1.0;
+    if (rate * k > w->engine->run.stiffest) w->engine->run.stiffest = rate * k;
     kind.predict = dem__prediction(k, 2.0 * b.damping_ratio * sqrt(k));
     while (same < contacts->type_count && memcmp(&contacts->types[same], &kind, sizeof kind) != 0) same++;
     if (same < DEM__TYPES_MAX) {

@@ -22,11 +22,13 @@ static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int materi
     memset(&b, 0, sizeof b);
     b.def = &w->def, b.features = features, b.material_i = m, b.material_j = material;
     b.pair = m < material ? &w->def.pair[m][material] : &w->def.pair[material][m];
+    const double springs = s ? (double)s->springs : 1.0; /* of which a corner has one */
     b.radius_i = s ? s->radius : w->particle[i].radius, b.mass = w->particle[i].mass;
-    if (!(features & DEM_HERTZ)) return speed * sqrt(b.mass / b.pair->stiffness);
+    if (!(features & DEM_HERTZ)) return speed * sqrt(springs * b.mass / b.pair->stiffness);
     dem_prepare_hertz(&b, constants);
     return speed / 2.943275175395 *
-           dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K], constants[DEM__HERTZ_RADIUS], b.mass, speed);
+           dem_hertz_contact_time(0.75 * constants[DEM__HERTZ_K] / springs, constants[DEM__HERTZ_RADIUS], b.mass,
+                                  speed);
 }
 
 /* Sets the advised stiffness, and how deep bodies get with the present one. A pair of bodies, whose mass is less and
@@ -38,7 +40,9 @@ static inline void dem__advise_stiffness(const dem_world *w, int features, doubl
     for (ptrdiff_t i = 0; i < w->count; i++) present[w->material[i]] |= w->alive[i] != 0;
     for (int k = 0; k < w->walls; k++) present[w->wall[k].material] |= dem__has_surface(&w->wall[k]);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const double deep = dem__deep_overlap(w, i), needed = w->particle[i].mass * (speed / deep) * (speed / deep);
+        const dem_convex *s = dem__shape_of(w, i);
+        const double deep = dem__deep_overlap(w, i), springs = s ? (double)s->springs : 1.0,
+                     needed = springs * w->particle[i].mass * (speed / deep) * (speed / deep);
         if (!w->alive[i] || dem__is_fixed(w, i)) continue;
         a->stiffness = needed > a->stiffness ? needed : a->stiffness;
         for (int m = 0; m < w->def.materials; m++) {

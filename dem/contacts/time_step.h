@@ -58,7 +58,9 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
 static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) return w->particle[i].mass;
-    const double arm = dem__shape_of(w, i) ? w->particle[i].radius : dem__length(w->engine->bodies.offset[i]);
+    const dem_convex *s = dem__shape_of(w, i);
+    if (s) return r->mass / s->rate;
+    const double arm = dem__length(w->engine->bodies.offset[i]);
     const double two = r->moments.x < r->moments.y ? r->moments.x : r->moments.y,
                  least = two < r->moments.z ? two : r->moments.z;
     return 1.0 / (1.0 / r->mass + arm * arm / least);

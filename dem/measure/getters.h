@@ -74,8 +74,10 @@ static inline void dem__get_place(const dem_world *w, ptrdiff_t slot, dem_contac
     const double gap = w->engine->contacts.touch[DEM__PLACE_GAP][slot], radius = dem__touching_radius(w, info->i);
     const double part = info->j >= 0 ? radius / (radius + dem__touching_radius(w, info->j)) : 1.0;
     info->normal = dem__place_normal(w, slot);
-    info->point =
-        dem__add(dem_position(w, info->i), dem__plus(dem__place_arm(w, slot), -(radius + part * gap), info->normal));
+    const dem_vec arm = dem__plus(dem__place_arm(w, slot), -(radius + part * gap), info->normal);
+    double *const *torque = w->engine->contacts.wrench + 3;
+    info->point = dem__add(dem_position(w, info->i), arm);
+    info->couple = dem__sub(dem_vec3(torque[0][slot], torque[1][slot], torque[2][slot]), dem__cross(arm, info->force));
 }
 
 /* Finds normal and point of the contact in a slot, or of a link (slot -1): from the present positions, but for

@@ -19,7 +19,7 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
         c->faces > DEM_FACES_MAX)
         return 0;
     int sound = c->deviation >= 0.0 && c->deviation <= DBL_MAX && dem__positive(c->radius) && dem__positive(c->reach) &&
-                dem__positive(c->volume) && c->share > 0.0 && c->share <= 1.0 && c->face_start[0] == 0 &&
+                dem__positive(c->volume) && dem__positive(c->rate) && c->springs > 0 && c->face_start[0] == 0 &&
                 c->face_start[c->faces] == 2 * c->edges;
     for (int k = 0; k < 3; k++) sound &= dem__positive(c->moment[k]);
     for (int k = 0; k < 3 * c->corners; k++) sound &= fabs(c->corner[k / 3][k % 3]) <= c->reach;

@@ -4,13 +4,6 @@
 #pragma once
 #include "../contacts/block.h"
 
-/* Returns particle i's mass over the mass that it has at a point of contact: 1 for a sphere; for a polyhedron, which
-   turns aside, the mean. */
-DEM_INLINE double dem__per_share(const dem_world *w, ptrdiff_t i) {
-    const dem_convex *s = dem__shape_of(w, i);
-    return s ? 1.0 / s->share : 1.0;
-}
-
 /* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre.
  */
 DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
@@ -25,6 +18,45 @@ DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, i
     const double reach = t->sum[k] + b->gap[k];
     return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k],
                     arm.z + b->dz[k] - reach * b->nz[k]);
+}
+
+/* Returns a vector whose part along n is larger by a factor 1 + more. */
+DEM_INLINE dem_vec dem__speed_up(dem_vec v, dem_vec n, double more) { return dem__plus(v, more * dem__dot(v, n), n); }
+
+/* Calls the law of the run for the springs of row k alone, with these states. */
+static inline void dem__spring_of(const dem_world *w, const dem__type_rows *t, int k, double gap, const double *state,
+                                  dem_response *r) {
+    const dem_law *law = w->engine->run.law;
+    dem_contact q;
+    double s[DEM_STATE_MAX], constant[DEM_CONSTANTS_MAX];
+    memset(&q, 0, sizeof q), memset(r, 0, sizeof *r);
+    for (int a = 0; a < law->states; a++) s[a] = state ? state[a] : 0.0;
+    for (int a = 0; a < law->constants; a++) constant[a] = t->constant[a][k];
+    q.gap = gap, q.normal[2] = 1.0, q.mass = t->mass[k], q.rate = 1.0 / w->engine->run.dt, q.share = 1.0;
+    q.constants = constant, q.user = w->user;
+    law->force(&q, s, r);
+}
+
+/* Fits the stored friction of the contact in slot c to the change of its weight: a larger weight leaves the force as it
+   is, a smaller one the displacement. So the change takes energy and never gives any. Finds how much. */
+static inline void dem__fit_friction(const dem_world *w, const dem__type_rows *t, int k, ptrdiff_t c) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    const dem_law *law = w->engine->run.law;
+    const double weight = contacts->touch[DEM__PLACE_WEIGHT][c], was = contacts->touch[DEM__PLACE_WAS][c];
+    const double gap = contacts->touch[DEM__PLACE_GAP][c],
+                 keep = fabs(weight) > fabs(was) ? fabs(was) / fabs(weight) : 1.0;
+    double state[DEM_STATE_MAX], any = 0.0;
+    contacts->touch[DEM__PLACE_WAS][c] = 0.0;
+    if (weight == was || !(gap < 0.0)) return;
+    for (int a = 0; a < law->states; a++)
+        state[a] = contacts->state[a][c], any += a < 3 * law->vectors ? fabs(state[a]) : 0.0;
+    if (any == 0.0) return;
+    if (w->engine->ledger.on) {
+        dem_response with, without;
+        dem__spring_of(w, t, k, gap, state, &with), dem__spring_of(w, t, k, gap, NULL, &without);
+        contacts->touch[DEM__PLACE_WAS][c] = (was - keep * keep * weight) * (with.elastic - without.elastic);
+    }
+    for (int a = 0; a < 3 * law->vectors; a++) contacts->state[a][c] = keep * state[a];
 }
 
 /* Fills row k of a polyhedron's contact with another body or a wall. */
@@ -48,7 +80,8 @@ static inline void dem__fill_convex_row(const dem_world *w, dem__rows *b, const 
         at->velocity = other_v;
         other_v = dem__plus(other_v, -half, other_a);
     }
-    const dem_vec dv = dem__sub(v, other_v), da = dem__sub(a, other_a),
+    const double more = w->engine->contacts.touch[DEM__PLACE_DAMPING][c] - 1.0; /* of the speed along the normal */
+    const dem_vec dv = dem__speed_up(dem__sub(v, other_v), n, more), da = dem__speed_up(dem__sub(a, other_a), n, more),
                   turned = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, before));
     b->vx[k] = dv.x, b->vy[k] = dv.y, b->vz[k] = dv.z, b->ax[k] = da.x, b->ay[k] = da.y, b->az[k] = da.z;
     b->wi[0][k] = w->particle[i].spin.x, b->wi[1][k] = w->particle[i].spin.y, b->wi[2][k] = w->particle[i].spin.z;
@@ -59,10 +92,22 @@ static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b
                                                 ptrdiff_t base, int n, double half, dem__wall_row *wall) {
     for (int k = 0, q = 0; k < n; k++) {
         const int at_wall = w->engine->contacts.j[base + k] < 0;
-        if (dem__is_convex_contact(w, base + k))
+        if (dem__is_convex_contact(w, base + k)) {
+            if (!w->engine->run.only_ledger) dem__fit_friction(w, t, k, base + k);
             dem__fill_convex_row(w, b, t, k, base + k, half, at_wall ? &wall[q] : NULL);
+        }
         q += at_wall;
     }
+}
+
+/* Adds to row k its part of what the springs of its pair exert beyond their parts in the law. */
+static inline void dem__pull(const dem_world *w, const dem__type_rows *t, ptrdiff_t c, double *const *out, int k) {
+    const double part = w->engine->contacts.touch[DEM__PLACE_PULL][c],
+                 *pull = w->engine->convex.pair[-2 - w->engine->contacts.near[c]].pull;
+    dem_response spring;
+    if (part == 0.0) return;
+    dem__spring_of(w, t, k, w->engine->contacts.touch[DEM__PLACE_GAP][c], NULL, &spring);
+    for (int a = 0; a < 9; a++) out[a][k] += part * spring.contact * pull[a];
 }
 
 /* Multiplies a block's forces by their weights, and adds torques about the centres of its bodies. */
@@ -74,20 +119,23 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
     for (int k = 0; k < n; k++) {
         const ptrdiff_t c = base + k;
         if (!dem__is_convex_contact(w, c)) continue;
-        const double weight = contacts->touch[DEM__PLACE_WEIGHT][c];
+        const double weight = contacts->touch[DEM__PLACE_WEIGHT][c],
+                     power = weight / contacts->touch[DEM__PLACE_DAMPING][c]; /* of its true speed */
         const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
         for (int a = 0; a < 9; a++) out[a][k] *= weight;
         const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f),
                       on_j = dem__cross(other, f);
         for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
-        if (!(features & DEM_ENERGY) || weight == 1.0) continue;
+        if (!w->engine->run.only_ledger) dem__pull(w, t, c, out, k);
+        if (!(features & DEM_ENERGY)) continue;
         /* losses by powers are means of the power before, which has its weight, and of the power now; without a force,
            the energy of the spring is lost */
         if (fabs(before[k]) + fabs(at->force[k]) == 0.0) at->loss[0][k] -= (weight - 1.0) * at->elastic[k];
-        else at->loss[0][k] += (weight - 1.0) * half * at->power[0][k];
+        else at->loss[0][k] += (power - 1.0) * half * at->power[0][k];
         at->loss[2][k] += (weight - 1.0) * half * at->power[1][k];
         at->elastic[k] *= weight, at->loss[1][k] *= weight;
-        for (int a = 0; a < 2; a++) at->power[a][k] *= weight;
+        if (!w->engine->run.only_ledger) at->loss[1][k] += contacts->touch[DEM__PLACE_WAS][c];
+        at->power[0][k] *= power, at->power[1][k] *= weight;
     }
 }
 
@@ -104,9 +152,9 @@ static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, p
 /* Sets what a law needs of a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
 static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    const double per_i = dem__is_fixed(w, i) ? 0.0 : dem__per_share(w, i) / w->particle[i].mass;
+    const double per_i = dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
     b->radius_i = dem__touching_radius(w, i);
-    b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? dem__per_share(w, j) / w->particle[j].mass : 0.0));
+    b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? 1.0 / w->particle[j].mass : 0.0));
     if (j >= 0) b->radius_j = dem__touching_radius(w, j);
     else b->curvature = w->engine->contacts.touch[DEM__PLACE_CURVATURE][c];
 }

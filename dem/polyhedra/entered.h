@@ -2,10 +2,9 @@
    and the points of a pair; adds one point and lowers the weights of the others. Promises: forces stay the gradient of a
    potential (of a linear law); nothing changes where cores begin to overlap; deep cores have one way only, apart. */
 #pragma once
-#include "points.h"
+#include "share.h"
 
-#define DEM__DEEP_SPRINGS 4.0 /* springs of a pair whose cores are deep in each other: as many as a face has corners */
-#define DEM__DEEP 1.0         /* overlap of cores over the radii of the roundings from which on nothing else acts */
+#define DEM__DEEP 1.0 /* overlap of cores over the radii of the roundings from which on nothing else acts */
 
 /* The corners of a core that are farthest along a direction: how many, their mean, and two of them. */
 typedef struct dem__farthest_part {
@@ -39,27 +38,29 @@ static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem_
 }
 
 /* Adds the point at which two overlapping cores are pushed apart to the n points of a pair. With U, the energy of these
-   over the stiffness, and that of the point, V = c (radii + depth)^2/2, the energy of the pair is (1 - s) U + s V, where
-   s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. */
+   over k/p, and that of the point, V = (radii + depth)^p, the energy of the pair is (1 - s) U + s V, where s goes from 0
+   to 1 with the depth. Forces are its gradient. Returns the number of points. power: p; energy: U, then that of the pair. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
-                                  const dem__placed *pb, const dem__gap_of_cores *gap, dem__convex_point *out, int n) {
+                                         const dem__placed *pb, const dem__gap_of_cores *gap, double power,
+                                         double *energy, dem__convex_point *out, int n) {
     const double radii = a->radius + b->radius, depth = -gap->separation, overlap = radii + depth,
                  over = depth / (DEM__DEEP * radii);
     const double x = dem__clamp(over, 0.0, 1.0), s = x * x * (3.0 - 2.0 * x),
                  slope = 6.0 * x * (1.0 - x) / (DEM__DEEP * radii);
-    double energy = 0.0;
+    const double force = dem__force_at(overlap * overlap, power);
     if (!(depth > 0.0)) return n;
     if (n == DEM__POINTS_MAX) n--;
     for (int k = 0; k < n; k++) {
-        energy += 0.5 * out[k].weight * out[k].gap * out[k].gap;
-        out[k].weight *= 1.0 - s;
+        out[k].weight *= 1.0 - s, out[k].spring *= 1.0 - s;
     }
     const dem__farthest_part of_a = dem__find_part(a, pa, dem__scale(-1.0, gap->normal)),
                              of_b = dem__find_part(b, pb, gap->normal);
     dem__convex_point *point = &out[n];
-    point->key = 2 * DEM_CORNERS_MAX + 5 * DEM_EDGES_MAX * DEM_EDGES_MAX, point->taken = 0;
-    point->normal = gap->normal, point->gap = -overlap;
+    point->key = 2 * DEM_CORNERS_MAX + 5 * DEM_EDGES_MAX * DEM_EDGES_MAX;
+    dem__count_point(point, -overlap);
+    point->normal = gap->normal;
     point->at = dem__meeting_point(&of_a, &of_b);
-    point->weight = s * DEM__DEEP_SPRINGS + slope * (0.5 * DEM__DEEP_SPRINGS * overlap - energy / overlap);
+    point->weight = s, point->spring = s + slope * (overlap - *energy / force) / power;
+    *energy = (1.0 - s) * *energy + s * overlap * force;
     return n + 1;
 }

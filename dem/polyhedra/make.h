@@ -273,7 +273,7 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
     if (!mesh || !mesh->vertex || !mesh->triangle) wrong = "there is no mesh";
     else if (mesh->vertices < 4) wrong = "there are fewer than 4 corners";
     else if (mesh->triangles < 4 || mesh->triangles > DEM__CONVEX_MESH_MAX)
-        wrong = "the number of triangles is not 4 .. 4000: dem_make_hull takes the hull of any corners";
+        wrong = "the number of triangles is not 4 .. 4000: take the hull of the corners";
     for (ptrdiff_t k = 0; !wrong && k < 3 * mesh->triangles; k++) {
         if (mesh->triangle[k] < 0 || mesh->triangle[k] >= mesh->vertices)
             wrong = "a triangle has a corner that is not there";

@@ -4,7 +4,7 @@
    */
 #pragma once
 #include "../search/bounds.h"
-#include "walls.h"
+#include "share.h"
 #include "entered.h"
 #include "idle.h"
 
@@ -80,7 +80,8 @@ static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *
     out->gap = distance - radius - s->radius;
     out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
     if (!(out->gap < 0.0)) return 0;
-    out->key = out->taken = 0, out->weight = 1.0;
+    out->key = 0;
+    dem__count_point(out, out->gap);
     out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
     return 1;
 }
@@ -104,7 +105,7 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
                         : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
         if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
-        return n;
+        return n > 0 ? dem__finish_points(w, p, d, dem__share_points(out, n, w->engine->run.power), out, n) : 0;
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
@@ -120,7 +121,14 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
         apart = gap.separation, p->axis = gap.normal;
     }
     int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
-    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, out, n);
+    const double power = w->engine->run.power;
+    for (int k = 0; k < n; k++) {
+        const int of_a = out[k].key < DEM_CORNERS_MAX, of_b = !of_a && out[k].key < 2 * DEM_CORNERS_MAX;
+        dem__divide_point(&out[k], of_a || (!of_b && a->springs > b->springs) ? a->springs : b->springs);
+    }
+    double energy = dem__share_points(out, n, power);
+    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &energy, out, n);
+    if (n > 0) n = dem__finish_points(w, p, d, energy, out, n);
     if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
     return n;
 }
@@ -133,7 +141,10 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
     const dem_convex *s = dem__shape_of(w, p->i);
     const dem__placed *place = &w->engine->convex.place[p->i];
     int may_cut, is_cut = 0;
-    const int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
+    int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
+    for (int k = 0; k < n; k++) dem__divide_point(&out[k], s->springs);
+    const double energy = dem__share_points(out, n, w->engine->run.power);
+    if (n > 0) n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), energy, out, n);
     for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
     *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
     if (n == 0 && dem__may_rest_at_wall(w, p->i))
@@ -210,6 +221,7 @@ DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_poin
     dem__set_place_vec(w, DEM__PLACE_NORMAL, c, p->normal);
     dem__set_place_vec(w, DEM__PLACE_ARM, c, p->at);
     place[DEM__PLACE_GAP][c] = p->gap, place[DEM__PLACE_WEIGHT][c] = p->weight;
+    place[DEM__PLACE_DAMPING][c] = p->damping, place[DEM__PLACE_PULL][c] = p->pull;
 }
 
 /* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall,
@@ -226,6 +238,7 @@ static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__co
     }
     dem__set_place(w, c, p);
     contacts->touch[DEM__PLACE_CURVATURE][c] = touch.curvature;
+    contacts->touch[DEM__PLACE_WAS][c] = p->weight;
     dem__set_place_vec(w, DEM__PLACE_BEFORE, c, p->normal);
 }
 
@@ -240,11 +253,14 @@ static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t e
             const dem__convex_pair *p = &w->engine->convex.pair[-2 - contacts->near[c]];
             dem__convex_point *point = w->engine->convex.point + p->first, *stop = point + p->count;
             dem__set_place_vec(w, DEM__PLACE_BEFORE, c, dem__place_normal(w, c));
+            contacts->touch[DEM__PLACE_WAS][c] = contacts->touch[DEM__PLACE_WEIGHT][c];
             while (point < stop && point->key != contacts->element[c]) point++;
             if (point < stop) {
                 dem__set_place(w, c, point);
                 point->taken = 1;
-            } else contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius;
+            } else
+                contacts->touch[DEM__PLACE_GAP][c] = w->particle[p->i].radius,
+                contacts->touch[DEM__PLACE_PULL][c] = 0.0;
         }
     }
 }

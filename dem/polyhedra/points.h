@@ -11,6 +11,12 @@ enum {
     1.000001 /* features are tested up to this multiple of the radii, so that rounding of directions does not decide   \
               */
 
+/* Sets what a point has that is a corner: its whole law. */
+DEM_INLINE void dem__count_point(dem__convex_point *p, double gap) {
+    p->taken = 0;
+    p->gap = gap, p->weight = p->count = p->spring = 1.0;
+}
+
 /* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`,
    any larger value without a direction. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec *n) {
@@ -255,9 +261,9 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
         n++;
     }
     if (!(left > 1e-10)) return 0;
-    out->weight = left;
+    out->weight = out->count = left;
     for (int k = 0; k < 4; k++) out->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight];
+    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight], out[m].count = 0.0;
     return n;
 }
 
@@ -281,8 +287,8 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
         if (b->shape->is_box && dem__passes_box(b, x, DEM__WINDOW * radii)) continue;
         const double distance = dem__from_core(b->shape, b->place, x, DEM__WINDOW * radii, &p->normal);
         if (!(distance < radii)) continue;
-        p->key = key + k, p->taken = 0, p->weight = 1.0, p->at = x;
-        p->gap = distance - radii;
+        p->key = key + k, p->at = x;
+        dem__count_point(p, distance - radii);
         if (key > 0) { /* a and b have changed places */
             p->at = dem__plus(x, -distance, p->normal);
             p->normal = dem__scale(-1.0, p->normal);

@@ -2,6 +2,7 @@
    and its tables agree with each other. */
 #pragma once
 #include "../base/definition.h"
+#include "springs.h"
 
 /* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough.
  */
@@ -14,8 +15,6 @@ typedef struct dem__hull {
     uint32_t holds[DEM_FACES_MAX];
     double plane[DEM_FACES_MAX][4], area[DEM_FACES_MAX];
 } dem__hull;
-
-DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2]); }
 
 /* Returns half the size of a set of points: half of the longest side of the box around it. */
 static inline double dem__half_size(const double *x, int n) {
@@ -311,32 +310,6 @@ static inline void dem__find_box(dem_convex *s) {
     }
 }
 
-/* Returns the share of mass that the corner farthest along a direction has there, 1/(1 + (r x n) (I/m)^-1 (r x n)), as
-   a mean over all directions. Weight: the energy that this corner takes up in an impact, which is proportional to the
-   share. Directions: the middles of 8 x 8 squares on each side of a cube. */
-static inline double dem__mean_share(const dem_convex *s) {
-    double sum = 0.0, weights = 0.0;
-    for (int k = 0; k < 6 * 64; k++) {
-        const double a = 0.25 * (double)(k % 8) - 0.875, b = 0.25 * (double)(k / 8 % 8) - 0.875,
-                     c = k % 128 < 64 ? 1.0 : -1.0;
-        const int side = k / 128;
-        const double length = sqrt(1.0 + a * a + b * b), weight = 1.0 / (length * length * length);
-        double farthest = -HUGE_VAL, turned = 0.0;
-        dem_vec n;
-        *dem_axis_of(&n, side) = c / length, *dem_axis_of(&n, (side + 1) % 3) = a / length,
-                         *dem_axis_of(&n, (side + 2) % 3) = b / length;
-        for (int q = 0; q < s->corners; q++) {
-            const dem_vec r = dem__point(s->corner[q]), t = dem__cross(r, n);
-            if (dem__dot(r, n) <= farthest) continue;
-            farthest = dem__dot(r, n);
-            turned = s->volume * (t.x * t.x / s->moment[0] + t.y * t.y / s->moment[1] + t.z * t.z / s->moment[2]);
-        }
-        const double share = 1.0 / (1.0 + turned);
-        sum += weight * share * share, weights += weight * share;
-    }
-    return sum / weights;
-}
-
 /* Turns corners and planes of a shape: column k of the rotation is where its axis k lies. */
 static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec z) {
     if (x.x == 1.0 && y.y == 1.0 && z.z == 1.0) return;
@@ -379,7 +352,7 @@ static inline void dem__finish_shape(dem_convex *core) {
         core->reach = far > core->reach ? far : core->reach;
     }
     dem__find_box(core);
-    core->share = dem__mean_share(core);
+    dem__find_springs(core);
     dem__turn_to_given(core);
 }
 

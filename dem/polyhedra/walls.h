@@ -131,9 +131,10 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
     dem_vec n;
     if (q->n == DEM__POINTS_MAX || !(dem__length(x) < q->shape->reach + radius)) return;
     const double distance = dem__from_core(q->shape, &q->core, x, DEM__WINDOW * (radius + q->shape->radius), &n);
-    point->gap = distance - radius - q->shape->radius;
-    if (!(point->gap < 0.0) || dem__dot(n, tip) > 0.0) return;
-    point->key = key, point->taken = 0, point->weight = 1.0;
+    const double gap = distance - radius - q->shape->radius;
+    if (!(gap < 0.0) || dem__dot(n, tip) > 0.0) return;
+    point->key = key;
+    dem__count_point(point, gap);
     point->normal = dem__scale(-1.0, n), point->at = dem__plus(x, -distance, n);
     q->n++;
 }
@@ -181,8 +182,9 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
         for (int m = 0; m < found && q->n < DEM__POINTS_MAX; m++) {
             dem__convex_point *point = &q->out[q->n];
             int is_new = touch[m].gap < 0.0;
-            point->key = dem__wall_key(q->wall, &touch[m], k), point->taken = 0;
-            point->normal = touch[m].normal, point->at = arm, point->gap = touch[m].gap, point->weight = 1.0;
+            point->key = dem__wall_key(q->wall, &touch[m], k);
+            dem__count_point(point, touch[m].gap);
+            point->normal = touch[m].normal, point->at = arm;
             for (int p = q->n - 1; p >= q->n - m && is_new && p >= 0; p--) is_new = q->out[p].key != point->key;
             q->n += is_new;
         }
@@ -250,9 +252,9 @@ static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, 
     }
     if (!(left > 1e-10)) return;
     point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
-    point->at = dem__plus(e->from, t, e->along), point->weight = left;
+    point->at = dem__plus(e->from, t, e->along), point->weight = point->count = left;
     for (int k = 0; k < 2; k++) point->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight];
+    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight], point[m].count = 0.0;
     q->n += n;
 }
 

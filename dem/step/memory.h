@@ -143,7 +143,7 @@ static inline int dem__pays_to_move(const dem_world *w, int64_t steps) {
         apart += d > 8 || d < -8;
         far += d > 1024 || d < -1024;
     }
-    return 4 * far > w->count || (4 * apart > w->count && steps >= 8 * DEM__MOVE_STEPS);
+    return 4 * far > w->count || (4 * apart > w->count && steps >= 4 * DEM__MOVE_STEPS);
 }
 
 /* Puts particles into the order of their ranks where it pays. steps: left in this run. */

@@ -109,6 +109,7 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
    failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
+    run->power = features & DEM_HERTZ ? 2.5 : 2.0; /* for the first search of contacts, too */
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
     run->turns = 1; /* in the first step: a run before this one may have left spin rates */
