@@ -39,10 +39,10 @@ static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem_
 
 /* Adds the point at which two overlapping cores are pushed apart to the n points of a pair. With U, the energy of these
    over k/p, and that of the point, V = (radii + depth)^p, the energy of the pair is (1 - s) U + s V, where s goes from 0
-   to 1 with the depth. Forces are its gradient. Returns the number of points. power: p; energy: U, then that of the pair. */
+   to 1 with the depth. Forces are its gradient. Returns the number of points. power: p. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                          const dem__placed *pb, const dem__gap_of_cores *gap, double power,
-                                         double *energy, dem__convex_point *out, int n) {
+                                         dem__springs *springs, dem__convex_point *out, int n) {
     const double radii = a->radius + b->radius, depth = -gap->separation, overlap = radii + depth,
                  over = depth / (DEM__DEEP * radii);
     const double x = dem__clamp(over, 0.0, 1.0), s = x * x * (3.0 - 2.0 * x),
@@ -60,7 +60,7 @@ static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed 
     dem__count_point(point, -overlap);
     point->normal = gap->normal;
     point->at = dem__meeting_point(&of_a, &of_b);
-    point->weight = s, point->spring = s + slope * (overlap - *energy / force) / power;
-    *energy = (1.0 - s) * *energy + s * overlap * force;
+    point->weight = s, point->spring = s + slope * (overlap - springs->energy / force) / power;
+    springs->energy = (1.0 - s) * springs->energy + s * overlap * force, springs->are_parts = 0;
     return n + 1;
 }

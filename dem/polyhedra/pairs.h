@@ -105,7 +105,7 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
                         : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
         if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
-        return n > 0 ? dem__finish_points(w, p, d, dem__share_points(out, n, w->engine->run.power), out, n) : 0;
+        return dem__finish_points(w, p, d, dem__share_points(out, n, w->engine->run.power), out, n);
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
@@ -126,9 +126,9 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
         const int of_a = out[k].key < DEM_CORNERS_MAX, of_b = !of_a && out[k].key < 2 * DEM_CORNERS_MAX;
         dem__divide_point(&out[k], of_a || (!of_b && a->springs > b->springs) ? a->springs : b->springs);
     }
-    double energy = dem__share_points(out, n, power);
-    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &energy, out, n);
-    if (n > 0) n = dem__finish_points(w, p, d, energy, out, n);
+    dem__springs springs = dem__share_points(out, n, power);
+    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &springs, out, n);
+    n = dem__finish_points(w, p, d, springs, out, n);
     if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
     return n;
 }
@@ -143,8 +143,8 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
     int may_cut, is_cut = 0;
     int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
     for (int k = 0; k < n; k++) dem__divide_point(&out[k], s->springs);
-    const double energy = dem__share_points(out, n, w->engine->run.power);
-    if (n > 0) n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), energy, out, n);
+    const dem__springs springs = dem__share_points(out, n, w->engine->run.power);
+    n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), springs, out, n);
     for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
     *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
     if (n == 0 && dem__may_rest_at_wall(w, p->i))

@@ -45,27 +45,38 @@ DEM_INLINE dem__division dem__divide(double c) {
     return d;
 }
 
-/* Sets the parts of a pair's n points in its law and the factors of their springs. Returns its energy over k/p. */
-static inline double dem__share_points(dem__convex_point *p, int n, double power) {
+/* What a pair's springs have together: its energy over k/p, and whether they are no more than the parts of its points in
+   the law, as where only corners touch. */
+typedef struct dem__springs {
+    double energy;
+    int are_parts;
+} dem__springs;
+
+/* Sets the parts of a pair's n points in its law and the factors of their springs. */
+static inline dem__springs dem__share_points(dem__convex_point *p, int n, double power) {
     const double half = 0.5 * power;
     double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0,
            head = 1.0; /* head: square of the crossing of an end */
+    dem__springs of = {0.0, 1};
     for (int k = 0; k < n; k++) most = p[k].gap * p[k].gap > most ? p[k].gap * p[k].gap : most;
     for (int k = 0; k < n; k++) {
         const double t = p[k].gap * p[k].gap / most;
         first += p[k].count * t, second += p[k].count * t * t, sum += p[k].count * dem__energy_at(t, power);
+        of.are_parts &= p[k].weight == p[k].count;
     }
-    if (n == 0) return 0.0;
+    if (n == 0) return of;
     const dem__division divided = dem__divide(first * first / second);
+    of.energy = sum / divided.by * dem__energy_at(most, power), of.are_parts &= divided.by == 1.0;
     const double lost = sum * divided.slope / (divided.by * divided.by), per = first / second;
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < n && !of.are_parts; k++) {
         const double l = p[k].count, w = p[k].weight, own = p[k].gap * p[k].gap / most, t = l > 0.0 ? head = own : head;
         double spring = dem__energy_at(t, power) / t * (w + (half - 1.0) * l) / divided.by;
         if (lost > 0.0) spring -= lost * per * (2.0 * w - per * t * (w + l));
         p[k].spring = power > 2.0 ? spring / (half * sqrt(sqrt(own))) : spring;
         p[k].weight = l / divided.by;
     }
-    return sum / divided.by * dem__energy_at(most, power);
+    for (int k = 0; k < n && of.are_parts; k++) p[k].spring = p[k].weight;
+    return of;
 }
 
 /* Sums of a pair: its energy over k/p; over the stiffness the forces of the law by the parts, and of the springs. */
@@ -74,55 +85,37 @@ typedef struct dem__shared {
     dem_vec normal, on_i, on_j;           /* the forces by the parts, and their moments about the centres */
 } dem__shared;
 
-/* Returns how much a force of 1 N with a moment about the centre of particle i moves i where it acts [1/kg]. */
-DEM_INLINE double dem__per_mass_at(const dem_world *w, ptrdiff_t i, dem_vec moment) {
+/* Returns how much faster a force of 1 N with a moment about the centre of particle i moves i where it acts, because i
+   turns [1/kg]. */
+DEM_INLINE double dem__per_turning(const dem_world *w, ptrdiff_t i, dem_vec moment) {
     const dem_convex *s = dem__shape_of(w, i);
-    double sum = 1.0;
-    if (dem__is_fixed(w, i)) return 0.0;
-    if (s) {
-        const dem_vec t = dem__into_core(&w->engine->convex.place[i], moment);
-        sum += s->volume * (t.x * t.x / s->moment[0] + t.y * t.y / s->moment[1] + t.z * t.z / s->moment[2]);
-    }
-    return sum / w->particle[i].mass;
+    if (!s || dem__is_fixed(w, i)) return 0.0;
+    const dem_vec t = dem__into_core(&w->engine->convex.place[i], moment);
+    const double sum = t.x * t.x / s->moment[0] + t.y * t.y / s->moment[1] + t.z * t.z / s->moment[2];
+    return s->volume * sum / w->particle[i].mass;
 }
 
 /* Returns the factor of the closing speed that makes the pair's dashpot that of the resultant: the law's own is that of
    the whole masses and of the pair's spring. */
 static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, const dem__shared *s,
                                      double power) {
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
     const double length = dem__length(s->normal), least = 0.5 * s->parts; /* normals may face each other */
     const double per = 1.0 / (length > least ? length : least), depth = s->energy / s->springs;
-    double whole = dem__per_mass_at(w, pair->i, none), here = dem__per_mass_at(w, pair->i, dem__scale(per, s->on_i));
+    double whole = dem__is_fixed(w, pair->i) ? 0.0 : 1.0 / w->particle[pair->i].mass,
+           turning = dem__per_turning(w, pair->i, dem__scale(per, s->on_i));
     if (pair->j >= 0) {
-        whole += dem__per_mass_at(w, pair->j, none);
-        here += dem__per_mass_at(w, pair->j, dem__scale(per, s->on_j));
+        whole += dem__is_fixed(w, pair->j) ? 0.0 : 1.0 / w->particle[pair->j].mass;
+        turning += dem__per_turning(w, pair->j, dem__scale(per, s->on_j));
     }
     const double stiffness = s->energy / dem__energy_at(depth * depth, power); /* over that of the pair */
-    return here > 0.0 ? sqrt(stiffness * whole / here) / s->whole : 1.0;
+    return whole > 0.0 ? sqrt(stiffness * whole / (whole + turning)) / s->whole : 1.0;
 }
 
-/* Completes the n points of a pair, and removes ends. apart: from the centre of j to that of i. energy: of the pair over
-   k/p. The parts are raised so that friction, which they limit, counts on the whole force. Returns the number of points
-   left. */
-static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, double energy,
-                                     dem__convex_point *p, int n) {
-    const double power = w->engine->run.power;
-    dem__shared s;
+/* Sets the pull of a pair, and each point's part in it, and removes ends. raise: of the parts, so that friction, which
+   they limit, counts on the whole force. Returns the number of points left. */
+static DEM__NOINLINE int dem__set_pull(dem__convex_pair *pair, dem_vec apart, double power, double parts, double raise,
+                                       dem__convex_point *p, int n) {
     int kept = 0;
-    memset(&s, 0, sizeof s);
-    s.energy = energy;
-    for (int k = 0; k < n; k++) {
-        const double force = dem__force_at(p[k].gap * p[k].gap, power), part = p[k].weight * force;
-        s.parts += part, s.springs += p[k].spring * force;
-        s.normal = dem__plus(s.normal, part, p[k].normal);
-        s.on_i = dem__plus(s.on_i, part, dem__cross(p[k].at, p[k].normal));
-        s.on_j = dem__plus(s.on_j, part, dem__cross(dem__add(p[k].at, apart), p[k].normal));
-    }
-    const double raise = dem__clamp(s.springs / s.parts, 0.25, 4.0);
-    s.springs = raise * s.parts;
-    for (int k = 0; k < n; k++) s.whole += raise * p[k].weight;
-    const double damping = dem__damping_of(w, pair, &s, power);
     for (int a = 0; a < 9; a++) pair->pull[a] = 0.0;
     for (int k = 0; k < n; k++) {
         const double part = raise * p[k].weight,
@@ -133,8 +126,31 @@ static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair,
             pair->pull[a] += dem_axis(f, a);
             pair->pull[3 + a] += dem_axis(on_i, a), pair->pull[6 + a] -= dem_axis(on_j, a);
         }
-        p[k].damping = damping, p[k].pull = p[k].weight / s.parts, p[k].weight = part;
+        p[k].pull = p[k].weight / parts, p[k].weight = part;
         if (p[k].count > 0.0) p[kept++] = p[k];
     }
     return kept;
+}
+
+/* Completes the n points of a pair. apart: from the centre of j to that of i. Returns the number of points left. */
+static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__springs of,
+                                     dem__convex_point *p, int n) {
+    const double power = w->engine->run.power;
+    dem__shared s;
+    memset(&s, 0, sizeof s);
+    s.energy = of.energy;
+    for (int k = 0; k < n; k++) {
+        const double force = dem__force_at(p[k].gap * p[k].gap, power), part = p[k].weight * force;
+        s.parts += part, s.springs += p[k].spring * force, s.whole += p[k].weight;
+        s.normal = dem__plus(s.normal, part, p[k].normal);
+        s.on_i = dem__plus(s.on_i, part, dem__cross(p[k].at, p[k].normal));
+        if (pair->j >= 0) s.on_j = dem__plus(s.on_j, part, dem__cross(dem__add(p[k].at, apart), p[k].normal));
+        p[k].pull = 0.0;
+    }
+    if (n == 0) return 0;
+    const double raise = of.are_parts ? 1.0 : dem__clamp(s.springs / s.parts, 0.25, 4.0);
+    s.springs = raise * s.parts, s.whole *= raise;
+    const double damping = dem__damping_of(w, pair, &s, power);
+    for (int k = 0; k < n; k++) p[k].damping = damping;
+    return of.are_parts ? n : dem__set_pull(pair, apart, power, s.parts, raise, p, n);
 }
