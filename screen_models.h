@@ -362,9 +362,10 @@ typedef struct screen_fit_result {
                                             correlate with their neighbours count as fewer points */
     double dof;                          /* degrees of freedom of the errors: points that count, less the free parameters; at least 1 */
     double student;                      /* half-width of the ranges in errors: screen_student(0.95, dof) */
-    double low[SCREEN_MAX_PARAMETERS];   /* 95 % range: parameter -+ student errors (a rate constant by a factor), cut at the bounds. Errors are
-                                            those of the model made linear at the fit: where few cases carry many parameters (model 2 from
-                                            four) it bends within the range, which then holds a little too rarely */
+    double low[SCREEN_MAX_PARAMETERS];   /* 95 % range: parameter -+ student errors (a rate constant by a factor), cut at the bounds.
+                                            Errors are those of the model made linear at the fit: where few cases carry many
+                                            parameters (model 2 from four) it bends within the range, which then holds a little
+                                            too rarely */
     double high[SCREEN_MAX_PARAMETERS];
     double correlation[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS];
     int determined[SCREEN_MAX_PARAMETERS]; /* 0: the range reaches farther than ln 2 (rate constant) or max(1, |value|) (exponent) on either

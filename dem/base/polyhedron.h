@@ -56,7 +56,8 @@ DEM_API dem_status dem_make_hull(dem_convex *shape, ptrdiff_t n, const double *p
 DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason);
 /* Makes a round tablet, lens or cylinder about the z axis. diameter, height: over all [m] > 0; band: height of its
    straight side [m]: as `height`, a cylinder; less, with caps that are parts of balls, at most half ones; 0, a lens. Drawn
-   with 16 sides and the volume of the round body. With caps the core is a reduced one: `deviation` tells by how much. rounding, reason: as in dem_make_convex. */
+   with 16 sides and the volume of the round body. With caps the core is a reduced one: `deviation` tells by how much.
+   rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double height, double band, double rounding,
                                    const char **reason);
 /* Makes a grain of gravel: corners on an ellipsoid with half axes in the ratio 1 : elongation : elongation flatness along
