@@ -13,7 +13,6 @@
 
 static const double pi = 3.14159265358979323846;
 static uint64_t seed = 1;
-static double uniform(double low, double high) { return low + (high - low) * random_plain(&seed); }
 /* A world of one material, 1000 kg/m3. */
 static void make(dem_world *w, double dt, double k, double e, double friction, double tangential_ratio, dem_vec gravity,
                  int threads) {
@@ -96,11 +95,11 @@ static void test_contacts_read(void **state) {
             t.x += own.x, t.y += own.y, t.z += own.z;
             const double along = f.x * c.normal.x + f.y * c.normal.y + f.z * c.normal.z;
             const double aside = sqrt(fabs(f.x * f.x + f.y * f.y + f.z * f.z - along * along));
-            dem_vec *sum = c.j < 0 ? &on_wall : &on_body, *turn = c.j < 0 ? &wall_twist : &twist;
+            dem_vec *sum = c.j < 0 ? &on_wall : &on_body, *moment = c.j < 0 ? &wall_twist : &twist;
             const double sign = c.j < 0 ? -1.0 : c.i == 0 ? 1.0 : -1.0;
             if (c.j > 0 && c.i != 0) continue; /* the slab's alone */
-            sum->x += sign * f.x, sum->y += sign * f.y, sum->z += sign * f.z, turn->x += sign * t.x,
-                turn->y += sign * t.y, turn->z += sign * t.z;
+            sum->x += sign * f.x, sum->y += sign * f.y, sum->z += sign * f.z, moment->x += sign * t.x,
+                moment->y += sign * t.y, moment->z += sign * t.z;
             near(c.normal.x * c.normal.x + c.normal.y * c.normal.y + c.normal.z * c.normal.z, 1.0, 1e-12);
             assert_true(aside <= 0.5 * fabs(along) * (1 + 1e-9) + 1e-12);
             rubs = fmax(rubs, aside / (fabs(along) + 1e-12)), seen++, pairs += c.j >= 0;

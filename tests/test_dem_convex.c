@@ -462,8 +462,8 @@ static void test_ready(void **state) {
     const double bad[][3] = {{0, 1, 1}, {1, 0, 0}, {1, 1, 2}, {1, 1, -1}, {1, 2, 0.5}, {NAN, 1, 1}, {1, 1, NAN}};
     for (int k = 0; k < 7; k++) assert_int_equal(dem_make_tablet(&s, bad[k][0], bad[k][1], bad[k][2], 0.05, &reason), DEM_BAD_ARGUMENT);
     for (int n = 6; n <= 300; n += n < 20 ? 1 : 70) {
-        for (int seed = 0; seed < 3; seed++) {
-            assert_int_equal(dem_make_gravel(&s, 5e-3, 0.7, 0.6, n, (uint64_t)seed, 0.05, &reason), DEM_OK);
+        for (int grain = 0; grain < 3; grain++) {
+            assert_int_equal(dem_make_gravel(&s, 5e-3, 0.7, 0.6, n, (uint64_t)grain, 0.05, &reason), DEM_OK);
             close_to(s.volume, RIDDLE_PI / 6.0 * 125e-9, 1e-9);
             assert_int_equal(s.given, n);
             assert_int_equal(dem_make_gravel(&other, 5e-3, 0.7, 0.6, n, (uint64_t)seed + 100, 0.05, &reason), DEM_OK);
