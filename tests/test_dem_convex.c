@@ -466,7 +466,7 @@ static void test_ready(void **state) {
             assert_int_equal(dem_make_gravel(&s, 5e-3, 0.7, 0.6, n, (uint64_t)grain, 0.05, &reason), DEM_OK);
             close_to(s.volume, RIDDLE_PI / 6.0 * 125e-9, 1e-9);
             assert_int_equal(s.given, n);
-            assert_int_equal(dem_make_gravel(&other, 5e-3, 0.7, 0.6, n, (uint64_t)seed + 100, 0.05, &reason), DEM_OK);
+            assert_int_equal(dem_make_gravel(&other, 5e-3, 0.7, 0.6, n, (uint64_t)grain + 100, 0.05, &reason), DEM_OK);
             assert_true(other.moment[0] != s.moment[0]);
         }
         double moment[3] = {s.moment[0], s.moment[1], s.moment[2]}; /* of an ellipsoid: b^2 + c^2 and so on */
