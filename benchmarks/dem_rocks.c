@@ -2,12 +2,14 @@
 
    Grains of gravel of 5 mm with 8 to 300 corners (dem_make_gravel). For each number: how near the core of at most 32 corners is, the time to
    make a shape, and that of a touching pair: its points, and all of a step. --pour N lets N of them fall into a box that is periodic
-   sideways, and measures porosity, contacts and particle-steps per second of processor time. rocks.csv holds the table. */
+   sideways, and measures porosity, contacts and particle-steps per second of processor time. rocks.csv holds the table, rocks.svg times over
+   corners. */
 #include <math.h>
 #include <string.h>
 
 #include "common.h"
 #include "dem.h"
+#include "riddle_plot.h"
 #include "measure.h"
 
 enum { KINDS = 8 }; /* different grains of each number of corners */
@@ -169,6 +171,11 @@ int main(int argc, char **argv) {
     results_write(t, report, "rocks", self.out, "rocks.csv");
     json_program(report, &self);
     json_close(report);
+    riddle_plot *figure = riddle_plot_new("Pairs of rocks that touch", 1, 1);
+    riddle_plot_panel(figure, 0, 0, "corners", "processor time of a pair and step [us]");
+    riddle_plot_line(figure, "all of a step", results_column(t, "corners", 1.0), results_column(t, "step_s", 1e6), results_rows(t));
+    riddle_plot_line(figure, "its points", results_column(t, "corners", 1.0), results_column(t, "points_s", 1e6), results_rows(t));
+    riddle_plot_write(figure, self.out, "rocks.svg");
     results_free(t);
     return common_exit_status();
 }
