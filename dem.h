@@ -1335,8 +1335,8 @@ typedef struct dem_convex {
     double reach;     /* from the centroid to the farthest point [m] */
     double volume;    /* [m3] */
     double moment[3]; /* principal moments of inertia over density [m5] */
-    int springs;      /* greatest number of corners of a face: that of corners with the spring of a pair */
-    double rate;      /* square of the highest frequency of a contact of a face or a corner, over k/m */
+    int springs;      /* greatest number of corners of a face: so many together have the stiffness k of a pair */
+    double rate;      /* square of the highest frequency of a contact of a face or a corner, over k/m [-] */
     dem_vec half;     /* of a box [m] */
     dem_vec centroid; /* in the frame in which the polyhedron was given [m] */
     dem_vec
@@ -18576,8 +18576,7 @@ typedef struct dem__springs {
 /* Sets the parts of a pair's n points in its law and the factors of their springs. */
 static inline dem__springs dem__share_points(dem__convex_point *p, int n, double power) {
     const double half = 0.5 * power;
-    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0,
-           head = 1.0; /* head: square of the crossing of an end */
+    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0, head = 1.0; /* head: t of an end's crossing */
     dem__springs of = {0.0, 1};
     for (int k = 0; k < n; k++) most = p[k].gap * p[k].gap > most ? p[k].gap * p[k].gap : most;
     for (int k = 0; k < n; k++) {
@@ -18727,9 +18726,7 @@ static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed 
     const double force = dem__force_at(overlap * overlap, power);
     if (!(depth > 0.0)) return n;
     if (n == DEM__POINTS_MAX) n--;
-    for (int k = 0; k < n; k++) {
-        out[k].weight *= 1.0 - s, out[k].spring *= 1.0 - s;
-    }
+    for (int k = 0; k < n; k++) out[k].weight *= 1.0 - s, out[k].spring *= 1.0 - s;
     const dem__farthest_part of_a = dem__find_part(a, pa, dem__scale(-1.0, gap->normal)),
                              of_b = dem__find_part(b, pb, gap->normal);
     dem__convex_point *point = &out[n];

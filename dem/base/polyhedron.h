@@ -21,8 +21,8 @@ typedef struct dem_convex {
     double reach;     /* from the centroid to the farthest point [m] */
     double volume;    /* [m3] */
     double moment[3]; /* principal moments of inertia over density [m5] */
-    int springs;      /* greatest number of corners of a face: that of corners with the spring of a pair */
-    double rate;      /* square of the highest frequency of a contact of a face or a corner, over k/m */
+    int springs;      /* greatest number of corners of a face: so many together have the stiffness k of a pair */
+    double rate;      /* square of the highest frequency of a contact of a face or a corner, over k/m [-] */
     dem_vec half;     /* of a box [m] */
     dem_vec centroid; /* in the frame in which the polyhedron was given [m] */
     dem_vec

@@ -50,9 +50,7 @@ static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed 
     const double force = dem__force_at(overlap * overlap, power);
     if (!(depth > 0.0)) return n;
     if (n == DEM__POINTS_MAX) n--;
-    for (int k = 0; k < n; k++) {
-        out[k].weight *= 1.0 - s, out[k].spring *= 1.0 - s;
-    }
+    for (int k = 0; k < n; k++) out[k].weight *= 1.0 - s, out[k].spring *= 1.0 - s;
     const dem__farthest_part of_a = dem__find_part(a, pa, dem__scale(-1.0, gap->normal)),
                              of_b = dem__find_part(b, pb, gap->normal);
     dem__convex_point *point = &out[n];

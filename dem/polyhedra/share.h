@@ -55,8 +55,7 @@ typedef struct dem__springs {
 /* Sets the parts of a pair's n points in its law and the factors of their springs. */
 static inline dem__springs dem__share_points(dem__convex_point *p, int n, double power) {
     const double half = 0.5 * power;
-    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0,
-           head = 1.0; /* head: square of the crossing of an end */
+    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0, head = 1.0; /* head: t of an end's crossing */
     dem__springs of = {0.0, 1};
     for (int k = 0; k < n; k++) most = p[k].gap * p[k].gap > most ? p[k].gap * p[k].gap : most;
     for (int k = 0; k < n; k++) {
