@@ -2040,7 +2040,7 @@ DEM_INLINE dem_vec dem__gas_curl(const dem_gas *gas, const dem__gas_cell *cell) 
    viscosity d^3 up to Re = density d^2 spin/viscosity = 32 (Stokes), beyond that by Dennis, Singh & Ingham 1980; 0
    beyond the grid. The gas turns with its frame, and with half the curl of its velocity. *spin: in, of the particle
    [rad/s]; out, relative to the gas. */
-DEM_INLINE double dem_gas_turning(const dem_force_point *at, dem_vec *spin) {
+DEM_INLINE double dem__gas_turning(const dem_force_point *at, dem_vec *spin) {
     const dem_gas *gas = (const dem_gas *)at->user;
     const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
     const double d = 2.0 * at->radius;
@@ -2061,7 +2061,7 @@ DEM_INLINE double dem_gas_turning(const dem_force_point *at, dem_vec *spin) {
     DEM_INLINE dem_vec name##_force(const dem_force_point *at) {                                                       \
         return dem_gas_force(at, (const dem_gas *)at->user, drag);                                                     \
     }                                                                                                                  \
-    DEM__FIELD(name, name##_force, dem_gas_turning)
+    DEM__FIELD(name, name##_force, dem__gas_turning)
 
 /* Bodies: the parts that no other one includes. */
 #ifdef DEM__BODIES

@@ -17,6 +17,7 @@
    The dashpot acts on the mass that the resultant of the springs meets, with the stiffness that they have. So the
    restitution, at the point where the resultant acts, is that of the pair. */
 #pragma once
+#include "../motion/motion.h"
 #include "walls.h"
 
 /* Returns the overlap to the power of the energy, or of the force, from its square. */
