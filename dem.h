@@ -212,7 +212,7 @@ extern "C" {
 #define DEM__REORDER_STEPS 256            /* steps between two reorderings of contacts */
 /* Steps that a list should last: building it takes as long as about thirty steps of a gas. */
 #define DEM__LIST_STEPS 100
-/* Near pairs a sphere: with fewer a wide margin costs little, and lists should last four times as long. */
+/* Near pairs a sphere: with fewer a wide skin costs little, and lists should last four times as long. */
 #define DEM__FEW_PAIRS 3
 /* Contacts from which on they lie in chunks, contacts of a chunk, and the most chunks: more threads than that do not
    share contacts. A chunk is a few blocks, so that as many threads as pay have equal shares. */
@@ -353,7 +353,7 @@ typedef struct dem_def {
     int threads;     /* number of threads >= 1; default 1; world->def.threads may be changed between runs */
     int skip;        /* DEM_SKIP_*; default DEM_SKIP_ALL */
     double dt;       /* time step [s] 1e-60 .. 1e6; default 1e-6; dem_advise() gives a good one */
-    double skin;     /* margin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. Where lists last
+    double skin;     /* skin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. Where lists last
                         under 100 steps (400 where pairs are few) the engine takes up to three times as much, in a narrow
                         periodic box less */
     dem_vec gravity; /* [m/s2]; default (0, 0, -9.81) */
@@ -1208,7 +1208,7 @@ DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitut
    all > 0. */
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
 
-/* ----------------------------------------------------------------------------------------------- >>base/measures.h */
+/* -------------------------------------------------------------------------------------------- >>base/measure_api.h */
 /* The public functions that measure, and those that save, declared and explained. */
 
 /* ---- measuring: readers of a world, into arrays of the caller; DEM_BAD_ARGUMENT for what is not finite or out of
@@ -2219,7 +2219,7 @@ typedef struct dem__convex_pair {
     int32_t i, j, near;   /* near: its number among near pairs, or -1 */
     int32_t first, count; /* of its points in the present step */
     int32_t is_close;     /* whether the spheres around the two touch in the present step */
-    int64_t idle_until;   /* step before which they cannot touch while both fly on, and the wall is no faster */
+    int64_t skip_until;   /* step before which they cannot touch while both fly on, and the wall is no faster */
     int64_t origin[2];    /* origin steps of these flights */
     double speed, spin;   /* bounds of the wall's motion on which it relies [m/s], [rad/s] */
     dem__nearest_cache cache;
@@ -2247,7 +2247,7 @@ typedef struct dem__convex_calls {
     dem_status (*add)(dem_world *w, int shape, ptrdiff_t n, const double *centres, const double *orientations,
                       int material, int group); /* adds polyhedra: dem_add_convex, for feeds */
     void (*leave_edges)(dem_world *w, const struct dem__chunk *in,
-                        ptrdiff_t marked); /* excludes polyhedra from edge steps */
+                        ptrdiff_t marked); /* excludes polyhedra from partial steps */
 } dem__convex_calls;
 
 /* Polyhedra. polyhedra/add.h adds shapes, polyhedra/pairs.h lists pairs and finds their points. Without any shape all
@@ -2331,9 +2331,9 @@ enum {
     DEM__PLACE_NORMAL = 0,    /* mesh, polyhedron: normal of the place that it follows (3 numbers) */
     DEM__PLACE_GAP = 3,       /* mesh, polyhedron: gap there [m] */
     DEM__PLACE_BEFORE = 11,   /* mesh, polyhedron: the normal one step before (3) */
-    DEM__PLACE_FOOTING = 4,   /* mesh: dem__footing.at (3) */
-    DEM__PLACE_SLACK = 7,     /* mesh: dem__footing.slack [m]; 0: no footing */
-    DEM__PLACE_FACE = 8,      /* mesh: dem__footing.face */
+    DEM__PLACE_CACHE = 4,     /* mesh: dem__face_cache.at (3) */
+    DEM__PLACE_SLACK = 7,     /* mesh: dem__face_cache.slack [m]; 0: no face */
+    DEM__PLACE_FACE = 8,      /* mesh: dem__face_cache.face */
     DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
     DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
     DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
@@ -2362,21 +2362,22 @@ typedef struct dem__rigid {
     dem_vec moments;          /* [kg m2] */
     double mass;              /* [kg] */
     int32_t first, pieces;    /* of its particles */
-    double strides; /* number of quarter radians of a flight, with three different moments, that are integrated, */
+    double
+        rotation_steps; /* number of quarter radians of a flight, with three different moments, that are integrated, */
     dem_quaternion ahead; /* and the orientation there; neither is saved */
 } dem__rigid;
 
 /* State of a rigid body at a time: place and velocity of its centre of mass, spin, angular momentum, orientation. */
-typedef struct dem__posture {
+typedef struct dem__pose {
     dem_vec x, v, spin, momentum;
     dem_quaternion turn;
-} dem__posture;
+} dem__pose;
 
 /* The functions that the engine calls for rigid bodies, in the order of a step; they are in bodies/rigid.h. The first
    body of a world sets the table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles
    none of them. */
 typedef struct dem__body_calls {
-    dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau); /* returns the state at tau [s] after
+    dem__pose (*pose)(const dem_world *w, const dem__rigid *r, double tau); /* returns the state at tau [s] after
                                                                                      the origin step */
     void (*set_origin)(dem_world *w, dem__rigid *r); /* makes the present step the origin */
     void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity,
@@ -2390,9 +2391,9 @@ typedef struct dem__body_calls {
                                                                                          bodies to the end of a step */
     void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h); /* moves velocities of active bodies
                                                                                       to the end of a step */
-    void (*push)(dem_world *w, int32_t c, int has_friction); /* applies impulses of the edge step in slot c */
+    void (*push)(dem_world *w, int32_t c, int has_friction); /* applies impulses of the partial step in slot c */
     void (*shift)(dem_world *w, int32_t c);                  /* applies its shift, after all impulses */
-    double (*swing)(const dem__rigid *r, double arm);        /* greatest speed in flight of what is an arm [m]
+    double (*turning_speed)(const dem__rigid *r, double arm); /* greatest speed in flight of what is an arm [m]
                                                                      from the centre, about it [m/s] */
 } dem__body_calls;
 
@@ -2459,7 +2460,7 @@ typedef struct dem__bodies {
     dem__wrench *external; /* the external part */
     dem__bound *bound;
     dem_vec *impact;         /* change of velocity from the beginning to the middle of an impact [m/s] */
-    double *shifted;         /* distance by which edge steps have shifted it from its bound [m] */
+    double *shifted;         /* distance by which partial steps have shifted it from its bound [m] */
     double *wall_speed;      /* speed that its wall timers rely on [m/s] */
     double *mass_share;      /* 1 / contacts [-] */
     int32_t *activity;       /* DEM__FLYING .. */
@@ -2481,7 +2482,7 @@ typedef struct dem__bodies {
                               axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. The file of its kind adds one, walls/kinematics.h moves it, search/tests.h and
+/* Walls, beside the public array. The file of its kind adds one, walls/kinematics.h moves it, search/narrow_phase.h and
    search/bounds.h set its timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
@@ -2493,7 +2494,7 @@ typedef struct dem__wall_state {
     int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
 
-/* Near pairs and the list's life. search/margin.h chooses how long the list may last, search/neighbour_list.h builds
+/* Near pairs and the list's life. search/skin.h chooses how long the list may last, search/neighbour_list.h builds
    it, search/due_tests.h tests the pairs. */
 typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
@@ -2505,7 +2506,7 @@ typedef struct dem__pairs {
     dem_vec *listed_at;              /* position when the list was built */
     int64_t listed_step, next_check; /* when the list was built; when it must be checked next */
     double steps_per_second;
-    double margin, margin_factor;               /* gap up to which pairs are listed [m]; its factor, 1 .. 3 */
+    double skin, skin_factor;                   /* gap up to which pairs are listed [m]; its factor, 1 .. 3 */
     double least_tolerance;                     /* of bounds [m/s] */
     double touch_gap;                           /* gap below which a contact may begin [m]: 0, but for linked pairs */
     double wall_reach;                          /* gap up to which walls are searched for [m] */
@@ -2517,7 +2518,7 @@ typedef struct dem__pairs {
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by
    partners; gaps are filled from its end; now and then all are ordered by rank, the last first. The order of slots depends
-   only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits. search/tests.h
+   only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits. search/narrow_phase.h
    and polyhedra/pairs.h begin them, contacts/kernel.h and contacts/first_and_last_step.h evaluate them,
    contacts/contacts.h orders and ends them. */
 typedef struct dem__contacts {
@@ -2538,7 +2539,7 @@ typedef struct dem__contacts {
                                                     contact of a polyhedron (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
-    uint8_t *edge;  /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
+    uint8_t *partial; /* its partial step is to be corrected: written by the kernel for the contacts that it lists;
                       free before it, when dem__follow_meshes notes meshes with places left */
     uint8_t *ended; /* has ended */
     double *gap, *force;
@@ -2591,7 +2592,7 @@ typedef struct dem__field {
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
-/* The energy ledger. step/step.h begins, pauses and resumes it; energy/ledger.h books. */
+/* The energy ledger. step/step.h begins, pauses and resumes it; energy/postings.h books. */
 typedef struct dem__ledger {
     int on, started;      /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
     int counts;           /* whether the last run had DEM_ENERGY */
@@ -2795,7 +2796,7 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
         list[n].address = &contacts->wrench[k], list[n].size = sizeof(double);
     /* ... within a step */
     list[n].address = &contacts->correction, list[n++].size = sizeof(dem__correction);
-    list[n].address = &contacts->edge, list[n++].size = 1;
+    list[n].address = &contacts->partial, list[n++].size = 1;
     list[n].address = &contacts->slots, list[n++].size = sizeof(int32_t);
     if (dem__may_postpone(w)) list[n].address = &contacts->postponed, list[n++].size = sizeof(dem__postponed);
     return n;
@@ -3170,7 +3171,7 @@ DEM_API void dem_free(dem_world *world) {
     memset(world, 0, sizeof *world);
 }
 
-/* ----------------------------------------------------------------------------------------------- >>energy/ledger.h */
+/* --------------------------------------------------------------------------------------------- >>energy/postings.h */
 /* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its
    sums, but step/step.h sets where they start. */
 
@@ -3369,17 +3370,17 @@ static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, 
 }
 
 /* Returns a time in which a body turns by at most a quarter radian [s]; HUGE_VAL at rest. */
-DEM_INLINE double dem__turn_stride(dem_vec momentum, dem_vec moments) {
+DEM_INLINE double dem__rotation_step(dem_vec momentum, dem_vec moments) {
     const double least = moments.x < moments.y ? moments.x : moments.y,
                  smallest = least < moments.z ? least : moments.z;
     const double size = dem__length(momentum);
     return size > 0.0 ? 0.25 * smallest / size : HUGE_VAL;
 }
 
-/* Rotates a free body with three moments for a time of a few steps, in strides of at most a quarter radian. A body that
+/* Rotates a free body with three moments for a time of a few steps, in rotation steps of at most a quarter radian. A body that
    turns by more, as only a forged save may have one, is left as it is. */
 static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
-    const double steps = floor(fabs(t) / dem__turn_stride(momentum, moments)) + 1.0, h = t / steps;
+    const double steps = floor(fabs(t) / dem__rotation_step(momentum, moments)) + 1.0, h = t / steps;
     if (!(steps < 1e5)) return q;
     for (double n = 0.0; n < steps; n += 1.0) q = dem__turn_nine(q, momentum, moments, h);
     return q;
@@ -3452,17 +3453,17 @@ DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) {
     return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
 }
 
-DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
-    return w->engine->bodies.calls->posture(w, r, tau);
+DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, double tau) {
+    return w->engine->bodies.calls->pose(w, r, tau);
 }
 
 /* Return the position and the velocity of a particle of a rigid body at tau after its origin step [s]. */
 static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
-    const dem__posture p = dem__posture_at(w, r, tau);
+    const dem__pose p = dem__pose_at(w, r, tau);
     return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));
 }
 static DEM__NOINLINE dem_vec dem__piece_velocity_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
-    const dem__posture p = dem__posture_at(w, r, tau);
+    const dem__pose p = dem__pose_at(w, r, tau);
     return dem__add(p.v, dem__cross(p.spin, dem__to_lab(p.turn, w->engine->bodies.offset[i])));
 }
 
@@ -3517,7 +3518,7 @@ static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, dou
 }
 DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__posture_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
+    return r ? dem__pose_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
 }
 
 /* ------------------------------------------------------------------------------------------------ >>motion/state.h */
@@ -3575,7 +3576,7 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (dem__is_fixed(w, i)) return 0.0;
     if (r) {
-        const dem__posture p = dem__posture_at(w, r, dem__now(w, i));
+        const dem__pose p = dem__pose_at(w, r, dem__now(w, i));
         return r->first == i ? 0.5 * dem__dot(p.spin, p.momentum) : 0.0;
     }
     const dem_vec s = dem__spin_at(w, i, dem__now(w, i));
@@ -4116,14 +4117,14 @@ static inline void dem__set_phase_sine(dem_wall *w) {
 }
 
 /* Displacement, velocity and acceleration of a wall by vibration. */
-typedef struct dem__sway {
+typedef struct dem__oscillation {
     dem_vec shift, velocity, acceleration;
-} dem__sway;
-static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
+} dem__oscillation;
+static inline dem__oscillation dem__oscillation_at(const dem_wall *w, double t) {
     const double rate = 2.0 * RIDDLE_PI * w->asked.frequency, turns = w->asked.frequency * t;
     const double angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
     const dem_vec size = w->asked.amplitude, phase = w->asked.phase, start = w->phase_sine;
-    dem__sway s;
+    dem__oscillation s;
     s.shift.x = dem__vibration(size.x, phase.x, start.x, angle, rate, &s.velocity.x, &s.acceleration.x);
     s.shift.y = dem__vibration(size.y, phase.y, start.y, angle, rate, &s.velocity.y, &s.acceleration.y);
     s.shift.z = dem__vibration(size.z, phase.z, start.z, angle, rate, &s.velocity.z, &s.acceleration.z);
@@ -4131,7 +4132,7 @@ static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
 }
 
 /* Returns whether two walls vibrate alike, as a deck and its side wall do. */
-DEM_INLINE int dem__sways_like(const dem_wall *a, const dem_wall *b) {
+DEM_INLINE int dem__oscillates_like(const dem_wall *a, const dem_wall *b) {
     return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
            memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 &&
            a->asked.frequency == b->asked.frequency && a->asked.motion_start == b->asked.motion_start;
@@ -4197,7 +4198,7 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
 }
 
 /* Moves a kinematic wall to its place t after its motion began [s]. */
-static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
+static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__oscillation *sway) {
     const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
     w->velocity = dem__add(sway->velocity, w->asked.drift);
     w->acceleration = sway->acceleration;
@@ -4220,7 +4221,7 @@ static inline void dem__move_wall(dem_wall *w, double time) {
     if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
     else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
     else {
-        const dem__sway sway = dem__sway_at(w, time - w->asked.motion_start);
+        const dem__oscillation sway = dem__oscillation_at(w, time - w->asked.motion_start);
         dem__kinematic_wall(w, time - w->asked.motion_start, &sway);
     }
 }
@@ -4667,16 +4668,16 @@ DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) {
 }
 
 /* -------------------------------------------------------------------------------------------- >>walls/mesh_touch.h */
-/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by
+/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a cached face as by
    a search. */
 
 /* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack`
    of `at`, and a contact opens by less than that in a step. */
-typedef struct dem__footing {
+typedef struct dem__face_cache {
     dem_vec at;   /* in the wall's own frame */
     double slack; /* [m]; 0: search */
     int32_t face;
-} dem__footing;
+} dem__face_cache;
 #define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
 
 /* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same
@@ -4724,7 +4725,7 @@ DEM_INLINE int dem__is_far(const dem__node *b, dem_vec p, double reach) {
 /* Returns whether a place is in the shadow of a nearer one, because a surface is touched only once: their normals agree
    to 26 degrees, or the place does not rise over the nearer one's tangent plane, as edges and corners of a touched face
    do not. */
-DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *near_one, double radius) {
+DEM_INLINE int dem__is_hidden(const dem__touch *far_one, const dem__touch *near_one, double radius) {
     const double flat = (1.0 - 1e-9) * (radius + near_one->gap) / (radius + far_one->gap);
     return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
 }
@@ -4779,11 +4780,11 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
             if (dem__is_off_plane(t, k, p, radius + deep)) continue;
             dem__meet_triangle(t, k, p, radius, &here);
             if (!(here.gap < deep)) continue;
-            while (at < n && out[at].gap <= here.gap && !dem__is_shadowed(&here, &out[at], radius)) at++;
+            while (at < n && out[at].gap <= here.gap && !dem__is_hidden(&here, &out[at], radius)) at++;
             if (at == DEM__TOUCHES || (at < n && out[at].gap <= here.gap)) continue;
             kept = at;
             for (int q = at; q < n; q++) { /* remove those in its shadow */
-                if (!dem__is_shadowed(&out[q], &here, radius)) out[kept++] = out[q];
+                if (!dem__is_hidden(&out[q], &here, radius)) out[kept++] = out[q];
             }
             n = kept < DEM__TOUCHES ? kept + 1 : DEM__TOUCHES;
             for (int q = n - 1; q > at; q--) out[q] = out[q - 1];
@@ -4809,13 +4810,14 @@ static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q)
     return least;
 }
 
-/* Computes the footing of a sphere whose only touch is on a face. A triangle that rises above the plane of the face can
+/* Computes the face cache of a sphere whose only touch is on a face. A triangle that rises above the plane of the face can
    be touched, or become the nearest, after half its gap. One that does not rise is in the face's shadow; it becomes the
    nearest only where the centre leaves the face for it. */
-static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, double radius, const dem__touch *touch) {
+static inline dem__face_cache dem__find_face_cache(const dem_wall *w, dem_vec d, double radius,
+                                                   const dem__touch *touch) {
     const dem__tree *t = w->tree;
     const int32_t face = touch->face;
-    dem__footing f;
+    dem__face_cache f;
     double height;
     f.at = dem__to_frame(w, d), f.slack = 0.0, f.face = face;
     if (face < 0 || !(touch->gap <= 0.0)) return f;
@@ -4851,10 +4853,10 @@ static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, doubl
     return f;
 }
 
-/* Computes the touch of a sphere that has not left its footing. Returns 0 if a search is needed. opens: the most that a
+/* Computes the touch of a sphere that is still within its face cache. Returns 0 if a search is needed. opens: the most that a
    contact opens in a step [m]. */
-DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_vec d, double radius, double opens,
-                                  dem__touch *out) {
+DEM_INLINE int dem__face_cache_holds(const dem_wall *w, const dem__face_cache *f, dem_vec d, double radius,
+                                     double opens, dem__touch *out) {
     const dem_vec p = dem__to_frame(w, d), moved = dem__sub(p, f->at);
     double distance;
     if (!(f->slack > opens && dem__dot(moved, moved) < f->slack * f->slack)) return 0;
@@ -4926,7 +4928,7 @@ static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
 }
 
 /* Returns an empty tree with room for the mesh; NULL when out of memory. */
-static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
+static inline dem__tree *dem__new_tree(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
     const size_t v = (size_t)vertices, k = (size_t)triangles;
     const size_t bytes =
         sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
@@ -4990,7 +4992,7 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
         }
         n++;
     }
-    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
+    dem__tree *t = n > 0 ? dem__new_tree(a, vertices, n) : NULL;
     if (n == 0) *status = DEM_BAD_ARGUMENT;
     if (t) {
         dem__sort_keyed(items, items + n, n);
@@ -5823,7 +5825,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem_vec x = dem__at(w, i, tau), v = dem__true_velocity_at(w, i, tau);
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        const dem__posture p = dem__posture_at(w, r, tau);
+        const dem__pose p = dem__pose_at(w, r, tau);
         i = r->first, x = p.x, v = p.v;
     }
     if (w->alive[i] < 0) { /* it passed another exit in this step: the one with the smaller index counts, whatever the
@@ -5864,7 +5866,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     run->leaving = 1;
 }
 
-/* ------------------------------------------------------------------------------------------------ >>search/tests.h */
+/* ----------------------------------------------------------------------------------------- >>search/narrow_phase.h */
 /* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the
    last chunk. */
 
@@ -5997,7 +5999,7 @@ static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, con
     if (dem__has(&w->wall[wall], DEM__KEEPS_CURVATURE)) contacts->touch[DEM__KEPT_CURVATURE][c] = touch->curvature;
     if (!dem__has(&w->wall[wall], DEM__TRIANGULATED)) return 1;
     dem__set_touch(w, c, touch);
-    contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing yet */
+    contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no cached face yet */
     dem__set_place_vec(w, DEM__PLACE_BEFORE, c, touch->normal);
     return 1;
 }
@@ -6050,7 +6052,7 @@ typedef struct dem__wall_test {
    plane, a bar and a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
 static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test *t) {
     const dem_wall *wall = t->wall;
-    const double stray = 2.0 * w->engine->bodies.bound[t->i].tolerance,
+    const double spread = 2.0 * w->engine->bodies.bound[t->i].tolerance,
                  near = w->engine->pairs.touch_gap + w->engine->pairs.position_tolerance,
                  radius = w->particle[t->i].radius;
     const dem_vec u = dem__sub(t->v, wall->velocity), g = dem__free_fall(w);
@@ -6058,11 +6060,11 @@ static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test 
     if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || !dem__has(wall, DEM__CONVEX) || wall->spin != 0.0 ||
         !(a < HUGE_VAL))
         return 0.0;
-    if (dem__has_elements(wall)) least = dem__time_to_close(t->others - near, dem__length(u) + stray, a);
+    if (dem__has_elements(wall)) least = dem__time_to_close(t->others - near, dem__length(u) + spread, a);
     if (wall->kind__->closing) a = wall->kind__->closing(wall, t->touch, radius, g, u);
     for (int q = 0; q < t->found; q++) {
         if (dem__has_surface(wall) && dem__touches_element(w, t->i, t->k, t->touch[q].element)) continue;
-        const double time = dem__time_to_close(t->touch[q].gap - near, stray - dem__dot(u, t->touch[q].normal), a);
+        const double time = dem__time_to_close(t->touch[q].gap - near, spread - dem__dot(u, t->touch[q].normal), a);
         least = time < least ? time : least;
     }
     return least;
@@ -6072,7 +6074,7 @@ static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test 
 static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t e, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, t->i);
     const double tau = (double)(step - w->particle[t->i].origin) * w->engine->run.dt;
-    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__posture_at(w, r, tau).x))) dem__pass_exit(w, t->i, t->k);
+    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__pose_at(w, r, tau).x))) dem__pass_exit(w, t->i, t->k);
     else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
 }
 
@@ -6710,11 +6712,11 @@ DEM_INLINE double dem__most_change(double dt, dem_vec pull) {
     return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z));
 }
 
-/* Sets how much of a particle's tolerance is left after the next step [m/s]. strayed: the deviation of its velocity now
+/* Sets how much of a particle's tolerance is left after the next step [m/s]. deviation: the deviation of its velocity now
    [m/s]. */
-DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double strayed) {
+DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double deviation) {
     w->particle[i].tolerance_left__ =
-        w->engine->bodies.bound[i].tolerance - strayed -
+        w->engine->bodies.bound[i].tolerance - deviation -
         dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
@@ -6730,7 +6732,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body =
         w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
-    const double swing = body ? bodies->calls->swing(body, dem__length(bodies->offset[i])) : 0.0;
+    const double turning_speed = body ? bodies->calls->turning_speed(body, dem__length(bodies->offset[i])) : 0.0;
     const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a)
                            : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
@@ -6743,7 +6745,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     if (turn > 0.0 && !body)
         c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
-    c->tolerance += swing;
+    c->tolerance += turning_speed;
     DEM__ADD_UP(w, c->tolerance, drift, (w, i));
     c->reach = w->particle[i].radius + 0.5 * pairs->touch_gap + pairs->position_tolerance - t * c->tolerance;
     dem__set_tolerance_left(w, i, turn);
@@ -6766,14 +6768,14 @@ typedef struct dem__outcome {
     ptrdiff_t fast;
 } dem__outcome;
 DEM_INLINE dem__outcome dem__no_outcome(const dem_world *w) {
-    const dem__outcome news = {w->engine->pairs.next_check, -1};
-    return news;
+    const dem__outcome outcome = {w->engine->pairs.next_check, -1};
+    return outcome;
 }
-static inline void dem__apply_outcome(dem_world *w, const dem__outcome *news) {
-    if (news->check < w->engine->pairs.next_check) w->engine->pairs.next_check = news->check;
-    if (news->fast < 0 || w->status != DEM_OK) return;
+static inline void dem__apply_outcome(dem_world *w, const dem__outcome *outcome) {
+    if (outcome->check < w->engine->pairs.next_check) w->engine->pairs.next_check = outcome->check;
+    if (outcome->fast < 0 || w->status != DEM_OK) return;
     w->status = DEM_TOO_FAST;
-    w->failed_id = w->id[news->fast];
+    w->failed_id = w->id[outcome->fast];
 }
 
 /* The frame in which the list measures how far particles have moved: its displacement since the list was built [m] and
@@ -6792,25 +6794,26 @@ DEM_INLINE dem__list_frame dem__frame_at(const dem_world *w, int64_t step) {
 
 /* How far a particle may move in that frame before it could touch one that is not listed, and how fast it can move
    there. */
-typedef struct dem__leeway {
+typedef struct dem__skin_left {
     double left, speed; /* [m], [m/s] */
-} dem__leeway;
-DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, const dem__list_frame *f, dem_vec x, dem_vec v) {
-    dem__leeway q;
-    q.left = 0.49 * w->engine->pairs.margin -
+} dem__skin_left;
+DEM_INLINE dem__skin_left dem__skin_left_of(const dem_world *w, ptrdiff_t i, const dem__list_frame *f, dem_vec x,
+                                            dem_vec v) {
+    dem__skin_left q;
+    q.left = 0.49 * w->engine->pairs.skin -
              dem__length(dem__nearest_image(w, dem__sub(x, dem__add(w->engine->pairs.listed_at[i], f->way))));
     q.speed = dem__length(dem__sub(v, f->velocity)) + 2.0 * w->engine->bodies.bound[i].tolerance;
     return q;
 }
 
-/* Returns the number of whole steps for which the leeway lasts; the list is checked before the first step that it does
+/* Returns the number of whole steps for which the skin lasts; the list is checked before the first step that it does
    not cover. */
-DEM_INLINE int dem__steps_left(const dem_world *w, const dem__leeway *q) {
+DEM_INLINE int dem__steps_left(const dem_world *w, const dem__skin_left *q) {
     return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall)) - 1;
 }
 
-/* Returns whether the leeway lasts for a time [s]; false for NaN. */
-DEM_INLINE int dem__lasts(const dem_world *w, const dem__leeway *q, double time) {
+/* Returns whether the skin lasts for a time [s]; false for NaN. */
+DEM_INLINE int dem__lasts(const dem_world *w, const dem__skin_left *q, double time) {
     return q->left > time * (q->speed + 0.5 * w->engine->pairs.frame_fall * time);
 }
 
@@ -6818,19 +6821,18 @@ DEM_INLINE int dem__lasts(const dem_world *w, const dem__leeway *q, double time)
    shifted: how far corrections moved it from the last bound [m]. Returns 1 if a wall must be tested sooner than its
    timer says; the caller then calls dem__advance_wall_timers. */
 DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v,
-                                double shifted, dem__outcome *news) {
+                                double shifted, dem__outcome *outcome) {
     const dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     dem__wall_state *walls = &w->engine->walls;
-    const dem__leeway leeway = dem__leeway_of(w, i, f, x, v);
+    const dem__skin_left skin = dem__skin_left_of(w, i, f, x, v);
     double speed = dem__length(v);
     int sooner = 0;
-    if (!(speed * run->dt <= dem__longest_step(w, i)) && news->fast < 0) news->fast = i;
+    if (!(speed * run->dt <= dem__longest_step(w, i)) && outcome->fast < 0) outcome->fast = i;
     speed += 2.0 * bodies->bound[i].tolerance;
-    if (!dem__lasts(w, &leeway, (double)(news->check - step) * run->dt)) {
-        const int64_t due =
-            leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* 0: a host moved it: at once */
-        if (due < news->check) news->check = due;
+    if (!dem__lasts(w, &skin, (double)(outcome->check - step) * run->dt)) {
+        const int64_t due = skin.left > 0.0 ? step + dem__steps_left(w, &skin) : step; /* 0: a host moved it: at once */
+        if (due < outcome->check) outcome->check = due;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
     double slower = 1.0; /* the timers of walls relied on a lower speed: their steps get fewer */
@@ -6868,10 +6870,10 @@ static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
                  tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     const dem__list_frame frame = dem__frame_at(w, step);
-    dem__outcome news = dem__no_outcome(w);
+    dem__outcome outcome = dem__no_outcome(w);
     dem__set_bound(w, i, step, x, v);
-    if (dem__apply_bound(w, i, step, &frame, x, v, shifted, &news)) dem__advance_wall_timers(w, i, step);
-    dem__apply_outcome(w, &news);
+    if (dem__apply_bound(w, i, step, &frame, x, v, shifted, &outcome)) dem__advance_wall_timers(w, i, step);
+    dem__apply_outcome(w, &outcome);
 }
 
 /* Makes a test of every particle with wall k due at a step. */
@@ -6888,13 +6890,13 @@ static inline int dem__move_walls(dem_world *w, int64_t step) {
     const dem__run *run = &w->engine->run;
     const double time = run->start_time + (double)(step - run->start_step) * run->dt;
     const dem_wall *last = NULL; /* to which the sway belongs */
-    dem__sway sway;
+    dem__oscillation sway;
     for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
         const double t = time - a->asked.motion_start;
         if (a->asked.drive == DEM_KINEMATIC) {
             if (!(a->speed_bound > 0.0 || a->spin_bound > 0.0)) continue;
-            if (!last || !dem__sways_like(a, last)) sway = dem__sway_at(a, t);
+            if (!last || !dem__oscillates_like(a, last)) sway = dem__oscillation_at(a, t);
             last = a;
             dem__kinematic_wall(a, t, &sway);
             continue;
@@ -7027,8 +7029,8 @@ static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, pt
     dem__reset_timers_part(w, reset, n, step, NULL, 0, &nothing);
 }
 
-/* ----------------------------------------------------------------------------------------------- >>search/margin.h */
-/* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these
+/* ------------------------------------------------------------------------------------------------- >>search/skin.h */
+/* The frame and the skin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these
    fields of pairs. */
 
 /* Returns the length of the box along an axis; HUGE_VAL where it is not periodic. */
@@ -7092,20 +7094,20 @@ static inline double dem__most_approach(const dem_world *w) {
     return 2.0 * farthest;
 }
 
-/* Chooses the margin of the list so that lists last long enough, for one step at least, and sets what depends on it. */
-static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, double largest) {
+/* Chooses the skin of the list so that lists last long enough, for one step at least, and sets what depends on it. */
+static inline void dem__choose_skin(dem_world *w, int keeps, double smallest, double largest) {
     dem__pairs *pairs = &w->engine->pairs;
     pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* not rounded up */
     const int few = pairs->count < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
-    if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
-    pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
-    const double usual = 2.0 * smallest * w->def.skin * pairs->margin_factor, least = 1.05 * dem__most_approach(w),
+    if (keeps) pairs->skin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
+    pairs->skin_factor = dem__clamp(pairs->skin_factor, 1.0, 3.0);
+    const double usual = 2.0 * smallest * w->def.skin * pairs->skin_factor, least = 1.05 * dem__most_approach(w),
                  wanted = usual > least ? usual : least,
                  room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
-    pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
-    pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
-    pairs->wall_reach = 4.0 * pairs->margin;
-    const double rounding = dem__position_rounding(w), most = 0.25 * pairs->margin;
+    pairs->skin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
+    pairs->least_tolerance = 0.05 * pairs->skin / (DEM__RETEST_STEPS * w->engine->run.dt);
+    pairs->wall_reach = 4.0 * pairs->skin;
+    const double rounding = dem__position_rounding(w), most = 0.25 * pairs->skin;
     /* as much as slow contacts shift; faster ones are rare, and a larger tolerance would cost more tests of particles
        that are near */
     pairs->position_tolerance = 2e-6 * smallest + (rounding < most ? rounding : most);
@@ -7201,7 +7203,7 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
         low.z = scratch[p].z < low.z ? scratch[p].z : low.z, high.z = scratch[p].z > high.z ? scratch[p].z : high.z;
         extent = scratch[p].tolerance > extent ? scratch[p].tolerance : extent;
     }
-    const double reach = extent + g->widest + 0.5 * w->engine->pairs.margin;
+    const double reach = extent + g->widest + 0.5 * w->engine->pairs.skin;
     int32_t from[3], cells[3];
     for (int a = 0; a < 3; a++) {
         const double l = dem_axis(low, a), h = dem_axis(high, a);
@@ -7257,7 +7259,7 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
         dem__grid *g = &grid[level];
         if (g->count == 0) continue;
         levels = level + 1;
-        dem__make_grid(w, g, 2.0 * g->widest + pairs->margin, low, high);
+        dem__make_grid(w, g, 2.0 * g->widest + pairs->skin, low, high);
         g->first = cells;
         cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
     }
@@ -7280,7 +7282,7 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
         sorted[k] = (int32_t)i;
         bodies->bound[k].x = w->engine->pairs.listed_at[i].x, bodies->bound[k].y = w->engine->pairs.listed_at[i].y,
         bodies->bound[k].z = w->engine->pairs.listed_at[i].z;
-        bodies->bound[k].tolerance = w->particle[i].radius + 0.5 * pairs->margin;
+        bodies->bound[k].tolerance = w->particle[i].radius + 0.5 * pairs->skin;
     }
     return levels;
 }
@@ -7322,7 +7324,7 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
 }
 
 /* Removes the pairs of particles of one rigid body, and of two fixed particles. */
-static inline void dem__drop_idle_pairs(dem_world *w) {
+static inline void dem__drop_skipped_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t *of = w->engine->bodies.rigid_of;
     ptrdiff_t kept = 0;
@@ -7334,7 +7336,7 @@ static inline void dem__drop_idle_pairs(dem_world *w) {
     pairs->count = kept;
 }
 
-/* Finds the near pairs, those with a gap below the margin. Each thread searches a part of the sorted spheres; if one
+/* Finds the near pairs, those with a gap below the skin. Each thread searches a part of the sorted spheres; if one
    has no room, all search again with more. Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
@@ -7359,7 +7361,7 @@ static inline int dem__find_pairs(dem_world *w) {
         memmove(pairs->near + pairs->count, s.finds[q].pair, (size_t)s.finds[q].n * sizeof *pairs->near);
         pairs->count += s.finds[q].n;
     }
-    if (w->engine->bodies.rigid || w->engine->bodies.has_fixed) dem__drop_idle_pairs(w);
+    if (w->engine->bodies.rigid || w->engine->bodies.has_fixed) dem__drop_skipped_pairs(w);
     return 1;
 }
 
@@ -7489,7 +7491,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     double smallest, largest;
     if (!dem__list_positions(w, &smallest, &largest)) return 0;
     dem__choose_frame(w);
-    dem__choose_margin(w, keeps, smallest, largest);
+    dem__choose_skin(w, keeps, smallest, largest);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) return dem__fail_to_list(w, DEM_TOO_MANY);
     if (!dem__make_timers(w, keeps)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
@@ -7505,7 +7507,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__renew_bound(w, i, w->step);
     }
-    if (pairs->next_check <= w->step) pairs->next_check = w->step + 1; /* the margin is large enough for one step */
+    if (pairs->next_check <= w->step) pairs->next_check = w->step + 1; /* the skin is large enough for one step */
     dem__set_all_timers(w);
     if (w->status != DEM_OK) return 0;
     dem__set_wall_timers(w, keeps);
@@ -7524,9 +7526,9 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         const double tau = dem__now(w, i);
-        const dem__leeway leeway = dem__leeway_of(w, i, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau));
-        if (dem__lasts(w, &leeway, (double)(due - w->step) * w->engine->run.dt)) continue;
-        const int steps = dem__steps_left(w, &leeway);
+        const dem__skin_left skin = dem__skin_left_of(w, i, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau));
+        if (dem__lasts(w, &skin, (double)(due - w->step) * w->engine->run.dt)) continue;
+        const int steps = dem__steps_left(w, &skin);
         if (steps < least) return dem__rebuild(w);
         due = w->step + steps;
     }
@@ -7880,7 +7882,7 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
 }
 
 /* -------------------------------------------------------------------------------- >>contacts/first_and_last_step.h */
-/* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction,
+/* Partial steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction,
    history and losses. Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the
    steps between. */
 
@@ -7919,16 +7921,16 @@ DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *g
    motion of the two bodies through it is integrated by itself; the difference from Verlet's motion is applied as an
    impulse and a shift along the normal. Verlet's velocity is a central difference, (x(t+h) - x(t-h)) / 2h, which
    differs from the true velocity by h^2/6 x'''. */
-typedef struct dem__edge_motion {
+typedef struct dem__partial_motion {
     double impulse, shift; /* [N s], [kg m]: divided by a mass, changes of velocity and of position along n */
     double gap, closing;   /* at the end of the step */
     double duration;       /* of contact within the step [s] */
     double loss, elastic;  /* dissipated by the normal dashpot in the step; stored at its end [J] */
     double before;         /* last step only: closing speed at the start of the step [m/s] */
-} dem__edge_motion;
+} dem__partial_motion;
 
 /* Integrates the normal motion through the first step of a contact. Returns 0 if the bodies do not approach. */
-DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e,
+DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__partial_motion *e,
                                       const dem_law *law) {
     double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
     if (!(c->closing > 0.0)) return 0;
@@ -7951,7 +7953,7 @@ DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state,
    Verlet's step stands. `verlet` is the closing speed from which Verlet, for the two bodies alone, leads to the present
    gap. */
 DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, double gap, double force,
-                                     dem__edge_motion *e, const dem_law *law) {
+                                     dem__partial_motion *e, const dem_law *law) {
     const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass,
                  verlet = (gap - c->gap) * c->rate + half_kick;
     const double speed =
@@ -7994,10 +7996,10 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
 
 /* A contact that begins or ends within a step: its state at the start, where its force at the end is written, and the
    wall's velocity. */
-typedef struct dem__edge {
+typedef struct dem__partial_step {
     double gap, force, state[DEM_STATE_MAX], *out[9], arm_i, arm_j;
     dem_vec wall_speed;
-} dem__edge;
+} dem__partial_step;
 
 /* Adds friction and rolling, as they are in r, to an impulse: over `time` [s], and over `scaled` [s], a normal impulse
    divided by the normal force of r. That force may be tiny: friction that remains without it (r->remaining) is left out
@@ -8013,7 +8015,7 @@ DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_respo
 /* Adds friction in the step in which a contact begins, by a Radau rule: after a third of the time t in contact, and at
    its end, r. The normal impulse exceeds that of t because Verlet's velocities are central differences; friction
    exceeds in proportion. */
-DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_motion *e, double *s,
+DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__partial_motion *e, double *s,
                                     const dem_response *r, dem_response *impulse, const dem_law *law, int features) {
     const double t = e->duration, beyond = e->impulse - touch->mass * (touch->closing - e->closing);
     dem_response third;
@@ -8028,18 +8030,18 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_mo
     dem__add_friction_impulse(impulse, r, 0.25 * t, r->contact > 0.0 ? beyond / r->contact : 0.0, features);
 }
 
-/* Result of an edge step: impulses, the normal force that the next step starts from [N], the work of the wall by
+/* Result of a partial step: impulses, the normal force that the next step starts from [N], the work of the wall by
    friction [J]. */
-typedef struct dem__edge_result {
-    dem__edge_motion e;
+typedef struct dem__partial_result {
+    dem__partial_motion e;
     dem_response impulse; /* at the end without Verlet's own half kicks */
     double start, driven;
-} dem__edge_result;
+} dem__partial_result;
 
 /* Corrects the step in which a contact begins, from history s: force, history and losses. Returns 0 if it does not
    begin. */
-DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was,
-                                       const dem_law *law, int features, dem__edge_result *m) {
+DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__partial_step *was,
+                                       const dem_law *law, int features, dem__partial_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
@@ -8070,8 +8072,8 @@ DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__col
 }
 
 /* Corrects the step in which a contact ends: force, history and losses. Returns 0 if Verlet's step stands. */
-DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was,
-                                      const dem_law *law, int features, dem__edge_result *m) {
+DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__partial_step *was,
+                                      const dem_law *law, int features, dem__partial_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
@@ -8100,13 +8102,13 @@ DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__colu
     return 1;
 }
 
-/* Corrects an edge step of the contact in slot c; stores impulses and shift for the end of the step. */
-DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was, const dem_law *law,
-                                  int features) {
+/* Corrects a partial step of the contact in slot c; stores impulses and shift for the end of the step. */
+DEM_INLINE void dem__correct_partial_step(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__partial_step *was,
+                                          const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     const int first = was->force == 0.0;
     dem__columns at;
-    dem__edge_result m;
+    dem__partial_result m;
     double s[DEM_STATE_MAX], *impulse[9];
     dem__correction *handed = &contacts->correction[c];
     memset(&m, 0, sizeof m);
@@ -8114,7 +8116,7 @@ DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, con
     for (int a = 0; a < law->states; a++) s[a] = first && a < law->history ? 0.0 : at.state[a][0];
     const int mended = first ? dem__correct_first_step(q, s, &at, was, law, features, &m)
                              : dem__correct_last_step(q, s, &at, was, law, features, &m);
-    contacts->edge[c] = mended != 0;
+    contacts->partial[c] = mended != 0;
     if (!mended) return;
     if (!first && m.start != 0.0) contacts->ended[c] = 0;
     at.gap[0] = m.e.gap;
@@ -8172,7 +8174,7 @@ static inline int dem__make_work(dem_world *w) {
     return 1;
 }
 
-typedef void dem__edge_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was);
+typedef void dem__partial_step_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__partial_step *was);
 
 /* Returns whether a contact began or ended in this step, from its forces and the gap before. Computed with bits:
    branches would keep the loop scalar. */
@@ -8194,7 +8196,7 @@ DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t bas
     }
     for (int k = 0; k < n && any; k++) {
         if (!mark[k]) continue;
-        contacts->edge[base + k] = (uint8_t)(mark[k] & 1);
+        contacts->partial[base + k] = (uint8_t)(mark[k] & 1);
         contacts->ended[base + k] = (uint8_t)(mark[k] >> 1);
         contacts->slots[in->first + in->marked++] = (int32_t)(base + k);
     }
@@ -8303,7 +8305,7 @@ static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *
                                                  const dem__columns *at, double half, int features) {
     w->engine->convex.calls->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
-static DEM__NOINLINE void dem__leave_other_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
+static DEM__NOINLINE void dem__exclude_other(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     w->engine->convex.calls->leave_edges(w, in, marked);
 }
 
@@ -8398,10 +8400,10 @@ DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns
     }
 }
 
-/* Corrects the edge steps of a block: those of the last `marked` contacts that its chunk has listed. */
-DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base, ptrdiff_t marked,
-                                   const dem__columns *old, const dem__columns *at, const dem_law *law,
-                                   dem__edge_fn *correct, int features) {
+/* Corrects the partial steps of a block: those of the last `marked` contacts that its chunk has listed. */
+DEM_INLINE void dem__correct_partial_steps(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base,
+                                           ptrdiff_t marked, const dem__columns *old, const dem__columns *at,
+                                           const dem_law *law, dem__partial_step_fn *correct, int features) {
     const dem__run *run = &w->engine->run;
     const dem__contacts *contacts = &w->engine->contacts;
     const int has_friction = (features & DEM_FRICTION) != 0;
@@ -8409,13 +8411,13 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
         const ptrdiff_t c = contacts->slots[in->first + m];
         const int k = (int)(c - base);
         dem_contact view;
-        dem__edge edge;
+        dem__partial_step partial;
         double p[DEM_CONSTANTS_MAX];
-        if (!contacts->edge[c]) continue;
+        if (!contacts->partial[c]) continue;
         while (q < x->walls && x->wall[q].row < k) q++;
         for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
-        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &edge.arm_i,
-                              &edge.arm_j);
+        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &partial.arm_i,
+                              &partial.arm_j);
         view.mass = x->types.mass[k];
         view.share =
             dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law may leave uncomputed */
@@ -8423,12 +8425,12 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
         view.rate = 1.0 / run->dt;
         view.constants = p;
         view.user = w->user;
-        edge.gap = x->was[k], edge.force = x->before[k];
+        partial.gap = x->was[k], partial.force = x->before[k];
         for (int a = 0; a < law->states && has_friction; a++)
-            edge.state[a] = a < law->history ? x->past[a][k] : old->state[a][k];
-        for (int a = 0; a < 9; a++) edge.out[a] = at->out[a] + k;
-        edge.wall_speed = contacts->j[c] < 0 ? x->wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
-        correct(w, c, &view, &edge);
+            partial.state[a] = a < law->history ? x->past[a][k] : old->state[a][k];
+        for (int a = 0; a < 9; a++) partial.out[a] = at->out[a] + k;
+        partial.wall_speed = contacts->j[c] < 0 ? x->wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
+        correct(w, c, &view, &partial);
         for (int a = 0; a < (has_friction ? 9 : 3) && run->keeps_wrenches; a++) old->out[a][k] = at->out[a][k];
     }
 }
@@ -8450,7 +8452,7 @@ static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdi
    and writes its own slot; therefore any division among threads gives the same bits. Each block is summed while it is
    in the cache. */
 DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law,
-                                    dem__edge_fn *correct, int features, int32_t postpone_from) {
+                                    dem__partial_step_fn *correct, int features, int32_t postpone_from) {
     const dem__run *run = &w->engine->run;
     const int has_friction = (features & DEM_FRICTION) != 0;
     const int only_ledger = (features & DEM_ENERGY) && run->only_ledger;
@@ -8474,9 +8476,9 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
             continue;
         }
         const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
-        if (w->engine->convex.calls) dem__leave_other_edges(w, in, marked);
+        if (w->engine->convex.calls) dem__exclude_other(w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
-        if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
+        if (h > 0.0) dem__correct_partial_steps(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, x, chunk, base, n, at.out, has_friction, postpone_from);
         if (x->walls > 0) dem__add_belts(w, x, chunk, at.out[0], at.out[1], at.out[2]);
     }
@@ -8484,7 +8486,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
 
 /* Evaluates the contacts of chunks first .. end-1 on one thread. */
 DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law,
-                            dem__edge_fn *correct, int features) {
+                            dem__partial_step_fn *correct, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__work *work = dem__work_of(w, part);
     const int32_t postpone_from = part > 0 && contacts->shares > 1 ? contacts->share_from[part - 1] : INT32_MAX;
@@ -8505,8 +8507,8 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
                     call)
 #define DEM__KERNEL_LOOPS(name, law, features)                                                                         \
     DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q,                     \
-                                                    const dem__edge *was) {                                            \
-        dem__correct_edge(world, c, q, was, &(law), features);                                                         \
+                                                    const dem__partial_step *was) {                                    \
+        dem__correct_partial_step(world, c, q, was, &(law), features);                                                 \
     }                                                                                                                  \
     DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))
 #define DEM_KERNEL(name, law, features)                                                                                \
@@ -8841,7 +8843,7 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
         for (int a = 0; a < contacts->states; a++) contacts->state[a][c] = 0.0;
         contacts->gap[c] = gap;
         contacts->force[c] = 0.0;
-        contacts->edge[c] = contacts->ended[c] = 0;
+        contacts->partial[c] = contacts->ended[c] = 0;
     }
     contacts->begun = 0;
 }
@@ -9319,7 +9321,7 @@ static inline void dem__count_facets(const unsigned char *bytes, size_t size, de
 /* ---- from facets to a mesh ---- */
 
 /* Working memory for making a mesh. */
-typedef struct dem__workshop {
+typedef struct dem__mesh_builder {
     dem__facet *facets;
     ptrdiff_t n;
     dem__slot *slots; /* `capacity` of them */
@@ -9328,9 +9330,9 @@ typedef struct dem__workshop {
     ptrdiff_t slivers;
     double weld,
         cell; /* distance up to which corners are one [m]; size of a grid cell [m], 0: only equal coordinates are one */
-} dem__workshop;
+} dem__mesh_builder;
 
-static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *cell) {
+static inline uint64_t dem__key_of_cell(const dem__mesh_builder *s, const double *cell) {
     uint64_t key = 0, bits;
     for (int a = 0; a < 3; a++) {
         const double v = (s->cell > 0.0 ? floor(cell[a] / s->cell) : cell[a]) + 0.0; /* no -0 */
@@ -9342,7 +9344,7 @@ static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *ce
 
 /* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are
    chained from the cells of a grid, which are four times as wide as `weld`: few fit into one cell. */
-static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
+static inline int32_t dem__weld(dem__mesh_builder *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
     for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
         double place[3];
         int seen = 0;
@@ -9369,7 +9371,7 @@ static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *co
     return fresh;
 }
 
-static inline dem__slot *dem__stl_edge(dem__workshop *s, int32_t a, int32_t b) {
+static inline dem__slot *dem__stl_edge(dem__mesh_builder *s, int32_t a, int32_t b) {
     const uint64_t low = (uint64_t)(a < b ? a : b), high = (uint64_t)(a < b ? b : a);
     dem__slot *slot = dem__find_slot(s->slots, s->capacity, low << 32 | high);
     slot->key = low << 32 | high; /* never 0, as a < b */
@@ -9377,7 +9379,7 @@ static inline dem__slot *dem__stl_edge(dem__workshop *s, int32_t a, int32_t b) {
 }
 
 /* Counts the three edges of a triangle. */
-static inline void dem__count_edges_of(dem__workshop *s, const int32_t *t) {
+static inline void dem__count_edges_of(dem__mesh_builder *s, const int32_t *t) {
     for (int e = 0; e < 3; e++) {
         const int32_t a = t[e], b = t[(e + 1) % 3];
         dem__slot *slot = dem__stl_edge(s, a, b);
@@ -9387,7 +9389,7 @@ static inline void dem__count_edges_of(dem__workshop *s, const int32_t *t) {
 }
 
 /* Returns how many edges of a triangle have one other triangle, which runs the other way. */
-static inline int dem__closes(dem__workshop *s, const int32_t *t) {
+static inline int dem__closes(dem__mesh_builder *s, const int32_t *t) {
     int closed = 0;
     for (int e = 0; e < 3; e++) {
         const dem__slot *slot = dem__stl_edge(s, t[e], t[(e + 1) % 3]);
@@ -9400,7 +9402,7 @@ static inline int dem__closes(dem__workshop *s, const int32_t *t) {
 /* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area.
    In a fan of these one closes after the other; sixteen passes, forward and backward in turn, suffice for any order
    that a program writes. */
-static inline void dem__close_junctions(dem__workshop *s) {
+static inline void dem__close_junctions(dem__mesh_builder *s) {
     int changed = 1;
     for (int pass = 0; pass < 16 && changed; pass++) {
         changed = 0;
@@ -9416,7 +9418,7 @@ static inline void dem__close_junctions(dem__workshop *s) {
 
 /* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their
    bounding box. */
-static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl_report *report) {
+static inline ptrdiff_t dem__keep_finite(dem__mesh_builder *s, double scale, dem_stl_report *report) {
     dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
     ptrdiff_t kept = 0;
     for (ptrdiff_t k = 0; k < s->n; k++) {
@@ -9441,7 +9443,7 @@ static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl
 }
 
 /* Returns whether a triangle with the same three corners, in any order, came before. */
-static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
+static inline int dem__is_duplicate(dem__mesh_builder *s, const int32_t *t) {
     const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
     const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
     const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
@@ -9455,7 +9457,7 @@ static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
 }
 
 /* Keeps the triangles that have an area and are new; sums area and volume. */
-static inline void dem__keep_triangles(dem__workshop *s, dem_mesh *m, ptrdiff_t n, dem_stl_report *report) {
+static inline void dem__keep_triangles(dem__mesh_builder *s, dem_mesh *m, ptrdiff_t n, dem_stl_report *report) {
     const dem_vec *vertex = (const dem_vec *)(const void *)m->vertex;
     for (ptrdiff_t k = 0; k < n; k++) {
         const int32_t t[3] = {m->triangle[3 * k], m->triangle[3 * k + 1], m->triangle[3 * k + 2]};
@@ -9480,7 +9482,7 @@ static inline void dem__keep_triangles(dem__workshop *s, dem_mesh *m, ptrdiff_t 
     }
 }
 
-static inline void dem__count_edges(dem__workshop *s, const dem_mesh *m, dem_stl_report *report) {
+static inline void dem__count_edges(dem__mesh_builder *s, const dem_mesh *m, dem_stl_report *report) {
     for (ptrdiff_t k = 0; k < m->triangles; k++) dem__count_edges_of(s, &m->triangle[3 * k]);
     dem__close_junctions(s);
     for (size_t k = 0; k < s->capacity; k++) {
@@ -9492,7 +9494,8 @@ static inline void dem__count_edges(dem__workshop *s, const dem_mesh *m, dem_stl
 }
 
 /* Fills an empty mesh, whose arrays have room, and the report. */
-static inline void dem__make_mesh(dem_mesh *m, dem__workshop *s, double scale, double weld, dem_stl_report *report) {
+static inline void dem__make_mesh(dem_mesh *m, dem__mesh_builder *s, double scale, double weld,
+                                  dem_stl_report *report) {
     const ptrdiff_t n = dem__keep_finite(s, scale, report);
     if (n == 0) return;
     const double size = dem__length(dem__sub(report->high, report->low));
@@ -9512,7 +9515,7 @@ DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, do
     const unsigned char *text = (const unsigned char *)bytes;
     dem_stl_report found;
     dem_allocator memory;
-    dem__workshop shop;
+    dem__mesh_builder shop;
     if (!mesh) return DEM_BAD_ARGUMENT;
     memset(mesh, 0, sizeof *mesh);
     memset(&found, 0, sizeof found);
@@ -9626,7 +9629,7 @@ static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_
                                            const int32_t *corner) {
     const size_t n = (size_t)triangles;
     dem_stl_report report;
-    dem__workshop shop;
+    dem__mesh_builder shop;
     dem_mesh mesh;
     int closed;
     memset(&report, 0, sizeof report);
@@ -10054,7 +10057,7 @@ static inline int dem__reorder_contacts(dem_world *w) {
     return 1;
 }
 
-/* ------------------------------------------------------------------------------------------------- >>step/memory.h */
+/* ------------------------------------------------------------------------------------------- >>step/spatial_sort.h */
 /* The order of particles in memory. In a run of many contacts particles lie by rank, so that what is near in space is
    near in memory, whatever the order in which they were added; before the run returns they lie by their numbers again.
    Reads ranks; moves all that belongs to particles, and the numbers in contacts and lists. Promises: no result depends
@@ -10585,7 +10588,7 @@ static inline void dem__book_stored(dem_world *w) {
 }
 
 /* Contacts that begin have stored nothing. Books are sums in the order of memory, whenever lists were built. */
-static inline void dem__begin_books_of_contacts(dem_world *w, ptrdiff_t begun) {
+static inline void dem__begin_contact_ledger(dem_world *w, ptrdiff_t begun) {
     dem__contacts *contacts = &w->engine->contacts;
     for (ptrdiff_t k = 0; k < begun; k++) {
         const int32_t c = contacts->slots[k];
@@ -10645,7 +10648,7 @@ static inline dem__feature dem__feature_ledger(void) {
     f.find_forces = dem__note_stored;
     f.forces_found = dem__book_stored;
     f.begin_run = dem__open_ledger;
-    f.contacts_begun = dem__begin_books_of_contacts;
+    f.contacts_begun = dem__begin_contact_ledger;
     f.add_forces = dem__book_step;
     f.end_contact = dem__book_contact_end;
     f.world_fields = dem__world_fields_of_ledger;
@@ -10859,10 +10862,10 @@ DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
 
 /* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step
    to its end. Sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
-   scratch.index from `first` on. check: 0, or NaN if a force is not finite; strays: length of the list; loads, turns:
+   scratch.index from `first` on. check: 0, or NaN if a force is not finite; deviating: length of the list; loads, turns:
    constants, 0 where nothing has a load, and where no spin changes. */
-DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays,
-                              int loads, int turns) {
+DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
+                              ptrdiff_t *deviating, int loads, int turns) {
     dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
@@ -10899,57 +10902,58 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         n += !dem__surely_within(p, dt, pull);
     }
     *check = 0.0 * all;
-    *strays = n;
+    *deviating = n;
 }
 /* Does so without loads where there are none: whether there are any is a constant of the loop. */
 DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
-                                        ptrdiff_t *strays) {
-    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, strays, 1, 1);
-    else if (w->engine->run.turns) dem__kick_all(w, h, first, end, check, strays, 0, 1);
-    else dem__kick_all(w, h, first, end, check, strays, 0, 0);
+                                        ptrdiff_t *deviating) {
+    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, deviating, 1, 1);
+    else if (w->engine->run.turns) dem__kick_all(w, h, first, end, check, deviating, 0, 1);
+    else dem__kick_all(w, h, first, end, check, deviating, 0, 0);
 }
 DEM__AVX2_CLONE(dem__kick_part,
-                (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
-                (w, h, first, end, check, strays), dem__kick_loaded_or_not(w, h, first, end, check, strays))
+                (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *deviating),
+                (w, h, first, end, check, deviating), dem__kick_loaded_or_not(w, h, first, end, check, deviating))
 
 /* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews
    tolerance_left__ of the others. */
 static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
-    ptrdiff_t strays = 0;
+    ptrdiff_t deviating = 0;
     for (ptrdiff_t k = dem__prefetch_from(n, DEM__AHEAD); k < n; k++) {
         if (k + DEM__AHEAD < n) dem__prefetch_flight(w, doubtful[k + DEM__AHEAD]);
         if (k < 0) continue;
         const int32_t i = doubtful[k];
-        const dem_vec stray = dem__deviation(w, i, t);
-        if (dem__within_bound(w, i, stray)) dem__set_tolerance_left(w, i, dem__length(stray));
-        else doubtful[strays++] = i;
+        const dem_vec deviation = dem__deviation(w, i, t);
+        if (dem__within_bound(w, i, deviation)) dem__set_tolerance_left(w, i, dem__length(deviation));
+        else doubtful[deviating++] = i;
     }
-    return strays;
+    return deviating;
 }
 /* Marks n particles that move by themselves, and moves those that were not marked before to the front of the list.
    Returns their number. */
-static inline ptrdiff_t dem__mark_strays(dem_world *w, int32_t *stray, ptrdiff_t n) {
+static inline ptrdiff_t dem__mark_deviating(dem_world *w, int32_t *particle, ptrdiff_t n) {
     int32_t *activity = w->engine->bodies.activity;
     ptrdiff_t marked = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
-        const int32_t i = stray[k];
+        const int32_t i = particle[k];
         if (activity[i] != DEM__STEPPING) continue;
         activity[i] = DEM__TO_CHECK;
-        stray[marked++] = i;
+        particle[marked++] = i;
     }
     return marked;
 }
 typedef struct dem__kicked {
     double h, check[DEM__PARTS_MAX]; /* check: 0, or NaN if a force is not finite */
-    ptrdiff_t strays[DEM__PARTS_MAX];
+    ptrdiff_t deviating[DEM__PARTS_MAX];
 } dem__kicked;
 static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__kicked *kicked = (dem__kicked *)context;
-    dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
-    kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
+    dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->deviating[part]);
+    kicked->deviating[part] =
+        dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->deviating[part]);
     if (!w->engine->bodies.rigid)
-        kicked->strays[part] = dem__mark_strays(w, w->engine->scratch.index + first, kicked->strays[part]);
+        kicked->deviating[part] = dem__mark_deviating(w, w->engine->scratch.index + first, kicked->deviating[part]);
 }
 /* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them.
    dem__kick_all finds them from sums over particles, which round differently; which bodies are checked depends on what
@@ -10983,11 +10987,11 @@ static inline int dem__kick(dem_world *w, double h) {
     if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.calls->kick, &h);
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
-        const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
+        const int32_t *particle = w->engine->scratch.index + dem__part(n, q, parts);
         dem__bodies *bodies = &w->engine->bodies;
-        for (ptrdiff_t k = 0; k < kicked.strays[q] && bodies->rigid; k++) dem__mark_to_check(w, stray[k]);
-        for (ptrdiff_t k = 0; k < kicked.strays[q] && !bodies->rigid; k++)
-            bodies->to_check[bodies->to_check_count++] = stray[k];
+        for (ptrdiff_t k = 0; k < kicked.deviating[q] && bodies->rigid; k++) dem__mark_to_check(w, particle[k]);
+        for (ptrdiff_t k = 0; k < kicked.deviating[q] && !bodies->rigid; k++)
+            bodies->to_check[bodies->to_check_count++] = particle[k];
         all += kicked.check[q];
     }
     w->engine->run.turns = dem__may_turn(w); /* what does not turn has no spin rate from now on */
@@ -11076,9 +11080,9 @@ static inline void dem__correct_inner_range(dem_world *w, ptrdiff_t first, ptrdi
         const ptrdiff_t n = contacts->chunk[q].marked;
         for (ptrdiff_t k = 0; k < n; k++) dem__prefetch_correction(w, slot[k]);
         for (ptrdiff_t k = 0; k < n; k++) {
-            if (!contacts->edge[slot[k]] || !dem__is_inner(w, q, slot[k])) continue;
+            if (!contacts->partial[slot[k]] || !dem__is_inner(w, q, slot[k])) continue;
             dem__apply_correction(w, slot[k], *(const int *)friction, 0);
-            contacts->edge[slot[k]] = 2; /* done, but for the marks */
+            contacts->partial[slot[k]] = 2; /* done, but for the marks */
         }
     }
 }
@@ -11090,8 +11094,8 @@ static inline void dem__correct_others(dem_world *w, int has_friction) {
     for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] == 2) dem__mark_one(w, contacts->i[c]), dem__mark_one(w, contacts->j[c]);
-            if (contacts->edge[c] != 1) continue;
+            if (contacts->partial[c] == 2) dem__mark_one(w, contacts->i[c]), dem__mark_one(w, contacts->j[c]);
+            if (contacts->partial[c] != 1) continue;
             dem__prefetch_correction(w, c);
             waits[n++] = c;
             for (int m = 0; m < n && n == DEM__BLOCK; m++) dem__apply_correction(w, waits[m], has_friction, 1);
@@ -11100,7 +11104,7 @@ static inline void dem__correct_others(dem_world *w, int has_friction) {
     }
     for (int m = 0; m < n; m++) dem__apply_correction(w, waits[m], has_friction, 1);
 }
-/* Applies the corrections of all edge steps: where there are chunks, those within one first, so that threads share
+/* Applies the corrections of all partial steps: where there are chunks, those within one first, so that threads share
    them; the shifts of rigid bodies last. */
 static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -11115,7 +11119,7 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
         const dem__chunk *in = &contacts->chunk[q];
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
+            if (contacts->partial[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
         }
     }
 }
@@ -11123,9 +11127,9 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
 /* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall
    timers, and whether a flight begins. */
 typedef struct dem__checked {
-    ptrdiff_t reset, hurried;
+    ptrdiff_t reset, earlier;
     int flown;
-    dem__outcome news;
+    dem__outcome outcome;
 } dem__checked;
 
 /* Prefetches what the check of a bound reads. */
@@ -11147,24 +11151,24 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const double t = dem__since_listed(w, w->step);
-    q->reset = q->hurried = q->flown = 0;
-    q->news = dem__no_outcome(w);
+    q->reset = q->earlier = q->flown = 0;
+    q->outcome = dem__no_outcome(w);
     for (ptrdiff_t k = first + dem__prefetch_from(end - first, DEM__AHEAD); k < end; k++) {
         if (k + DEM__AHEAD < end) dem__prefetch_check(w, bodies->to_check[k + DEM__AHEAD]);
         if (k < first) continue;
         const int32_t i = bodies->to_check[k];
         if (w->alive[i] && !w->engine->run.needs_lists) {
             const dem_particle *p = &w->particle[i];
-            const dem_vec stray = dem__deviation(w, i, t);
+            const dem_vec deviation = dem__deviation(w, i, t);
             if (w->touching[i] == 0)
                 dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
-            if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
+            if (w->touching[i] == 0 || !dem__within_bound(w, i, deviation)) {
                 const double shifted = bodies->shifted[i];
                 dem__set_bound(w, i, w->step, p->x, p->v);
                 w->engine->scratch.index[first + q->reset++] = i;
-                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news))
-                    w->engine->pairs.cell_of[first + q->hurried++] = i;
-            } else dem__set_tolerance_left(w, i, dem__length(stray));
+                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->outcome))
+                    w->engine->pairs.cell_of[first + q->earlier++] = i;
+            } else dem__set_tolerance_left(w, i, dem__length(deviation));
         }
         bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
         bodies->activity[i] = w->alive[i] && (w->touching[i] > 0 || (bodies->loads_on && dem__is_loaded(w, i)));
@@ -11177,7 +11181,7 @@ static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdif
 }
 
 /* Takes a particle whose flight has begun from the list of active ones: the last of them takes its place. */
-DEM_INLINE void dem__rest_from_steps(dem_world *w, ptrdiff_t i) {
+DEM_INLINE void dem__drop_active(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     const int32_t last = bodies->active[--bodies->active_count], at = bodies->active_at[i];
     bodies->active[at] = last, bodies->active_at[last] = at;
@@ -11195,16 +11199,16 @@ static inline void dem__check_bounds(dem_world *w) {
     dem__in_parts(w, parts, n, dem__check_bounds_range, watched);
     for (int q = 0; q < parts; q++) {
         const ptrdiff_t first = dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < watched[q].hurried; k++)
+        for (ptrdiff_t k = 0; k < watched[q].earlier; k++)
             dem__advance_wall_timers(w, w->engine->pairs.cell_of[first + k], w->step);
         for (ptrdiff_t k = 0; k < watched[q].reset; k++)
             w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
-        dem__apply_outcome(w, &watched[q].news);
+        dem__apply_outcome(w, &watched[q].outcome);
         flown |= watched[q].flown;
     }
     dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
     for (ptrdiff_t k = 0; k < n && flown; k++) {
-        if (!bodies->activity[bodies->to_check[k]]) dem__rest_from_steps(w, bodies->to_check[k]);
+        if (!bodies->activity[bodies->to_check[k]]) dem__drop_active(w, bodies->to_check[k]);
     }
     bodies->to_check_count = 0;
     if (flown && 2 * bodies->active_count > w->count && w->step % 64 == 0) dem__list_active(w);
@@ -11728,46 +11732,46 @@ DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) 
    of a body that has one lies at its centre of mass; its radius is that of the sphere that the search for contacts
    uses. The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about
    the particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present
-   step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
+   step is in `turn`; in the search for contacts, in dem__pose_at(w, r, tau). */
 
-/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter
+/* Returns whether a body rotates freely with three moments: such a rotation is integrated in rotation steps, of a quarter
    radian at most. */
-DEM_INLINE int dem__strides(const dem__rigid *r) {
+DEM_INLINE int dem__rotates_in_steps(const dem__rigid *r) {
     return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
 }
 
-#define DEM__STRIDES_MAX 1e7 /* of a flight between two lists */
-/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides
+#define DEM__ROTATION_STEPS_MAX 1e7 /* of a flight between two lists */
+/* Returns the orientation of such a body at tau: whole rotation steps from the origin, then the rest. Begins with the rotation steps
    that are known. */
 static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
-    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
+    const double rotation_step = dem__rotation_step(r->momentum, r->moments), whole = floor(tau / rotation_step);
     dem_quaternion q = r->turn;
     double n = 0.0;
-    if (!(stride < HUGE_VAL)) return q;
-    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
-    if (!(whole - n < DEM__STRIDES_MAX)) return q; /* only in a world that no run has accepted */
-    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
-    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
+    if (!(rotation_step < HUGE_VAL)) return q;
+    if (r->rotation_steps > 0.0 && r->rotation_steps <= whole) n = r->rotation_steps, q = r->ahead;
+    if (!(whole - n < DEM__ROTATION_STEPS_MAX)) return q; /* only in a world that no run has accepted */
+    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, rotation_step);
+    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * rotation_step);
 }
 
 /* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins.
    DEM_TOO_FAST: a body turns by a hundred radians in a step. */
-static inline void dem__note_strides(dem_world *w) {
+static inline void dem__keep_rotations(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
         dem__rigid *r = &bodies->rigid[k];
         if (!w->alive[r->first] || bodies->activity[r->first]) continue;
-        const double stride = dem__turn_stride(r->momentum, r->moments);
-        const double whole = dem__strides(r) ? floor(dem__now(w, r->first) / stride) : 0.0;
-        if (!(400.0 * stride > w->engine->run.dt) || !(whole - r->strides < DEM__STRIDES_MAX)) {
+        const double rotation_step = dem__rotation_step(r->momentum, r->moments);
+        const double whole = dem__rotates_in_steps(r) ? floor(dem__now(w, r->first) / rotation_step) : 0.0;
+        if (!(400.0 * rotation_step > w->engine->run.dt) || !(whole - r->rotation_steps < DEM__ROTATION_STEPS_MAX)) {
             w->status = DEM_TOO_FAST;
             w->failed_id = w->id[r->first];
             return;
         }
-        if (!(whole > r->strides)) continue;
-        if (r->strides == 0.0) r->ahead = r->turn;
-        for (; r->strides < whole; r->strides += 1.0)
-            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
+        if (!(whole > r->rotation_steps)) continue;
+        if (r->rotation_steps == 0.0) r->ahead = r->turn;
+        for (; r->rotation_steps < whole; r->rotation_steps += 1.0)
+            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, rotation_step);
     }
 }
 
@@ -11775,13 +11779,13 @@ static inline void dem__note_strides(dem_world *w) {
 DEM_INLINE dem_quaternion dem__turn_at(const dem_world *w, const dem__rigid *r, double tau) {
     const int single = tau <= 1.5 * w->engine->run.dt;
     if (tau == 0.0) return r->turn;
-    if (!single && dem__strides(r)) return dem__turn_of_flight(r, tau);
+    if (!single && dem__rotates_in_steps(r)) return dem__turn_of_flight(r, tau);
     return dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, single);
 }
 
 /* Returns the state of a rigid body at tau after its origin step [s]. */
-static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigid *r, double tau) {
-    dem__posture p;
+static inline dem__pose dem__find_pose(const dem_world *w, const dem__rigid *r, double tau) {
+    dem__pose p;
     p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
     p.momentum = dem__plus(r->momentum, tau, r->torque);
     p.turn = dem__turn_at(w, r, tau);
@@ -11794,7 +11798,7 @@ static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigi
 static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__axes axes = dem__axes_of(r->turn);
-    r->strides = 0.0;
+    r->rotation_steps = 0.0;
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
@@ -11809,7 +11813,7 @@ static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
 
 /* Makes the present step the origin of a body. */
 static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
-    const dem__posture p = dem__find_posture(w, r, dem__now(w, r->first));
+    const dem__pose p = dem__find_pose(w, r, dem__now(w, r->first));
     r->x = p.x, r->v = p.v, r->momentum = p.momentum, r->turn = p.turn;
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) w->particle[i].origin = w->step;
     dem__place_pieces(w, r);
@@ -11845,7 +11849,7 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a),
     r->momentum = momentum;
     r->turn = dem__kept_unit(end);
-    r->strides = 0.0;
+    r->rotation_steps = 0.0;
     if (w->engine->run.has_periodic) dem__wrap_body(w, r);
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
         const dem_vec arm = dem__out_of(&axes, bodies->offset[i]);
@@ -11891,7 +11895,7 @@ DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     const int loads = bodies->adds_loads;
     dem_vec force;
     if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
-    r->strides = 0.0;
+    r->rotation_steps = 0.0;
     dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
     if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]);
     const dem_vec pulled = dem__scale(1.0 / r->mass, force);
@@ -11936,7 +11940,7 @@ static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_
 }
 
 /* Returns the greatest speed in flight of what is an arm [m] from a body's centre, relative to it [m/s]. */
-static inline double dem__swing(const dem__rigid *r, double arm) {
+static inline double dem__turning_speed(const dem__rigid *r, double arm) {
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
                  least = i_min < r->moments.y ? i_min : r->moments.y;
@@ -12046,9 +12050,9 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
 
 static inline const dem__body_calls *dem__rigid_bodies(void) {
     static const dem__body_calls row = {
-        dem__find_posture,      dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
+        dem__find_pose,         dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
         dem__place_pieces,      dem__free_body,       dem__test_due_with_bodies, dem__advance_with_bodies,
-        dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__swing};
+        dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__turning_speed};
     return &row;
 }
 
@@ -12115,7 +12119,7 @@ DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
         return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
     const dem__rigid *r = dem__rigid_of(world, i);
     if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn,
+    return dem__turns(dem__pose_at(world, r, dem__now(world, i)).turn,
                       dem__opposite_turn(dem__given_frame(world, i, r)));
 }
 
@@ -12136,7 +12140,7 @@ DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
     const double inertia = dem__inertia(world, i);
     body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
-    body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
+    body.axes = r ? dem__pose_at(world, r, tau).turn : body.orientation;
     return body;
 }
 
@@ -12709,8 +12713,9 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
 /* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a
    new one. */
 static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
-    const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
-    if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
+    const double deviation = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
+    if (deviation < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i))
+        dem__set_tolerance_left(w, i, deviation);
     else {
         const int32_t one = (int32_t)i;
         dem__renew_bound(w, i, w->step);
@@ -12800,12 +12805,12 @@ static inline dem_status dem__check_links(const dem_world *w, const dem_kernel *
     return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK;
 }
 
-static inline void dem__begin_books_of_links(dem_world *w) { dem__resume_link_work(w, dem__all_particles(w)); }
+static inline void dem__begin_link_ledger(dem_world *w) { dem__resume_link_work(w, dem__all_particles(w)); }
 
-/* Finds the links of each particle for a new list, whose margin must be far larger than their reach. */
+/* Finds the links of each particle for a new list, whose skin must be far larger than their reach. */
 static inline dem_status dem__relist_links(dem_world *w) {
     const dem__links *links = &w->engine->links;
-    if (!(links->near <= 0.01 * w->engine->pairs.margin) && links->count > 0) return DEM_BAD_DEFINITION;
+    if (!(links->near <= 0.01 * w->engine->pairs.skin) && links->count > 0) return DEM_BAD_DEFINITION;
     dem__find_links(w);
     return DEM_OK;
 }
@@ -12819,7 +12824,7 @@ static inline int dem__is_linked_with(const dem_world *w, ptrdiff_t i, ptrdiff_t
     return dem__link_of(w, i, j, element) >= 0;
 }
 
-static inline void dem__open_books_of_links(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums) {
+static inline void dem__open_link_ledger(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums) {
     sums->link_work += dem__link_work(w, i);
 }
 
@@ -12836,14 +12841,14 @@ static inline dem__feature dem__feature_links(void) {
     f.remove_particle = dem__cut_links_of;
     f.renumber = dem__renumber_links;
     f.check_run = dem__check_links;
-    f.begin_ledger = dem__begin_books_of_links;
+    f.begin_ledger = dem__begin_link_ledger;
     f.listed = dem__relist_links;
     f.drift = dem__drift_by_links;
     f.begins_early = dem__is_linked_with;
     f.end_step = dem__end_step_with_links;
     f.forces = dem_link_count;
     f.force = dem_get_link;
-    f.open_books = dem__open_books_of_links;
+    f.open_books = dem__open_link_ledger;
     f.world_fields = dem__world_fields_of_links;
     f.particle_fields = dem__particle_fields_of_links;
     f.save = dem__save_links;
@@ -13018,7 +13023,7 @@ DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, dem_vec
 
 /* Lets the torque act on particle i, or its body, over a time that has passed, at an origin that has just been set.
    Exact for a sphere of constant c. Returns the energy that it gains [J]. */
-DEM_INLINE double dem__brake(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
+DEM_INLINE double dem__apply_drag_torque(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
     dem__rigid *r = dem__rigid_of(w, i);
     const double before = dem__rotational(w, i), y = q->c * passed / q->inertia;
     const double part = y < 1e-3 ? 1.0 - y * (0.5 - y * (1.0 / 6.0 - y / 24.0)) : (1.0 - riddle_exp(-y)) / y;
@@ -13061,7 +13066,7 @@ DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_v
     static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0,
                                           277.0 / 14336.0,  0.25};
     const dem_vec g = dem__free_fall(w), none = dem_vec3(0.0, 0.0, 0.0);
-    dem_vec gain[STAGES], pull[STAGES], off = none, stray = none;
+    dem_vec gain[STAGES], pull[STAGES], off = none, error = none;
     dem__flown q;
     q.way = q.gain = none, q.work = 0.0, q.zero = 1;
     for (int s = 0; s < STAGES; s++) {
@@ -13078,9 +13083,9 @@ DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_v
         q.gain = dem__plus(q.gain, h * fifth[s], dem__add(g, pull[s]));
         q.work += h * fifth[s] * w->particle[i].mass * dem__dot(pull[s], now);
         off = dem__plus(off, h * (fifth[s] - fourth[s]), gain[s]);
-        stray = dem__plus(stray, h * h * (fifth[s] - fourth[s]), pull[s]);
+        error = dem__plus(error, h * h * (fifth[s] - fourth[s]), pull[s]);
     }
-    q.error = dem__length(off) + dem__length(stray);
+    q.error = dem__length(off) + dem__length(error);
     return q;
 }
 
@@ -13145,7 +13150,7 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
     if (!(q.zero && dem__falls_freely(w, i)) || brakes) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
-        if (brakes) field->booked[i] = -dem__brake(w, i, passed, &turn); /* the next booking adds it */
+        if (brakes) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn); /* the next booking adds it */
     }
     field->end_velocity[i] =
         q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
@@ -13196,7 +13201,7 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     field->until[i] = DEM__NO_FLIGHT;
     if (falls && dem__is_zero(pull) && !brakes) return; /* the same bits as without a field */
     dem__begin_parabola(w, i, x, v, a);
-    if (brakes) field->work[i] += dem__brake(w, i, passed, &turn);
+    if (brakes) field->work[i] += dem__apply_drag_torque(w, i, passed, &turn);
     dem__free_acceleration(w, i);
     if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
 }
@@ -13280,7 +13285,7 @@ DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) {
 }
 
 /* Takes the work of the field on all flights until now as booked: the ledger begins, or flights are known anew. */
-static inline void dem__begin_books(dem_world *w) {
+static inline void dem__begin_field_ledger(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (dem__is_flying(w, i)) w->engine->field.booked[i] = dem__flight_gain(w, i);
     }
@@ -13310,8 +13315,9 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
                  there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
     const double most = here > there ? here : there;
-    const double swing = r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
-    return (most > end ? most : end) + swing;
+    const double turning_speed =
+        r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
+    return (most > end ? most : end) + turning_speed;
 }
 
 /* Sets a bound for particle k, which flies with i, that holds for about DEM__FLIGHTS flights like this one. */
@@ -13339,7 +13345,7 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
     dem__field *field = &w->engine->field;
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
-    dem__outcome news = dem__no_outcome(w);
+    dem__outcome outcome = dem__no_outcome(w);
     ptrdiff_t reset = 0;
     for (ptrdiff_t q = 0; q < n; q++) {
         const int32_t i = list[q];
@@ -13356,11 +13362,11 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
             dem__bound_flight(w, i, k);
             w->engine->scratch.index[reset++] = k;
             if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted,
-                                 &news))
+                                 &outcome))
                 dem__advance_wall_timers(w, k, w->step);
         }
     }
-    dem__apply_outcome(w, &news);
+    dem__apply_outcome(w, &outcome);
     dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
     return w->status == DEM_OK;
 }
@@ -13410,7 +13416,7 @@ static inline int dem__prepare_flights(dem_world *w) {
     }
     dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
     dem__run_field(w, field->timers.list, n, DEM__RENEW_FLIGHTS, 0.0);
-    dem__begin_books(w);
+    dem__begin_field_ledger(w);
     field->steppers = 0;
     return dem__list_flights(w);
 }
@@ -13597,7 +13603,7 @@ static inline dem__feature dem__feature_field(void) {
     f.add_particle = dem__add_unflown;
     f.check_run = dem__check_field;
     f.prepare_run = dem__prepare_flights;
-    f.begin_ledger = dem__begin_books;
+    f.begin_ledger = dem__begin_field_ledger;
     f.end_run = dem__end_run_in_field;
     f.begin_step = dem__continue_flights;
     f.contacts_begun = dem__end_flights;
@@ -14261,7 +14267,7 @@ DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengt
 /* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
 static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
+    return r ? dem__to_lab(dem__pose_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
              : dem_vec3(0.0, 0.0, 0.0);
 }
 
@@ -14437,7 +14443,7 @@ static inline dem__feature dem__feature_bodies(void) {
     f.release = dem__release_bodies;
     f.add_particle = dem__add_unattached;
     f.renumber = dem__renumber_bodies;
-    f.keep_up = dem__note_strides;
+    f.keep_up = dem__keep_rotations;
     f.particle_fields = dem__particle_fields_of_bodies;
     f.save = dem__save_bodies;
     f.is_used = dem__has_bodies;
@@ -14760,7 +14766,7 @@ static inline int dem__is_stopped(const dem_world *w, ptrdiff_t step) {
 }
 
 /* Adds a sphere to the lists. */
-static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
+static inline void dem__occupy(dem__room *room, dem_vec x, double radius) {
     const ptrdiff_t k = room->count++, c = dem__cell(&room->grid[dem__level(radius, room->smallest)], x);
     room->centre[3 * k] = x.x, room->centre[3 * k + 1] = x.y, room->centre[3 * k + 2] = x.z;
     room->radius[k] = radius;
@@ -14777,7 +14783,7 @@ static inline void dem__count_in(dem__room *room, double radius) {
 }
 
 /* Returns whether sphere i reaches into a box; x: its position. Periodic axes are not compared. */
-static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
+static inline int dem__reaches_box(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
     *x = dem_position(w, i);
     for (int a = 0; a < 3 && w->alive[i]; a++) {
         const double v = dem_axis(*x, a);
@@ -14824,12 +14830,12 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     const dem_vec out = dem_vec3(reach, reach, reach); /* spheres in a flat region stand out of it */
     low = dem__sub(low, out), high = dem__add(high, out);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest)
+        if (dem__reaches_box(w, i, low, high, &x) && w->particle[i].radius < room->smallest)
             room->smallest = w->particle[i].radius;
     }
     for (ptrdiff_t k = 0; k < n; k++) dem__count_in(room, radius[k]);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x)) dem__count_in(room, w->particle[i].radius);
+        if (dem__reaches_box(w, i, low, high, &x)) dem__count_in(room, w->particle[i].radius);
     }
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &room->grid[level];
@@ -14848,7 +14854,7 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     room->head = room->next + room->capacity;
     for (ptrdiff_t c = 0; c < room->cells; c++) room->head[c] = -1;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x)) dem__settle_in(room, x, w->particle[i].radius);
+        if (dem__reaches_box(w, i, low, high, &x)) dem__occupy(room, x, w->particle[i].radius);
     }
     return DEM_OK;
 }
@@ -15001,11 +15007,11 @@ static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *sourc
 /* Adds the particles of a body to the lists, in their order. */
 static inline void dem__settle_body(const dem_world *w, dem__room *room, const dem_feed *feed, dem_vec x,
                                     dem_quaternion turn, double radius) {
-    if (!feed->clump) dem__settle_in(room, x, radius * dem__feed_reach(w, feed));
+    if (!feed->clump) dem__occupy(room, x, radius * dem__feed_reach(w, feed));
     for (int k = 0; feed->clump && k < feed->clump->spheres; k++) {
         double piece;
         const dem_vec at = dem__piece_place(w, feed, x, turn, radius, k, &piece);
-        dem__settle_in(room, at, piece);
+        dem__occupy(room, at, piece);
     }
 }
 
@@ -15041,11 +15047,11 @@ static inline void dem__sort_sizes(double *radius, int32_t *line, ptrdiff_t n) {
 }
 
 /* A class of a source while bodies are drawn and placed. */
-typedef struct dem__line {
+typedef struct dem__queue {
     dem_feed feed;
     double share, given;  /* of what all classes have been given: [kg] or number */
     ptrdiff_t now, first; /* placed by this call; the first of them in the list */
-} dem__line;
+} dem__queue;
 
 /* Returns a number that differs for distributions that differ, not 0: a diameter drawn ahead belongs to one. */
 static inline uint64_t dem__mark_of(const dem_sizes *s, int polyhedron) {
@@ -15073,7 +15079,7 @@ static inline void dem__draw_ahead(dem_feed *feed, uint64_t *random) {
 }
 
 /* Returns the class whose turn it is: the one that comes nearest to its share if it gets its next body (Webster). */
-static inline int dem__next_line(const dem_world *w, dem__line *line, int classes, int by_number) {
+static inline int dem__next_line(const dem_world *w, dem__queue *line, int classes, int by_number) {
     double earliest = HUGE_VAL;
     int next = 0;
     for (int k = 0; k < classes && classes > 1; k++) {
@@ -15089,7 +15095,7 @@ static inline int dem__next_line(const dem_world *w, dem__line *line, int classe
 /* Draws the bodies that are due one after the other, at most `most`. Returns their number; radius, of: their radii and
    classes, or NULL. The first that is not due is kept in its feed's `waiting`: to leave it out would favour small ones.
    -1: stopped. */
-static inline ptrdiff_t dem__draw_due(const dem_world *w, dem__line *line, const dem_source *source, double number,
+static inline ptrdiff_t dem__draw_due(const dem_world *w, dem__queue *line, const dem_source *source, double number,
                                       double mass, ptrdiff_t most, double *radius, int32_t *of) {
     for (ptrdiff_t n = 0; n < most; n++) {
         if (dem__is_stopped(w, n)) return -1;
@@ -15130,7 +15136,7 @@ static inline ptrdiff_t dem__most_drawn(int at_once) { return at_once ? INT32_MA
 
 /* Draws n radii, and computes those of their particles. Returns the largest radius about a body's centre, or -1:
    stopped. */
-static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__line *line, const dem_source *source,
+static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__queue *line, const dem_source *source,
                                      double number, double mass, ptrdiff_t n, int at_once) {
     double widest = 0.0;
     if (dem__draw_due(w, line, source, number, mass, dem__most_drawn(at_once), b->radius, b->of) < 0) return -1.0;
@@ -15147,7 +15153,7 @@ static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__lin
 }
 
 /* Keeps what has been drawn and not placed, from body k on: the next of each class waits. */
-static inline void dem__keep_waiting(dem__line *line, const dem__batch *b, ptrdiff_t k, ptrdiff_t n) {
+static inline void dem__keep_waiting(dem__queue *line, const dem__batch *b, ptrdiff_t k, ptrdiff_t n) {
     for (ptrdiff_t q = n - 1; q >= k; q--) {
         dem_feed *feed = &line[b->of[q]].feed;
         feed->waiting = 2.0 * b->radius[q], feed->waiting_of = dem__mark_of(&feed->sizes, feed->polyhedron);
@@ -15157,7 +15163,7 @@ static inline void dem__keep_waiting(dem__line *line, const dem__batch *b, ptrdi
 /* Finds places for n bodies, and counts them as given by number or, with by_mass, by mass. at_once: bodies without a
    place are counted as missed; otherwise the first of them waits, and with it those after it. Returns how many have a
    place. */
-static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__line *line, dem_source *source,
+static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__queue *line, dem_source *source,
                                          dem__batch *b, ptrdiff_t n, int by_mass, int at_once) {
     ptrdiff_t found = 0, pieces = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
@@ -15201,7 +15207,7 @@ static inline ptrdiff_t dem__body_of_piece(const dem__batch *b, ptrdiff_t n, ptr
 
 /* Lists the placed bodies class by class, in the order of the cells of their first particles, so that neighbours in
    space are neighbours in memory. n: their number. */
-static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, dem__line *line, int classes,
+static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, dem__queue *line, int classes,
                                     dem__batch *b, ptrdiff_t n) {
     for (int k = 1; k < classes; k++) line[k].first = line[k - 1].first + line[k - 1].now;
     for (int k = 0; k < classes; k++) line[k].now = 0;
@@ -15209,7 +15215,7 @@ static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, de
         for (int32_t q = room->head[c]; q >= present; q = room->next[q]) {
             const ptrdiff_t body = dem__body_of_piece(b, n, q - present);
             if (b->first[body] != q - present) continue;
-            dem__line *of = &line[b->of[body]];
+            dem__queue *of = &line[b->of[body]];
             const ptrdiff_t to = of->first + of->now++;
             b->diameter[to] = 2.0 * b->radius[body];
             for (int a = 0; a < 4; a++) b->orientation[4 * to + a] = b->turn[4 * body + a];
@@ -15224,7 +15230,7 @@ static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, de
 }
 
 /* Adds the new bodies of a class with their velocities, or none. */
-static inline dem_status dem__add_moving(dem_world *w, const dem__line *line, const dem__batch *b) {
+static inline dem_status dem__add_moving(dem_world *w, const dem__queue *line, const dem__batch *b) {
     const dem_feed *feed = &line->feed;
     const ptrdiff_t pieces = dem__feed_pieces(feed), n = line->now, first = line->first;
     const double *centre = b->centre + 3 * first, *turn = b->orientation + 4 * first, *d = b->diameter + first;
@@ -15241,7 +15247,7 @@ static inline dem_status dem__add_moving(dem_world *w, const dem__line *line, co
 }
 
 /* Adds all new bodies, or none: where there are several classes, there is room for all before the first. */
-static inline dem_status dem__add_lines(dem_world *w, const dem__line *line, int classes, const dem__batch *b) {
+static inline dem_status dem__add_lines(dem_world *w, const dem__queue *line, int classes, const dem__batch *b) {
     ptrdiff_t pieces = 0, bodies = 0;
     dem_status status = DEM_OK;
     for (int k = 0; k < classes; k++) {
@@ -15258,7 +15264,7 @@ static inline dem_status dem__add_lines(dem_world *w, const dem__line *line, int
 }
 
 /* Draws n bodies, finds places for them, and lists those that have one. */
-static inline dem_status dem__place_batch(dem_world *w, dem__line *line, dem_source *source, dem__batch *b,
+static inline dem_status dem__place_batch(dem_world *w, dem__queue *line, dem_source *source, dem__batch *b,
                                           double number, double mass, ptrdiff_t n, int at_once) {
     dem__room room;
     const double widest = dem__draw_batch(w, b, line, source, number, mass, n, at_once);
@@ -15279,7 +15285,7 @@ static inline dem_status dem__place_batch(dem_world *w, dem__line *line, dem_sou
  */
 
 /* The classes of a source as they are before a call. */
-static inline void dem__open_lines(const dem_world *w, const dem_source *source, dem__line *line) {
+static inline void dem__open_queues(const dem_world *w, const dem_source *source, dem__queue *line) {
     for (int k = 0; k < source->classes; k++) {
         const dem_feed *f = &source->feed[k];
         memset(&line[k], 0, sizeof line[k]);
@@ -15292,17 +15298,17 @@ static inline void dem__open_lines(const dem_world *w, const dem_source *source,
 /* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are
    missed; otherwise in the order drawn, up to the first without a place, which waits. line: room for twice the
    classes. */
-static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem__line *line, double number,
+static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem__queue *line, double number,
                                            double mass, int at_once) {
     const dem_allocator memory = w->def.allocator;
-    dem__line *after = line, *counted = line + source->classes;
+    dem__queue *after = line, *counted = line + source->classes;
     dem_source due = *source;
     dem__batch batch;
     const double most = (double)dem__most_drawn(at_once);
     double heaviest = 0.0;
     ptrdiff_t pieces = 1;
     memset(&batch, 0, sizeof batch);
-    dem__open_lines(w, source, after);
+    dem__open_queues(w, source, after);
     memcpy(counted, after, (size_t)source->classes * sizeof *after);
     for (int k = 0; k < source->classes; k++) {
         double smallest, largest;
@@ -15338,10 +15344,10 @@ static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem
 
 static inline dem_status dem__insert(dem_world *w, dem_source *source, double number, double mass, int at_once) {
     if (dem__is_running(w)) return DEM_BUSY;
-    dem__line two[2], *line = two;
+    dem__queue two[2], *line = two;
     const dem_allocator memory = w->def.allocator;
     const size_t bytes = 2 * (size_t)source->classes * sizeof *line;
-    if (source->classes > 1) line = (dem__line *)memory.fn(memory.user, NULL, 0, bytes);
+    if (source->classes > 1) line = (dem__queue *)memory.fn(memory.user, NULL, 0, bytes);
     if (!line) return DEM_OUT_OF_MEMORY;
     const dem_status status = dem__insert_lines(w, source, line, number, mass, at_once);
     if (source->classes > 1) memory.fn(memory.user, line, bytes, 0);
@@ -15831,8 +15837,8 @@ typedef struct dem__load {
 } dem__load;
 
 /* Adds what a point carries, and what its images carry, to the cells around them. */
-static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at,
-                              const dem__load *load) {
+static inline void dem__coarse_grain(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at,
+                                     const dem__load *load) {
     dem_vec shift[27];
     const int images = dem__images(w, shift);
     for (int image = 0; image < images; image++) {
@@ -15874,7 +15880,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         if (!w->alive[i]) continue;
         dem_vec at;
         load.mass = w->particle[i].mass;
-        if (dem__counts(w, i, &at, &load.velocity)) dem__smear(w, c, field, at, &load);
+        if (dem__counts(w, i, &at, &load.velocity)) dem__coarse_grain(w, c, field, at, &load);
     }
     memset(&load, 0, sizeof load);
     for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
@@ -15884,7 +15890,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         for (int p = 0; p < 8; p++) {
             const double at = 0.5 + (p < 4 ? -0.5 : 0.5) * node[p % 4];
             load.stress = 0.5 * weight[p % 4];
-            dem__smear(w, c, field, dem__add(from, dem__scale(at, load.along)), &load);
+            dem__coarse_grain(w, c, field, dem__add(from, dem__scale(at, load.along)), &load);
         }
     }
     for (ptrdiff_t k = 0; k < number; k++) {
@@ -16222,7 +16228,7 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
     dem__add_fields(g, "contact.state", contacts->state, contacts->states);
     g->needed = g->fields;
     const int places =
-        w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
+        w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_CACHE; /* cached faces are found again */
     if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, places);
     dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
     DEM__TELL(w, contact_fields, (w, g));
@@ -16413,16 +16419,16 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
 /* ----------------------------------------------------------------------------------------------- >>meshes/follow.h */
 /* Contacts of spheres with meshes: each follows its place from step to step. */
 
-DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
+DEM_INLINE dem__face_cache dem__face_cache_of(const dem_world *w, ptrdiff_t c) {
     double *const *place = w->engine->contacts.touch;
-    dem__footing f;
-    f.at = dem__place_vec(w, DEM__PLACE_FOOTING, c);
+    dem__face_cache f;
+    f.at = dem__place_vec(w, DEM__PLACE_CACHE, c);
     f.slack = place[DEM__PLACE_SLACK][c], f.face = (int32_t)place[DEM__PLACE_FACE][c];
     return f;
 }
-DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
+DEM_INLINE void dem__set_face_cache(dem_world *w, ptrdiff_t c, const dem__face_cache *f) {
     double *const *place = w->engine->contacts.touch;
-    dem__set_place_vec(w, DEM__PLACE_FOOTING, c, f->at);
+    dem__set_place_vec(w, DEM__PLACE_CACHE, c, f->at);
     place[DEM__PLACE_SLACK][c] = f->slack, place[DEM__PLACE_FACE][c] = (double)f->face;
 }
 
@@ -16447,7 +16453,7 @@ typedef struct dem__mesh_places {
 
 /* Moves the contacts of particle i with mesh k, in the listed slots, to a step to which the wall has been moved. Each
    continues at the deepest place whose normal is near its own, or ends. Returns the places; none if the only contact
-   rests on its footing. */
+   rests on its cache. */
 static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step,
                                      dem__mesh_places *at) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -16459,10 +16465,10 @@ static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int
     const double radius = w->particle[i].radius, near = w->engine->pairs.touch_gap,
                  leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
         deep = leaves > near ? leaves : near;
-    dem__footing footing = dem__footing_of(w, slot[0]);
+    dem__face_cache cache = dem__face_cache_of(w, slot[0]);
     double least;
     at->n = at->taken = at->used = 0;
-    if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, at->touch)) {
+    if (slots == 1 && dem__face_cache_holds(wall, &cache, d, radius, deep, at->touch)) {
         dem__set_touch(w, slot[0], at->touch);
         return;
     }
@@ -16482,9 +16488,9 @@ static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int
         at->taken |= 1 << q;
         dem__set_touch(w, c, &at->touch[q]);
     }
-    footing.slack = 0.0;
-    if (slots == 1 && at->n == 1 && at->taken) footing = dem__find_footing(wall, d, radius, at->touch);
-    for (int m = 0; m < slots; m++) dem__set_footing(w, slot[m], &footing);
+    cache.slack = 0.0;
+    if (slots == 1 && at->n == 1 && at->taken) cache = dem__find_face_cache(wall, d, radius, at->touch);
+    for (int m = 0; m < slots; m++) dem__set_face_cache(w, slot[m], &cache);
 }
 
 /* Returns whether place q touches and has no contact. */
@@ -16519,7 +16525,7 @@ static inline int dem__contacts_at_mesh(const dem_world *w, ptrdiff_t c, int32_t
     return slots > 0 && slot[0] == c ? slots : 0;
 }
 
-/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places
+/* Moves the contacts of chunks first .. end-1. Notes in contacts.partial, which is free before the kernel, where places
    are left: contacts begin on one thread. */
 static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -16529,12 +16535,12 @@ static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t 
             int32_t slot[DEM__NUMBERS];
             dem__mesh_places at;
             const int slots = dem__contacts_at_mesh(w, c, slot);
-            contacts->edge[c] = 0;
+            contacts->partial[c] = 0;
             if (slots == 0) continue;
             for (int m = 0; m < slots; m++)
                 dem__set_place_vec(w, DEM__PLACE_BEFORE, slot[m], dem__place_normal(w, slot[m]));
             dem__match_places(w, contacts->i[c], -1 - (int)contacts->j[c], slot, slots, *(const int64_t *)step, &at);
-            contacts->edge[c] = (uint8_t)dem__are_places_left(&at);
+            contacts->partial[c] = (uint8_t)dem__are_places_left(&at);
         }
     }
 }
@@ -16549,7 +16555,7 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     DEM__EACH_CONTACT(w, c) {
         int32_t slot[DEM__NUMBERS];
         dem__mesh_places at;
-        if (c >= end || !contacts->edge[c] || w->status != DEM_OK) continue;
+        if (c >= end || !contacts->partial[c] || w->status != DEM_OK) continue;
         const ptrdiff_t i = contacts->i[c];
         const int k = -1 - (int)contacts->j[c], slots = dem__contacts_at_mesh(w, c, slot);
         dem__match_places(w, i, k, slot, slots, step, &at);
@@ -18739,7 +18745,7 @@ static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed 
     return n + 1;
 }
 
-/* ---------------------------------------------------------------------------------------------- >>polyhedra/idle.h */
+/* ---------------------------------------------------------------------------------------------- >>polyhedra/skip.h */
 /* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that cannot touch for some steps. Reads bodies and
    walls; writes pairs. Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that
    time. */
@@ -18749,16 +18755,16 @@ DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
     return w->engine->bodies.activity[i] == DEM__FLYING && w->particle[i].origin == origin;
 }
 /* Returns whether a pair cannot touch at a step. */
-DEM_INLINE int dem__is_idle(const dem_world *w, const dem__convex_pair *p, int64_t step) {
-    if (p->idle_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
+DEM_INLINE int dem__is_skipped(const dem_world *w, const dem__convex_pair *p, int64_t step) {
+    if (p->skip_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
     if (p->j >= 0) return dem__flies_on(w, p->j, p->origin[1]);
     const dem_wall *wall = &w->wall[-1 - p->j];
     return wall->speed_bound <= p->speed && wall->spin_bound <= p->spin;
 }
 
 /* Lets a pair be idle for some steps from a step on. */
-DEM_INLINE void dem__leave_alone(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
-    p->idle_until = step + steps;
+DEM_INLINE void dem__skip_until(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
+    p->skip_until = step + steps;
     p->origin[0] = w->particle[p->i].origin;
     if (p->j >= 0) p->origin[1] = w->particle[p->j].origin;
 }
@@ -18768,15 +18774,15 @@ DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
     return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
 }
 /* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
-DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
+DEM_INLINE double dem__turning_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
-    return r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
+    return r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
 }
 /* Returns how fast the surface of particle i, or a clump's sphere, moves relative to the centre of its body, at most
    [m/s]. */
-DEM_INLINE double dem__stir_of(const dem_world *w, ptrdiff_t i) {
+DEM_INLINE double dem__surface_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
-    return s ? w->engine->bodies.calls->swing(dem__rigid_of(w, i), s->reach) : dem__swing_of(w, i);
+    return s ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, i), s->reach) : dem__turning_speed_of(w, i);
 }
 /* Returns the time from the origin step of particle i to a step [s]. */
 DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
@@ -18791,7 +18797,7 @@ DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step)
 }
 
 /* Returns whether two particles may be left alone: both fly. */
-DEM_INLINE int dem__may_rest(const dem_world *w, const dem__convex_pair *p) {
+DEM_INLINE int dem__may_skip(const dem_world *w, const dem__convex_pair *p) {
     return (w->def.skip & DEM_SKIP_PAIRS) && dem__is_in_flight(w, p->i) && dem__is_in_flight(w, p->j);
 }
 /* Returns the velocity of particle i relative to j, of their centres [m/s]. */
@@ -18810,10 +18816,11 @@ static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p,
     const double reach = w->particle[p->i].radius + w->particle[p->j].radius + slack;
     const dem_vec d = dem__nearest_image(w, dem__sub(dem__centre_in(w, p->i, step), dem__centre_in(w, p->j, step)));
     p->is_close = dem__dot(d, d) < reach * reach;
-    if (p->is_close || !dem__may_rest(w, p)) return;
-    const double speed = dem__length(dem__drift_between(w, p, step)) + dem__swing_of(w, p->i) + dem__swing_of(w, p->j);
-    dem__leave_alone(w, p, step,
-                     dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
+    if (p->is_close || !dem__may_skip(w, p)) return;
+    const double speed =
+        dem__length(dem__drift_between(w, p, step)) + dem__turning_speed_of(w, p->i) + dem__turning_speed_of(w, p->j);
+    dem__skip_until(w, p, step,
+                    dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
 }
 
 /* Returns a lower limit of the distance to the images of j that are not the nearest one of i, which is at d from j [m].
@@ -18829,16 +18836,17 @@ DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
 
 /* Leaves two particles alone, if both fly, that do not touch although the spheres around them do. d: from j to i; gap:
    between their surfaces along n, a direction from j to i, in which nothing of them is nearer. */
-static inline void dem__rest_apart(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d, double gap,
-                                   dem_vec n) {
+static inline void dem__skip_pair(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d, double gap,
+                                  dem_vec n) {
     const double slack = 2.0 * w->engine->pairs.position_tolerance;
-    if (!(gap > slack) || !dem__may_rest(w, p)) return;
+    if (!(gap > slack) || !dem__may_skip(w, p)) return;
     const dem_vec v = dem__drift_between(w, p, step);
-    const double stir = dem__stir_of(w, p->i) + dem__stir_of(w, p->j), pull = dem__pull_between(w, p);
+    const double surface_speed = dem__surface_speed_of(w, p->i) + dem__surface_speed_of(w, p->j),
+                 pull = dem__pull_between(w, p);
     const double others = dem__far_images(w, d) - w->particle[p->i].radius - w->particle[p->j].radius;
-    const double soonest = dem__time_to_close(gap - slack, stir - dem__dot(n, v), pull),
-                 other = dem__time_to_cover(others - slack, dem__length(v) + stir, pull);
-    dem__leave_alone(w, p, step, dem__steps_until(w, other < soonest ? other : soonest));
+    const double soonest = dem__time_to_close(gap - slack, surface_speed - dem__dot(n, v), pull),
+                 other = dem__time_to_cover(others - slack, dem__length(v) + surface_speed, pull);
+    dem__skip_until(w, p, step, dem__steps_until(w, other < soonest ? other : soonest));
     p->is_close = 0;
 }
 
@@ -18870,34 +18878,35 @@ static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall 
 }
 
 /* Returns whether particle i may be left alone at walls. */
-DEM_INLINE int dem__may_rest_at_wall(const dem_world *w, ptrdiff_t i) {
+DEM_INLINE int dem__may_skip_wall(const dem_world *w, ptrdiff_t i) {
     return (w->def.skip & DEM_SKIP_SPACE) && dem__is_in_flight(w, i);
 }
 
 /* Leaves a particle at x alone that flies and has a gap to a wall. reach: of what turns with it, 0 for the sphere
    around it [m]. */
-static inline void dem__rest_from_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap,
-                                       double reach) {
+static inline void dem__skip_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap,
+                                  double reach) {
     const dem_wall *wall = &w->wall[-1 - p->j];
     const double slack = w->engine->pairs.position_tolerance;
     if (!(gap > slack)) return;
     const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
     const dem_vec v = dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), a = dem__centre_pull(w, p->i);
     const dem__approach q = dem__approach_to(w, wall, x, v, a);
-    const double stir =
-        reach > 0.0 ? w->engine->bodies.calls->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
-    const double touch = dem__time_to_cover(gap - slack, q.speed + stir, q.pull),
+    const double surface_speed =
+        reach > 0.0 ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound
+                    : 0.0;
+    const double touch = dem__time_to_cover(gap - slack, q.speed + surface_speed, q.pull),
                  cross = dem__time_to_cover(crossing - slack, dem__length(v), dem__length(a));
     const int steps = dem__steps_until(w, cross < touch ? cross : touch);
     p->speed = wall->speed_bound, p->spin = wall->spin_bound;
-    dem__leave_alone(w, p, step, steps < q.most ? steps : q.most);
+    dem__skip_until(w, p, step, steps < q.most ? steps : q.most);
     p->is_close = 0;
 }
 
 /* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If not, and it flies, it
    is left alone. */
 static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step) {
-    const int may_rest = dem__may_rest_at_wall(w, p->i);
+    const int may_rest = dem__may_skip_wall(w, p->i);
     const dem_vec x = dem__in_box(w, dem__centre_in(w, p->i, step));
     dem__touch touch[DEM__TOUCHES];
     double least;
@@ -18913,7 +18922,7 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
         dem__touch_mesh(wall, dem__sub(x, wall->position), radius, -HUGE_VAL, limit, touch, &least);
     else dem__touch_wall(wall, x, radius, limit, touch, &least);
     p->is_close = least < slack;
-    if (!p->is_close && may_rest) dem__rest_from_wall(w, p, step, x, least, 0.0);
+    if (!p->is_close && may_rest) dem__skip_wall(w, p, step, x, least, 0.0);
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/pairs.h */
@@ -18925,7 +18934,7 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
 /* Places a polyhedron at a step. */
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    const dem__posture p = dem__posture_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
+    const dem__pose p = dem__pose_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
     const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
     dem__placed *place = &w->engine->convex.place[i];
     place->x = dem__in_box(w, p.x);
@@ -18957,8 +18966,8 @@ static inline void dem__find_close(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     (void)part;
     for (ptrdiff_t k = first; k < end; k++) { /* by number: there may be no pairs, and no array */
         dem__convex_pair *p = &w->engine->convex.pair[k];
-        if (dem__is_idle(w, p, step)) continue;
-        p->is_close = p->count = 0, p->idle_until = 0;
+        if (dem__is_skipped(w, p, step)) continue;
+        p->is_close = p->count = 0, p->skip_until = 0;
         if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
         if (p->j < 0) dem__look_at_wall(w, p, step);
         else dem__look_at_spheres(w, p, step);
@@ -19018,7 +19027,7 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
         const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
                         : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
-        if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
+        if (n == 0) dem__skip_pair(w, p, step, d, out->gap, out->normal);
         return dem__finish_points(w, p, d, dem__share_points(out, n, w->engine->run.power), out, n);
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
@@ -19043,7 +19052,7 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     dem__springs springs = dem__share_points(out, n, power);
     if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &springs, out, n);
     n = dem__finish_points(w, p, d, springs, out, n);
-    if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
+    if (n == 0) dem__skip_pair(w, p, step, d, apart - radii, p->axis);
     return n;
 }
 
@@ -19061,8 +19070,8 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
     n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), springs, out, n);
     for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
     *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
-    if (n == 0 && dem__may_rest_at_wall(w, p->i))
-        dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
+    if (n == 0 && dem__may_skip_wall(w, p->i))
+        dem__skip_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
     return n;
 }
 
@@ -19410,13 +19419,13 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
     }
 }
 
-/* Excludes polyhedra from the correction of edge steps, among the last `marked` contacts that a chunk has listed: the
+/* Excludes polyhedra from the correction of partial steps, among the last `marked` contacts that a chunk has listed: the
    mass at a corner is not the pair's. */
-static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
+static inline void dem__exclude_convex(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     dem__contacts *contacts = &w->engine->contacts;
     for (ptrdiff_t m = in->marked - marked; m < in->marked; m++) {
         const ptrdiff_t c = contacts->slots[in->first + m];
-        if (dem__is_convex_contact(w, c)) contacts->edge[c] = 0;
+        if (dem__is_convex_contact(w, c)) contacts->partial[c] = 0;
     }
 }
 
@@ -20404,7 +20413,7 @@ DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double el
 
 static inline const dem__convex_calls *dem__polyhedra(void) {
     static const dem__convex_calls row = {dem__prepare_convex, dem__fill_convex_rows, dem__finish_convex_rows,
-                                          dem_add_convex, dem__leave_convex_edges};
+                                          dem_add_convex, dem__exclude_convex};
     return &row;
 }
 
@@ -20885,7 +20894,7 @@ static inline void dem__derive_loaded(dem_world *w) {
         if (j >= 0) dem__activate(w, j);
         else contacts->wall_next[c] = first[i], first[i] = (int32_t)c;
         if (j < 0 && w->engine->convex.shapes > 0 && !dem__shape_of(w, i))
-            contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing is trusted */
+            contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no cached face is trusted */
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__set_inverse_mass(w, i);

@@ -515,7 +515,7 @@ static void test_memory(void **state) {
 /* Corners of the core of body 0, where the engine has them, are where a rotation q from the given frame puts them. */
 static void lies_by(const dem_world *w, const dem_convex *s, dem_quaternion q) {
     const dem__rigid *r = dem__rigid_of(w, 0);
-    const dem__posture p = dem__posture_at(w, r, dem__now(w, 0));
+    const dem__pose p = dem__pose_at(w, r, dem__now(w, 0));
     const dem_quaternion own = dem__turns(p.turn, dem__opposite_turn(r->frame)), told = dem_orientation(w, 0);
     const dem_quaternion of = dem_get_body(w, 0).orientation;
     const dem_convex *kept = dem_get_shape(w, 0);

@@ -107,7 +107,7 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
         list[n].address = &contacts->wrench[k], list[n].size = sizeof(double);
     /* ... within a step */
     list[n].address = &contacts->correction, list[n++].size = sizeof(dem__correction);
-    list[n].address = &contacts->edge, list[n++].size = 1;
+    list[n].address = &contacts->partial, list[n++].size = 1;
     list[n].address = &contacts->slots, list[n++].size = sizeof(int32_t);
     if (dem__may_postpone(w)) list[n].address = &contacts->postponed, list[n++].size = sizeof(dem__postponed);
     return n;

@@ -27,7 +27,7 @@
 #define DEM__REORDER_STEPS 256            /* steps between two reorderings of contacts */
 /* Steps that a list should last: building it takes as long as about thirty steps of a gas. */
 #define DEM__LIST_STEPS 100
-/* Near pairs a sphere: with fewer a wide margin costs little, and lists should last four times as long. */
+/* Near pairs a sphere: with fewer a wide skin costs little, and lists should last four times as long. */
 #define DEM__FEW_PAIRS 3
 /* Contacts from which on they lie in chunks, contacts of a chunk, and the most chunks: more threads than that do not
    share contacts. A chunk is a few blocks, so that as many threads as pay have equal shares. */

@@ -64,9 +64,9 @@ enum {
     DEM__PLACE_NORMAL = 0,    /* mesh, polyhedron: normal of the place that it follows (3 numbers) */
     DEM__PLACE_GAP = 3,       /* mesh, polyhedron: gap there [m] */
     DEM__PLACE_BEFORE = 11,   /* mesh, polyhedron: the normal one step before (3) */
-    DEM__PLACE_FOOTING = 4,   /* mesh: dem__footing.at (3) */
-    DEM__PLACE_SLACK = 7,     /* mesh: dem__footing.slack [m]; 0: no footing */
-    DEM__PLACE_FACE = 8,      /* mesh: dem__footing.face */
+    DEM__PLACE_CACHE = 4,     /* mesh: dem__face_cache.at (3) */
+    DEM__PLACE_SLACK = 7,     /* mesh: dem__face_cache.slack [m]; 0: no face */
+    DEM__PLACE_FACE = 8,      /* mesh: dem__face_cache.face */
     DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
     DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
     DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
@@ -95,21 +95,22 @@ typedef struct dem__rigid {
     dem_vec moments;          /* [kg m2] */
     double mass;              /* [kg] */
     int32_t first, pieces;    /* of its particles */
-    double strides; /* number of quarter radians of a flight, with three different moments, that are integrated, */
+    double
+        rotation_steps; /* number of quarter radians of a flight, with three different moments, that are integrated, */
     dem_quaternion ahead; /* and the orientation there; neither is saved */
 } dem__rigid;
 
 /* State of a rigid body at a time: place and velocity of its centre of mass, spin, angular momentum, orientation. */
-typedef struct dem__posture {
+typedef struct dem__pose {
     dem_vec x, v, spin, momentum;
     dem_quaternion turn;
-} dem__posture;
+} dem__pose;
 
 /* The functions that the engine calls for rigid bodies, in the order of a step; they are in bodies/rigid.h. The first
    body of a world sets the table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles
    none of them. */
 typedef struct dem__body_calls {
-    dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau); /* returns the state at tau [s] after
+    dem__pose (*pose)(const dem_world *w, const dem__rigid *r, double tau); /* returns the state at tau [s] after
                                                                                      the origin step */
     void (*set_origin)(dem_world *w, dem__rigid *r); /* makes the present step the origin */
     void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity,
@@ -123,9 +124,9 @@ typedef struct dem__body_calls {
                                                                                          bodies to the end of a step */
     void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h); /* moves velocities of active bodies
                                                                                       to the end of a step */
-    void (*push)(dem_world *w, int32_t c, int has_friction); /* applies impulses of the edge step in slot c */
+    void (*push)(dem_world *w, int32_t c, int has_friction); /* applies impulses of the partial step in slot c */
     void (*shift)(dem_world *w, int32_t c);                  /* applies its shift, after all impulses */
-    double (*swing)(const dem__rigid *r, double arm);        /* greatest speed in flight of what is an arm [m]
+    double (*turning_speed)(const dem__rigid *r, double arm); /* greatest speed in flight of what is an arm [m]
                                                                      from the centre, about it [m/s] */
 } dem__body_calls;
 
@@ -192,7 +193,7 @@ typedef struct dem__bodies {
     dem__wrench *external; /* the external part */
     dem__bound *bound;
     dem_vec *impact;         /* change of velocity from the beginning to the middle of an impact [m/s] */
-    double *shifted;         /* distance by which edge steps have shifted it from its bound [m] */
+    double *shifted;         /* distance by which partial steps have shifted it from its bound [m] */
     double *wall_speed;      /* speed that its wall timers rely on [m/s] */
     double *mass_share;      /* 1 / contacts [-] */
     int32_t *activity;       /* DEM__FLYING .. */
@@ -214,7 +215,7 @@ typedef struct dem__bodies {
                               axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. The file of its kind adds one, walls/kinematics.h moves it, search/tests.h and
+/* Walls, beside the public array. The file of its kind adds one, walls/kinematics.h moves it, search/narrow_phase.h and
    search/bounds.h set its timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
@@ -226,7 +227,7 @@ typedef struct dem__wall_state {
     int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
 
-/* Near pairs and the list's life. search/margin.h chooses how long the list may last, search/neighbour_list.h builds
+/* Near pairs and the list's life. search/skin.h chooses how long the list may last, search/neighbour_list.h builds
    it, search/due_tests.h tests the pairs. */
 typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
@@ -238,7 +239,7 @@ typedef struct dem__pairs {
     dem_vec *listed_at;              /* position when the list was built */
     int64_t listed_step, next_check; /* when the list was built; when it must be checked next */
     double steps_per_second;
-    double margin, margin_factor;               /* gap up to which pairs are listed [m]; its factor, 1 .. 3 */
+    double skin, skin_factor;                   /* gap up to which pairs are listed [m]; its factor, 1 .. 3 */
     double least_tolerance;                     /* of bounds [m/s] */
     double touch_gap;                           /* gap below which a contact may begin [m]: 0, but for linked pairs */
     double wall_reach;                          /* gap up to which walls are searched for [m] */
@@ -250,7 +251,7 @@ typedef struct dem__pairs {
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by
    partners; gaps are filled from its end; now and then all are ordered by rank, the last first. The order of slots depends
-   only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits. search/tests.h
+   only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits. search/narrow_phase.h
    and polyhedra/pairs.h begin them, contacts/kernel.h and contacts/first_and_last_step.h evaluate them,
    contacts/contacts.h orders and ends them. */
 typedef struct dem__contacts {
@@ -271,7 +272,7 @@ typedef struct dem__contacts {
                                                     contact of a polyhedron (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
-    uint8_t *edge;  /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
+    uint8_t *partial; /* its partial step is to be corrected: written by the kernel for the contacts that it lists;
                       free before it, when dem__follow_meshes notes meshes with places left */
     uint8_t *ended; /* has ended */
     double *gap, *force;
@@ -324,7 +325,7 @@ typedef struct dem__field {
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
-/* The energy ledger. step/step.h begins, pauses and resumes it; energy/ledger.h books. */
+/* The energy ledger. step/step.h begins, pauses and resumes it; energy/postings.h books. */
 typedef struct dem__ledger {
     int on, started;      /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
     int counts;           /* whether the last run had DEM_ENERGY */

@@ -32,7 +32,7 @@ typedef struct dem__convex_pair {
     int32_t i, j, near;   /* near: its number among near pairs, or -1 */
     int32_t first, count; /* of its points in the present step */
     int32_t is_close;     /* whether the spheres around the two touch in the present step */
-    int64_t idle_until;   /* step before which they cannot touch while both fly on, and the wall is no faster */
+    int64_t skip_until;   /* step before which they cannot touch while both fly on, and the wall is no faster */
     int64_t origin[2];    /* origin steps of these flights */
     double speed, spin;   /* bounds of the wall's motion on which it relies [m/s], [rad/s] */
     dem__nearest_cache cache;
@@ -60,7 +60,7 @@ typedef struct dem__convex_calls {
     dem_status (*add)(dem_world *w, int shape, ptrdiff_t n, const double *centres, const double *orientations,
                       int material, int group); /* adds polyhedra: dem_add_convex, for feeds */
     void (*leave_edges)(dem_world *w, const struct dem__chunk *in,
-                        ptrdiff_t marked); /* excludes polyhedra from edge steps */
+                        ptrdiff_t marked); /* excludes polyhedra from partial steps */
 } dem__convex_calls;
 
 /* Polyhedra. polyhedra/add.h adds shapes, polyhedra/pairs.h lists pairs and finds their points. Without any shape all

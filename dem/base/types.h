@@ -123,7 +123,7 @@ typedef struct dem_def {
     int threads;     /* number of threads >= 1; default 1; world->def.threads may be changed between runs */
     int skip;        /* DEM_SKIP_*; default DEM_SKIP_ALL */
     double dt;       /* time step [s] 1e-60 .. 1e6; default 1e-6; dem_advise() gives a good one */
-    double skin;     /* margin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. Where lists last
+    double skin;     /* skin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. Where lists last
                         under 100 steps (400 where pairs are few) the engine takes up to three times as much, in a narrow
                         periodic box less */
     dem_vec gravity; /* [m/s2]; default (0, 0, -9.81) */

@@ -41,7 +41,7 @@ static inline dem__feature dem__feature_bodies(void) {
     f.release = dem__release_bodies;
     f.add_particle = dem__add_unattached;
     f.renumber = dem__renumber_bodies;
-    f.keep_up = dem__note_strides;
+    f.keep_up = dem__keep_rotations;
     f.particle_fields = dem__particle_fields_of_bodies;
     f.save = dem__save_bodies;
     f.is_used = dem__has_bodies;

@@ -6,49 +6,49 @@
    of a body that has one lies at its centre of mass; its radius is that of the sphere that the search for contacts
    uses. The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about
    the particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present
-   step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
+   step is in `turn`; in the search for contacts, in dem__pose_at(w, r, tau). */
 #pragma once
 #include "../step/detect.h"
 #include "../step/integrate.h"
 
-/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter
+/* Returns whether a body rotates freely with three moments: such a rotation is integrated in rotation steps, of a quarter
    radian at most. */
-DEM_INLINE int dem__strides(const dem__rigid *r) {
+DEM_INLINE int dem__rotates_in_steps(const dem__rigid *r) {
     return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
 }
 
-#define DEM__STRIDES_MAX 1e7 /* of a flight between two lists */
-/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides
+#define DEM__ROTATION_STEPS_MAX 1e7 /* of a flight between two lists */
+/* Returns the orientation of such a body at tau: whole rotation steps from the origin, then the rest. Begins with the rotation steps
    that are known. */
 static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
-    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
+    const double rotation_step = dem__rotation_step(r->momentum, r->moments), whole = floor(tau / rotation_step);
     dem_quaternion q = r->turn;
     double n = 0.0;
-    if (!(stride < HUGE_VAL)) return q;
-    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
-    if (!(whole - n < DEM__STRIDES_MAX)) return q; /* only in a world that no run has accepted */
-    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
-    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
+    if (!(rotation_step < HUGE_VAL)) return q;
+    if (r->rotation_steps > 0.0 && r->rotation_steps <= whole) n = r->rotation_steps, q = r->ahead;
+    if (!(whole - n < DEM__ROTATION_STEPS_MAX)) return q; /* only in a world that no run has accepted */
+    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, rotation_step);
+    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * rotation_step);
 }
 
 /* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins.
    DEM_TOO_FAST: a body turns by a hundred radians in a step. */
-static inline void dem__note_strides(dem_world *w) {
+static inline void dem__keep_rotations(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
         dem__rigid *r = &bodies->rigid[k];
         if (!w->alive[r->first] || bodies->activity[r->first]) continue;
-        const double stride = dem__turn_stride(r->momentum, r->moments);
-        const double whole = dem__strides(r) ? floor(dem__now(w, r->first) / stride) : 0.0;
-        if (!(400.0 * stride > w->engine->run.dt) || !(whole - r->strides < DEM__STRIDES_MAX)) {
+        const double rotation_step = dem__rotation_step(r->momentum, r->moments);
+        const double whole = dem__rotates_in_steps(r) ? floor(dem__now(w, r->first) / rotation_step) : 0.0;
+        if (!(400.0 * rotation_step > w->engine->run.dt) || !(whole - r->rotation_steps < DEM__ROTATION_STEPS_MAX)) {
             w->status = DEM_TOO_FAST;
             w->failed_id = w->id[r->first];
             return;
         }
-        if (!(whole > r->strides)) continue;
-        if (r->strides == 0.0) r->ahead = r->turn;
-        for (; r->strides < whole; r->strides += 1.0)
-            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
+        if (!(whole > r->rotation_steps)) continue;
+        if (r->rotation_steps == 0.0) r->ahead = r->turn;
+        for (; r->rotation_steps < whole; r->rotation_steps += 1.0)
+            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, rotation_step);
     }
 }
 
@@ -56,13 +56,13 @@ static inline void dem__note_strides(dem_world *w) {
 DEM_INLINE dem_quaternion dem__turn_at(const dem_world *w, const dem__rigid *r, double tau) {
     const int single = tau <= 1.5 * w->engine->run.dt;
     if (tau == 0.0) return r->turn;
-    if (!single && dem__strides(r)) return dem__turn_of_flight(r, tau);
+    if (!single && dem__rotates_in_steps(r)) return dem__turn_of_flight(r, tau);
     return dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, single);
 }
 
 /* Returns the state of a rigid body at tau after its origin step [s]. */
-static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigid *r, double tau) {
-    dem__posture p;
+static inline dem__pose dem__find_pose(const dem_world *w, const dem__rigid *r, double tau) {
+    dem__pose p;
     p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
     p.momentum = dem__plus(r->momentum, tau, r->torque);
     p.turn = dem__turn_at(w, r, tau);
@@ -75,7 +75,7 @@ static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigi
 static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__axes axes = dem__axes_of(r->turn);
-    r->strides = 0.0;
+    r->rotation_steps = 0.0;
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
@@ -90,7 +90,7 @@ static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
 
 /* Makes the present step the origin of a body. */
 static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
-    const dem__posture p = dem__find_posture(w, r, dem__now(w, r->first));
+    const dem__pose p = dem__find_pose(w, r, dem__now(w, r->first));
     r->x = p.x, r->v = p.v, r->momentum = p.momentum, r->turn = p.turn;
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) w->particle[i].origin = w->step;
     dem__place_pieces(w, r);
@@ -126,7 +126,7 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a),
     r->momentum = momentum;
     r->turn = dem__kept_unit(end);
-    r->strides = 0.0;
+    r->rotation_steps = 0.0;
     if (w->engine->run.has_periodic) dem__wrap_body(w, r);
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
         const dem_vec arm = dem__out_of(&axes, bodies->offset[i]);
@@ -172,7 +172,7 @@ DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     const int loads = bodies->adds_loads;
     dem_vec force;
     if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
-    r->strides = 0.0;
+    r->rotation_steps = 0.0;
     dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
     if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]);
     const dem_vec pulled = dem__scale(1.0 / r->mass, force);
@@ -217,7 +217,7 @@ static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_
 }
 
 /* Returns the greatest speed in flight of what is an arm [m] from a body's centre, relative to it [m/s]. */
-static inline double dem__swing(const dem__rigid *r, double arm) {
+static inline double dem__turning_speed(const dem__rigid *r, double arm) {
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
                  least = i_min < r->moments.y ? i_min : r->moments.y;
@@ -327,9 +327,9 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
 
 static inline const dem__body_calls *dem__rigid_bodies(void) {
     static const dem__body_calls row = {
-        dem__find_posture,      dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
+        dem__find_pose,         dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
         dem__place_pieces,      dem__free_body,       dem__test_due_with_bodies, dem__advance_with_bodies,
-        dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__swing};
+        dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__turning_speed};
     return &row;
 }
 

@@ -321,7 +321,7 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
         for (int a = 0; a < contacts->states; a++) contacts->state[a][c] = 0.0;
         contacts->gap[c] = gap;
         contacts->force[c] = 0.0;
-        contacts->edge[c] = contacts->ended[c] = 0;
+        contacts->partial[c] = contacts->ended[c] = 0;
     }
     contacts->begun = 0;
 }

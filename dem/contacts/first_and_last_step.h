@@ -1,4 +1,4 @@
-/* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction,
+/* Partial steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction,
    history and losses. Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the
    steps between. */
 #pragma once
@@ -39,16 +39,16 @@ DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *g
    motion of the two bodies through it is integrated by itself; the difference from Verlet's motion is applied as an
    impulse and a shift along the normal. Verlet's velocity is a central difference, (x(t+h) - x(t-h)) / 2h, which
    differs from the true velocity by h^2/6 x'''. */
-typedef struct dem__edge_motion {
+typedef struct dem__partial_motion {
     double impulse, shift; /* [N s], [kg m]: divided by a mass, changes of velocity and of position along n */
     double gap, closing;   /* at the end of the step */
     double duration;       /* of contact within the step [s] */
     double loss, elastic;  /* dissipated by the normal dashpot in the step; stored at its end [J] */
     double before;         /* last step only: closing speed at the start of the step [m/s] */
-} dem__edge_motion;
+} dem__partial_motion;
 
 /* Integrates the normal motion through the first step of a contact. Returns 0 if the bodies do not approach. */
-DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e,
+DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__partial_motion *e,
                                       const dem_law *law) {
     double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
     if (!(c->closing > 0.0)) return 0;
@@ -71,7 +71,7 @@ DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state,
    Verlet's step stands. `verlet` is the closing speed from which Verlet, for the two bodies alone, leads to the present
    gap. */
 DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, double gap, double force,
-                                     dem__edge_motion *e, const dem_law *law) {
+                                     dem__partial_motion *e, const dem_law *law) {
     const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass,
                  verlet = (gap - c->gap) * c->rate + half_kick;
     const double speed =
@@ -114,10 +114,10 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
 
 /* A contact that begins or ends within a step: its state at the start, where its force at the end is written, and the
    wall's velocity. */
-typedef struct dem__edge {
+typedef struct dem__partial_step {
     double gap, force, state[DEM_STATE_MAX], *out[9], arm_i, arm_j;
     dem_vec wall_speed;
-} dem__edge;
+} dem__partial_step;
 
 /* Adds friction and rolling, as they are in r, to an impulse: over `time` [s], and over `scaled` [s], a normal impulse
    divided by the normal force of r. That force may be tiny: friction that remains without it (r->remaining) is left out
@@ -133,7 +133,7 @@ DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_respo
 /* Adds friction in the step in which a contact begins, by a Radau rule: after a third of the time t in contact, and at
    its end, r. The normal impulse exceeds that of t because Verlet's velocities are central differences; friction
    exceeds in proportion. */
-DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_motion *e, double *s,
+DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__partial_motion *e, double *s,
                                     const dem_response *r, dem_response *impulse, const dem_law *law, int features) {
     const double t = e->duration, beyond = e->impulse - touch->mass * (touch->closing - e->closing);
     dem_response third;
@@ -148,18 +148,18 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_mo
     dem__add_friction_impulse(impulse, r, 0.25 * t, r->contact > 0.0 ? beyond / r->contact : 0.0, features);
 }
 
-/* Result of an edge step: impulses, the normal force that the next step starts from [N], the work of the wall by
+/* Result of a partial step: impulses, the normal force that the next step starts from [N], the work of the wall by
    friction [J]. */
-typedef struct dem__edge_result {
-    dem__edge_motion e;
+typedef struct dem__partial_result {
+    dem__partial_motion e;
     dem_response impulse; /* at the end without Verlet's own half kicks */
     double start, driven;
-} dem__edge_result;
+} dem__partial_result;
 
 /* Corrects the step in which a contact begins, from history s: force, history and losses. Returns 0 if it does not
    begin. */
-DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was,
-                                       const dem_law *law, int features, dem__edge_result *m) {
+DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__partial_step *was,
+                                       const dem_law *law, int features, dem__partial_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
@@ -190,8 +190,8 @@ DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__col
 }
 
 /* Corrects the step in which a contact ends: force, history and losses. Returns 0 if Verlet's step stands. */
-DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was,
-                                      const dem_law *law, int features, dem__edge_result *m) {
+DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__partial_step *was,
+                                      const dem_law *law, int features, dem__partial_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
@@ -220,13 +220,13 @@ DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__colu
     return 1;
 }
 
-/* Corrects an edge step of the contact in slot c; stores impulses and shift for the end of the step. */
-DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was, const dem_law *law,
-                                  int features) {
+/* Corrects a partial step of the contact in slot c; stores impulses and shift for the end of the step. */
+DEM_INLINE void dem__correct_partial_step(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__partial_step *was,
+                                          const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     const int first = was->force == 0.0;
     dem__columns at;
-    dem__edge_result m;
+    dem__partial_result m;
     double s[DEM_STATE_MAX], *impulse[9];
     dem__correction *handed = &contacts->correction[c];
     memset(&m, 0, sizeof m);
@@ -234,7 +234,7 @@ DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, con
     for (int a = 0; a < law->states; a++) s[a] = first && a < law->history ? 0.0 : at.state[a][0];
     const int mended = first ? dem__correct_first_step(q, s, &at, was, law, features, &m)
                              : dem__correct_last_step(q, s, &at, was, law, features, &m);
-    contacts->edge[c] = mended != 0;
+    contacts->partial[c] = mended != 0;
     if (!mended) return;
     if (!first && m.start != 0.0) contacts->ended[c] = 0;
     at.gap[0] = m.e.gap;

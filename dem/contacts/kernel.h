@@ -40,7 +40,7 @@ static inline int dem__make_work(dem_world *w) {
     return 1;
 }
 
-typedef void dem__edge_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was);
+typedef void dem__partial_step_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__partial_step *was);
 
 /* Returns whether a contact began or ended in this step, from its forces and the gap before. Computed with bits:
    branches would keep the loop scalar. */
@@ -62,7 +62,7 @@ DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t bas
     }
     for (int k = 0; k < n && any; k++) {
         if (!mark[k]) continue;
-        contacts->edge[base + k] = (uint8_t)(mark[k] & 1);
+        contacts->partial[base + k] = (uint8_t)(mark[k] & 1);
         contacts->ended[base + k] = (uint8_t)(mark[k] >> 1);
         contacts->slots[in->first + in->marked++] = (int32_t)(base + k);
     }
@@ -171,7 +171,7 @@ static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *
                                                  const dem__columns *at, double half, int features) {
     w->engine->convex.calls->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
-static DEM__NOINLINE void dem__leave_other_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
+static DEM__NOINLINE void dem__exclude_other(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     w->engine->convex.calls->leave_edges(w, in, marked);
 }
 
@@ -266,10 +266,10 @@ DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns
     }
 }
 
-/* Corrects the edge steps of a block: those of the last `marked` contacts that its chunk has listed. */
-DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base, ptrdiff_t marked,
-                                   const dem__columns *old, const dem__columns *at, const dem_law *law,
-                                   dem__edge_fn *correct, int features) {
+/* Corrects the partial steps of a block: those of the last `marked` contacts that its chunk has listed. */
+DEM_INLINE void dem__correct_partial_steps(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base,
+                                           ptrdiff_t marked, const dem__columns *old, const dem__columns *at,
+                                           const dem_law *law, dem__partial_step_fn *correct, int features) {
     const dem__run *run = &w->engine->run;
     const dem__contacts *contacts = &w->engine->contacts;
     const int has_friction = (features & DEM_FRICTION) != 0;
@@ -277,13 +277,13 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
         const ptrdiff_t c = contacts->slots[in->first + m];
         const int k = (int)(c - base);
         dem_contact view;
-        dem__edge edge;
+        dem__partial_step partial;
         double p[DEM_CONSTANTS_MAX];
-        if (!contacts->edge[c]) continue;
+        if (!contacts->partial[c]) continue;
         while (q < x->walls && x->wall[q].row < k) q++;
         for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
-        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &edge.arm_i,
-                              &edge.arm_j);
+        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &partial.arm_i,
+                              &partial.arm_j);
         view.mass = x->types.mass[k];
         view.share =
             dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law may leave uncomputed */
@@ -291,12 +291,12 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
         view.rate = 1.0 / run->dt;
         view.constants = p;
         view.user = w->user;
-        edge.gap = x->was[k], edge.force = x->before[k];
+        partial.gap = x->was[k], partial.force = x->before[k];
         for (int a = 0; a < law->states && has_friction; a++)
-            edge.state[a] = a < law->history ? x->past[a][k] : old->state[a][k];
-        for (int a = 0; a < 9; a++) edge.out[a] = at->out[a] + k;
-        edge.wall_speed = contacts->j[c] < 0 ? x->wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
-        correct(w, c, &view, &edge);
+            partial.state[a] = a < law->history ? x->past[a][k] : old->state[a][k];
+        for (int a = 0; a < 9; a++) partial.out[a] = at->out[a] + k;
+        partial.wall_speed = contacts->j[c] < 0 ? x->wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
+        correct(w, c, &view, &partial);
         for (int a = 0; a < (has_friction ? 9 : 3) && run->keeps_wrenches; a++) old->out[a][k] = at->out[a][k];
     }
 }
@@ -318,7 +318,7 @@ static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdi
    and writes its own slot; therefore any division among threads gives the same bits. Each block is summed while it is
    in the cache. */
 DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law,
-                                    dem__edge_fn *correct, int features, int32_t postpone_from) {
+                                    dem__partial_step_fn *correct, int features, int32_t postpone_from) {
     const dem__run *run = &w->engine->run;
     const int has_friction = (features & DEM_FRICTION) != 0;
     const int only_ledger = (features & DEM_ENERGY) && run->only_ledger;
@@ -342,9 +342,9 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
             continue;
         }
         const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
-        if (w->engine->convex.calls) dem__leave_other_edges(w, in, marked);
+        if (w->engine->convex.calls) dem__exclude_other(w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
-        if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
+        if (h > 0.0) dem__correct_partial_steps(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, x, chunk, base, n, at.out, has_friction, postpone_from);
         if (x->walls > 0) dem__add_belts(w, x, chunk, at.out[0], at.out[1], at.out[2]);
     }
@@ -352,7 +352,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
 
 /* Evaluates the contacts of chunks first .. end-1 on one thread. */
 DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law,
-                            dem__edge_fn *correct, int features) {
+                            dem__partial_step_fn *correct, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__work *work = dem__work_of(w, part);
     const int32_t postpone_from = part > 0 && contacts->shares > 1 ? contacts->share_from[part - 1] : INT32_MAX;
@@ -373,8 +373,8 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
                     call)
 #define DEM__KERNEL_LOOPS(name, law, features)                                                                         \
     DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q,                     \
-                                                    const dem__edge *was) {                                            \
-        dem__correct_edge(world, c, q, was, &(law), features);                                                         \
+                                                    const dem__partial_step *was) {                                    \
+        dem__correct_partial_step(world, c, q, was, &(law), features);                                                 \
     }                                                                                                                  \
     DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))
 #define DEM_KERNEL(name, law, features)                                                                                \

@@ -113,10 +113,10 @@ static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *sourc
 /* Adds the particles of a body to the lists, in their order. */
 static inline void dem__settle_body(const dem_world *w, dem__room *room, const dem_feed *feed, dem_vec x,
                                     dem_quaternion turn, double radius) {
-    if (!feed->clump) dem__settle_in(room, x, radius * dem__feed_reach(w, feed));
+    if (!feed->clump) dem__occupy(room, x, radius * dem__feed_reach(w, feed));
     for (int k = 0; feed->clump && k < feed->clump->spheres; k++) {
         double piece;
         const dem_vec at = dem__piece_place(w, feed, x, turn, radius, k, &piece);
-        dem__settle_in(room, at, piece);
+        dem__occupy(room, at, piece);
     }
 }

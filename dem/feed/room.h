@@ -22,7 +22,7 @@ static inline int dem__is_stopped(const dem_world *w, ptrdiff_t step) {
 }
 
 /* Adds a sphere to the lists. */
-static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
+static inline void dem__occupy(dem__room *room, dem_vec x, double radius) {
     const ptrdiff_t k = room->count++, c = dem__cell(&room->grid[dem__level(radius, room->smallest)], x);
     room->centre[3 * k] = x.x, room->centre[3 * k + 1] = x.y, room->centre[3 * k + 2] = x.z;
     room->radius[k] = radius;
@@ -39,7 +39,7 @@ static inline void dem__count_in(dem__room *room, double radius) {
 }
 
 /* Returns whether sphere i reaches into a box; x: its position. Periodic axes are not compared. */
-static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
+static inline int dem__reaches_box(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
     *x = dem_position(w, i);
     for (int a = 0; a < 3 && w->alive[i]; a++) {
         const double v = dem_axis(*x, a);
@@ -86,12 +86,12 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     const dem_vec out = dem_vec3(reach, reach, reach); /* spheres in a flat region stand out of it */
     low = dem__sub(low, out), high = dem__add(high, out);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest)
+        if (dem__reaches_box(w, i, low, high, &x) && w->particle[i].radius < room->smallest)
             room->smallest = w->particle[i].radius;
     }
     for (ptrdiff_t k = 0; k < n; k++) dem__count_in(room, radius[k]);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x)) dem__count_in(room, w->particle[i].radius);
+        if (dem__reaches_box(w, i, low, high, &x)) dem__count_in(room, w->particle[i].radius);
     }
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &room->grid[level];
@@ -110,7 +110,7 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     room->head = room->next + room->capacity;
     for (ptrdiff_t c = 0; c < room->cells; c++) room->head[c] = -1;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x)) dem__settle_in(room, x, w->particle[i].radius);
+        if (dem__reaches_box(w, i, low, high, &x)) dem__occupy(room, x, w->particle[i].radius);
     }
     return DEM_OK;
 }

@@ -102,7 +102,7 @@ DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, dem_vec
 
 /* Lets the torque act on particle i, or its body, over a time that has passed, at an origin that has just been set.
    Exact for a sphere of constant c. Returns the energy that it gains [J]. */
-DEM_INLINE double dem__brake(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
+DEM_INLINE double dem__apply_drag_torque(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
     dem__rigid *r = dem__rigid_of(w, i);
     const double before = dem__rotational(w, i), y = q->c * passed / q->inertia;
     const double part = y < 1e-3 ? 1.0 - y * (0.5 - y * (1.0 / 6.0 - y / 24.0)) : (1.0 - riddle_exp(-y)) / y;
@@ -145,7 +145,7 @@ DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_v
     static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0,
                                           277.0 / 14336.0,  0.25};
     const dem_vec g = dem__free_fall(w), none = dem_vec3(0.0, 0.0, 0.0);
-    dem_vec gain[STAGES], pull[STAGES], off = none, stray = none;
+    dem_vec gain[STAGES], pull[STAGES], off = none, error = none;
     dem__flown q;
     q.way = q.gain = none, q.work = 0.0, q.zero = 1;
     for (int s = 0; s < STAGES; s++) {
@@ -162,9 +162,9 @@ DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_v
         q.gain = dem__plus(q.gain, h * fifth[s], dem__add(g, pull[s]));
         q.work += h * fifth[s] * w->particle[i].mass * dem__dot(pull[s], now);
         off = dem__plus(off, h * (fifth[s] - fourth[s]), gain[s]);
-        stray = dem__plus(stray, h * h * (fifth[s] - fourth[s]), pull[s]);
+        error = dem__plus(error, h * h * (fifth[s] - fourth[s]), pull[s]);
     }
-    q.error = dem__length(off) + dem__length(stray);
+    q.error = dem__length(off) + dem__length(error);
     return q;
 }
 
@@ -229,7 +229,7 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
     if (!(q.zero && dem__falls_freely(w, i)) || brakes) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
-        if (brakes) field->booked[i] = -dem__brake(w, i, passed, &turn); /* the next booking adds it */
+        if (brakes) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn); /* the next booking adds it */
     }
     field->end_velocity[i] =
         q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
@@ -280,7 +280,7 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     field->until[i] = DEM__NO_FLIGHT;
     if (falls && dem__is_zero(pull) && !brakes) return; /* the same bits as without a field */
     dem__begin_parabola(w, i, x, v, a);
-    if (brakes) field->work[i] += dem__brake(w, i, passed, &turn);
+    if (brakes) field->work[i] += dem__apply_drag_torque(w, i, passed, &turn);
     dem__free_acceleration(w, i);
     if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
 }

@@ -36,7 +36,7 @@ DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) {
 }
 
 /* Takes the work of the field on all flights until now as booked: the ledger begins, or flights are known anew. */
-static inline void dem__begin_books(dem_world *w) {
+static inline void dem__begin_field_ledger(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (dem__is_flying(w, i)) w->engine->field.booked[i] = dem__flight_gain(w, i);
     }
@@ -66,8 +66,9 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
                  there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
     const double most = here > there ? here : there;
-    const double swing = r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
-    return (most > end ? most : end) + swing;
+    const double turning_speed =
+        r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
+    return (most > end ? most : end) + turning_speed;
 }
 
 /* Sets a bound for particle k, which flies with i, that holds for about DEM__FLIGHTS flights like this one. */
@@ -95,7 +96,7 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
     dem__field *field = &w->engine->field;
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
-    dem__outcome news = dem__no_outcome(w);
+    dem__outcome outcome = dem__no_outcome(w);
     ptrdiff_t reset = 0;
     for (ptrdiff_t q = 0; q < n; q++) {
         const int32_t i = list[q];
@@ -112,11 +113,11 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
             dem__bound_flight(w, i, k);
             w->engine->scratch.index[reset++] = k;
             if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted,
-                                 &news))
+                                 &outcome))
                 dem__advance_wall_timers(w, k, w->step);
         }
     }
-    dem__apply_outcome(w, &news);
+    dem__apply_outcome(w, &outcome);
     dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
     return w->status == DEM_OK;
 }
@@ -166,7 +167,7 @@ static inline int dem__prepare_flights(dem_world *w) {
     }
     dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
     dem__run_field(w, field->timers.list, n, DEM__RENEW_FLIGHTS, 0.0);
-    dem__begin_books(w);
+    dem__begin_field_ledger(w);
     field->steppers = 0;
     return dem__list_flights(w);
 }
@@ -353,7 +354,7 @@ static inline dem__feature dem__feature_field(void) {
     f.add_particle = dem__add_unflown;
     f.check_run = dem__check_field;
     f.prepare_run = dem__prepare_flights;
-    f.begin_ledger = dem__begin_books;
+    f.begin_ledger = dem__begin_field_ledger;
     f.end_run = dem__end_run_in_field;
     f.begin_step = dem__continue_flights;
     f.contacts_begun = dem__end_flights;

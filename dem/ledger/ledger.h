@@ -76,7 +76,7 @@ static inline void dem__book_stored(dem_world *w) {
 }
 
 /* Contacts that begin have stored nothing. Books are sums in the order of memory, whenever lists were built. */
-static inline void dem__begin_books_of_contacts(dem_world *w, ptrdiff_t begun) {
+static inline void dem__begin_contact_ledger(dem_world *w, ptrdiff_t begun) {
     dem__contacts *contacts = &w->engine->contacts;
     for (ptrdiff_t k = 0; k < begun; k++) {
         const int32_t c = contacts->slots[k];
@@ -136,7 +136,7 @@ static inline dem__feature dem__feature_ledger(void) {
     f.find_forces = dem__note_stored;
     f.forces_found = dem__book_stored;
     f.begin_run = dem__open_ledger;
-    f.contacts_begun = dem__begin_books_of_contacts;
+    f.contacts_begun = dem__begin_contact_ledger;
     f.add_forces = dem__book_step;
     f.end_contact = dem__book_contact_end;
     f.world_fields = dem__world_fields_of_ledger;

@@ -119,8 +119,9 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
 /* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a
    new one. */
 static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
-    const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
-    if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
+    const double deviation = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
+    if (deviation < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i))
+        dem__set_tolerance_left(w, i, deviation);
     else {
         const int32_t one = (int32_t)i;
         dem__renew_bound(w, i, w->step);
@@ -210,12 +211,12 @@ static inline dem_status dem__check_links(const dem_world *w, const dem_kernel *
     return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK;
 }
 
-static inline void dem__begin_books_of_links(dem_world *w) { dem__resume_link_work(w, dem__all_particles(w)); }
+static inline void dem__begin_link_ledger(dem_world *w) { dem__resume_link_work(w, dem__all_particles(w)); }
 
-/* Finds the links of each particle for a new list, whose margin must be far larger than their reach. */
+/* Finds the links of each particle for a new list, whose skin must be far larger than their reach. */
 static inline dem_status dem__relist_links(dem_world *w) {
     const dem__links *links = &w->engine->links;
-    if (!(links->near <= 0.01 * w->engine->pairs.margin) && links->count > 0) return DEM_BAD_DEFINITION;
+    if (!(links->near <= 0.01 * w->engine->pairs.skin) && links->count > 0) return DEM_BAD_DEFINITION;
     dem__find_links(w);
     return DEM_OK;
 }
@@ -229,7 +230,7 @@ static inline int dem__is_linked_with(const dem_world *w, ptrdiff_t i, ptrdiff_t
     return dem__link_of(w, i, j, element) >= 0;
 }
 
-static inline void dem__open_books_of_links(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums) {
+static inline void dem__open_link_ledger(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums) {
     sums->link_work += dem__link_work(w, i);
 }
 
@@ -246,14 +247,14 @@ static inline dem__feature dem__feature_links(void) {
     f.remove_particle = dem__cut_links_of;
     f.renumber = dem__renumber_links;
     f.check_run = dem__check_links;
-    f.begin_ledger = dem__begin_books_of_links;
+    f.begin_ledger = dem__begin_link_ledger;
     f.listed = dem__relist_links;
     f.drift = dem__drift_by_links;
     f.begins_early = dem__is_linked_with;
     f.end_step = dem__end_step_with_links;
     f.forces = dem_link_count;
     f.force = dem_get_link;
-    f.open_books = dem__open_books_of_links;
+    f.open_books = dem__open_link_ledger;
     f.world_fields = dem__world_fields_of_links;
     f.particle_fields = dem__particle_fields_of_links;
     f.save = dem__save_links;

@@ -1,12 +1,12 @@
 /* The forces between particles and the vectors along which they act: what a stress is made of. */
 #pragma once
-#include "../base/measures.h"
+#include "../base/measure_api.h"
 #include "getters.h"
 
 /* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
 static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
+    return r ? dem__to_lab(dem__pose_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
              : dem_vec3(0.0, 0.0, 0.0);
 }
 

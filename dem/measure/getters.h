@@ -29,7 +29,7 @@ DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
         return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
     const dem__rigid *r = dem__rigid_of(world, i);
     if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn,
+    return dem__turns(dem__pose_at(world, r, dem__now(world, i)).turn,
                       dem__opposite_turn(dem__given_frame(world, i, r)));
 }
 
@@ -50,7 +50,7 @@ DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
     const double inertia = dem__inertia(world, i);
     body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
-    body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
+    body.axes = r ? dem__pose_at(world, r, tau).turn : body.orientation;
     return body;
 }
 

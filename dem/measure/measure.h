@@ -358,8 +358,8 @@ typedef struct dem__load {
 } dem__load;
 
 /* Adds what a point carries, and what its images carry, to the cells around them. */
-static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at,
-                              const dem__load *load) {
+static inline void dem__coarse_grain(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at,
+                                     const dem__load *load) {
     dem_vec shift[27];
     const int images = dem__images(w, shift);
     for (int image = 0; image < images; image++) {
@@ -401,7 +401,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         if (!w->alive[i]) continue;
         dem_vec at;
         load.mass = w->particle[i].mass;
-        if (dem__counts(w, i, &at, &load.velocity)) dem__smear(w, c, field, at, &load);
+        if (dem__counts(w, i, &at, &load.velocity)) dem__coarse_grain(w, c, field, at, &load);
     }
     memset(&load, 0, sizeof load);
     for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
@@ -411,7 +411,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         for (int p = 0; p < 8; p++) {
             const double at = 0.5 + (p < 4 ? -0.5 : 0.5) * node[p % 4];
             load.stress = 0.5 * weight[p % 4];
-            dem__smear(w, c, field, dem__add(from, dem__scale(at, load.along)), &load);
+            dem__coarse_grain(w, c, field, dem__add(from, dem__scale(at, load.along)), &load);
         }
     }
     for (ptrdiff_t k = 0; k < number; k++) {

@@ -60,17 +60,17 @@ DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) {
     return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
 }
 
-DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
-    return w->engine->bodies.calls->posture(w, r, tau);
+DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, double tau) {
+    return w->engine->bodies.calls->pose(w, r, tau);
 }
 
 /* Return the position and the velocity of a particle of a rigid body at tau after its origin step [s]. */
 static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
-    const dem__posture p = dem__posture_at(w, r, tau);
+    const dem__pose p = dem__pose_at(w, r, tau);
     return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));
 }
 static DEM__NOINLINE dem_vec dem__piece_velocity_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
-    const dem__posture p = dem__posture_at(w, r, tau);
+    const dem__pose p = dem__pose_at(w, r, tau);
     return dem__add(p.v, dem__cross(p.spin, dem__to_lab(p.turn, w->engine->bodies.offset[i])));
 }
 
@@ -125,5 +125,5 @@ static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, dou
 }
 DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__posture_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
+    return r ? dem__pose_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
 }

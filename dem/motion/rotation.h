@@ -160,17 +160,17 @@ static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, 
 }
 
 /* Returns a time in which a body turns by at most a quarter radian [s]; HUGE_VAL at rest. */
-DEM_INLINE double dem__turn_stride(dem_vec momentum, dem_vec moments) {
+DEM_INLINE double dem__rotation_step(dem_vec momentum, dem_vec moments) {
     const double least = moments.x < moments.y ? moments.x : moments.y,
                  smallest = least < moments.z ? least : moments.z;
     const double size = dem__length(momentum);
     return size > 0.0 ? 0.25 * smallest / size : HUGE_VAL;
 }
 
-/* Rotates a free body with three moments for a time of a few steps, in strides of at most a quarter radian. A body that
+/* Rotates a free body with three moments for a time of a few steps, in rotation steps of at most a quarter radian. A body that
    turns by more, as only a forged save may have one, is left as it is. */
 static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
-    const double steps = floor(fabs(t) / dem__turn_stride(momentum, moments)) + 1.0, h = t / steps;
+    const double steps = floor(fabs(t) / dem__rotation_step(momentum, moments)) + 1.0, h = t / steps;
     if (!(steps < 1e5)) return q;
     for (double n = 0.0; n < steps; n += 1.0) q = dem__turn_nine(q, momentum, moments, h);
     return q;

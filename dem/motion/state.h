@@ -2,7 +2,7 @@
    not at all where it is fixed; every question which of these it does is asked in this folder. */
 #pragma once
 #include "../base/definition.h"
-#include "../energy/ledger.h"
+#include "../energy/postings.h"
 #include "motion.h"
 
 /* Makes the present step the origin of particle i: the state of its parabola becomes the stored one. */
@@ -56,7 +56,7 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (dem__is_fixed(w, i)) return 0.0;
     if (r) {
-        const dem__posture p = dem__posture_at(w, r, dem__now(w, i));
+        const dem__pose p = dem__pose_at(w, r, dem__now(w, i));
         return r->first == i ? 0.5 * dem__dot(p.spin, p.momentum) : 0.0;
     }
     const dem_vec s = dem__spin_at(w, i, dem__now(w, i));

@@ -17,7 +17,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem_vec x = dem__at(w, i, tau), v = dem__true_velocity_at(w, i, tau);
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        const dem__posture p = dem__posture_at(w, r, tau);
+        const dem__pose p = dem__pose_at(w, r, tau);
         i = r->first, x = p.x, v = p.v;
     }
     if (w->alive[i] < 0) { /* it passed another exit in this step: the one with the smaller index counts, whatever the

@@ -9,7 +9,7 @@
 
 static inline const dem__convex_calls *dem__polyhedra(void) {
     static const dem__convex_calls row = {dem__prepare_convex, dem__fill_convex_rows, dem__finish_convex_rows,
-                                          dem_add_convex, dem__leave_convex_edges};
+                                          dem_add_convex, dem__exclude_convex};
     return &row;
 }
 

@@ -139,13 +139,13 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
     }
 }
 
-/* Excludes polyhedra from the correction of edge steps, among the last `marked` contacts that a chunk has listed: the
+/* Excludes polyhedra from the correction of partial steps, among the last `marked` contacts that a chunk has listed: the
    mass at a corner is not the pair's. */
-static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
+static inline void dem__exclude_convex(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     dem__contacts *contacts = &w->engine->contacts;
     for (ptrdiff_t m = in->marked - marked; m < in->marked; m++) {
         const ptrdiff_t c = contacts->slots[in->first + m];
-        if (dem__is_convex_contact(w, c)) contacts->edge[c] = 0;
+        if (dem__is_convex_contact(w, c)) contacts->partial[c] = 0;
     }
 }
 

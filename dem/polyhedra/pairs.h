@@ -6,12 +6,12 @@
 #include "../search/bounds.h"
 #include "share.h"
 #include "entered.h"
-#include "idle.h"
+#include "skip.h"
 
 /* Places a polyhedron at a step. */
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    const dem__posture p = dem__posture_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
+    const dem__pose p = dem__pose_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
     const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
     dem__placed *place = &w->engine->convex.place[i];
     place->x = dem__in_box(w, p.x);
@@ -43,8 +43,8 @@ static inline void dem__find_close(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     (void)part;
     for (ptrdiff_t k = first; k < end; k++) { /* by number: there may be no pairs, and no array */
         dem__convex_pair *p = &w->engine->convex.pair[k];
-        if (dem__is_idle(w, p, step)) continue;
-        p->is_close = p->count = 0, p->idle_until = 0;
+        if (dem__is_skipped(w, p, step)) continue;
+        p->is_close = p->count = 0, p->skip_until = 0;
         if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
         if (p->j < 0) dem__look_at_wall(w, p, step);
         else dem__look_at_spheres(w, p, step);
@@ -104,7 +104,7 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
         const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
                         : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
-        if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
+        if (n == 0) dem__skip_pair(w, p, step, d, out->gap, out->normal);
         return dem__finish_points(w, p, d, dem__share_points(out, n, w->engine->run.power), out, n);
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
@@ -129,7 +129,7 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     dem__springs springs = dem__share_points(out, n, power);
     if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &springs, out, n);
     n = dem__finish_points(w, p, d, springs, out, n);
-    if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
+    if (n == 0) dem__skip_pair(w, p, step, d, apart - radii, p->axis);
     return n;
 }
 
@@ -147,8 +147,8 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
     n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), springs, out, n);
     for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
     *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
-    if (n == 0 && dem__may_rest_at_wall(w, p->i))
-        dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
+    if (n == 0 && dem__may_skip_wall(w, p->i))
+        dem__skip_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
     return n;
 }
 

@@ -159,7 +159,7 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
     dem__add_fields(g, "contact.state", contacts->state, contacts->states);
     g->needed = g->fields;
     const int places =
-        w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
+        w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_CACHE; /* cached faces are found again */
     if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, places);
     dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
     DEM__TELL(w, contact_fields, (w, g));

@@ -23,11 +23,11 @@ DEM_INLINE double dem__most_change(double dt, dem_vec pull) {
     return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z));
 }
 
-/* Sets how much of a particle's tolerance is left after the next step [m/s]. strayed: the deviation of its velocity now
+/* Sets how much of a particle's tolerance is left after the next step [m/s]. deviation: the deviation of its velocity now
    [m/s]. */
-DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double strayed) {
+DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double deviation) {
     w->particle[i].tolerance_left__ =
-        w->engine->bodies.bound[i].tolerance - strayed -
+        w->engine->bodies.bound[i].tolerance - deviation -
         dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
@@ -43,7 +43,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body =
         w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
-    const double swing = body ? bodies->calls->swing(body, dem__length(bodies->offset[i])) : 0.0;
+    const double turning_speed = body ? bodies->calls->turning_speed(body, dem__length(bodies->offset[i])) : 0.0;
     const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a)
                            : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
@@ -56,7 +56,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     if (turn > 0.0 && !body)
         c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
-    c->tolerance += swing;
+    c->tolerance += turning_speed;
     DEM__ADD_UP(w, c->tolerance, drift, (w, i));
     c->reach = w->particle[i].radius + 0.5 * pairs->touch_gap + pairs->position_tolerance - t * c->tolerance;
     dem__set_tolerance_left(w, i, turn);
@@ -79,14 +79,14 @@ typedef struct dem__outcome {
     ptrdiff_t fast;
 } dem__outcome;
 DEM_INLINE dem__outcome dem__no_outcome(const dem_world *w) {
-    const dem__outcome news = {w->engine->pairs.next_check, -1};
-    return news;
+    const dem__outcome outcome = {w->engine->pairs.next_check, -1};
+    return outcome;
 }
-static inline void dem__apply_outcome(dem_world *w, const dem__outcome *news) {
-    if (news->check < w->engine->pairs.next_check) w->engine->pairs.next_check = news->check;
-    if (news->fast < 0 || w->status != DEM_OK) return;
+static inline void dem__apply_outcome(dem_world *w, const dem__outcome *outcome) {
+    if (outcome->check < w->engine->pairs.next_check) w->engine->pairs.next_check = outcome->check;
+    if (outcome->fast < 0 || w->status != DEM_OK) return;
     w->status = DEM_TOO_FAST;
-    w->failed_id = w->id[news->fast];
+    w->failed_id = w->id[outcome->fast];
 }
 
 /* The frame in which the list measures how far particles have moved: its displacement since the list was built [m] and
@@ -105,25 +105,26 @@ DEM_INLINE dem__list_frame dem__frame_at(const dem_world *w, int64_t step) {
 
 /* How far a particle may move in that frame before it could touch one that is not listed, and how fast it can move
    there. */
-typedef struct dem__leeway {
+typedef struct dem__skin_left {
     double left, speed; /* [m], [m/s] */
-} dem__leeway;
-DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, const dem__list_frame *f, dem_vec x, dem_vec v) {
-    dem__leeway q;
-    q.left = 0.49 * w->engine->pairs.margin -
+} dem__skin_left;
+DEM_INLINE dem__skin_left dem__skin_left_of(const dem_world *w, ptrdiff_t i, const dem__list_frame *f, dem_vec x,
+                                            dem_vec v) {
+    dem__skin_left q;
+    q.left = 0.49 * w->engine->pairs.skin -
              dem__length(dem__nearest_image(w, dem__sub(x, dem__add(w->engine->pairs.listed_at[i], f->way))));
     q.speed = dem__length(dem__sub(v, f->velocity)) + 2.0 * w->engine->bodies.bound[i].tolerance;
     return q;
 }
 
-/* Returns the number of whole steps for which the leeway lasts; the list is checked before the first step that it does
+/* Returns the number of whole steps for which the skin lasts; the list is checked before the first step that it does
    not cover. */
-DEM_INLINE int dem__steps_left(const dem_world *w, const dem__leeway *q) {
+DEM_INLINE int dem__steps_left(const dem_world *w, const dem__skin_left *q) {
     return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall)) - 1;
 }
 
-/* Returns whether the leeway lasts for a time [s]; false for NaN. */
-DEM_INLINE int dem__lasts(const dem_world *w, const dem__leeway *q, double time) {
+/* Returns whether the skin lasts for a time [s]; false for NaN. */
+DEM_INLINE int dem__lasts(const dem_world *w, const dem__skin_left *q, double time) {
     return q->left > time * (q->speed + 0.5 * w->engine->pairs.frame_fall * time);
 }
 
@@ -131,19 +132,18 @@ DEM_INLINE int dem__lasts(const dem_world *w, const dem__leeway *q, double time)
    shifted: how far corrections moved it from the last bound [m]. Returns 1 if a wall must be tested sooner than its
    timer says; the caller then calls dem__advance_wall_timers. */
 DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v,
-                                double shifted, dem__outcome *news) {
+                                double shifted, dem__outcome *outcome) {
     const dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     dem__wall_state *walls = &w->engine->walls;
-    const dem__leeway leeway = dem__leeway_of(w, i, f, x, v);
+    const dem__skin_left skin = dem__skin_left_of(w, i, f, x, v);
     double speed = dem__length(v);
     int sooner = 0;
-    if (!(speed * run->dt <= dem__longest_step(w, i)) && news->fast < 0) news->fast = i;
+    if (!(speed * run->dt <= dem__longest_step(w, i)) && outcome->fast < 0) outcome->fast = i;
     speed += 2.0 * bodies->bound[i].tolerance;
-    if (!dem__lasts(w, &leeway, (double)(news->check - step) * run->dt)) {
-        const int64_t due =
-            leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* 0: a host moved it: at once */
-        if (due < news->check) news->check = due;
+    if (!dem__lasts(w, &skin, (double)(outcome->check - step) * run->dt)) {
+        const int64_t due = skin.left > 0.0 ? step + dem__steps_left(w, &skin) : step; /* 0: a host moved it: at once */
+        if (due < outcome->check) outcome->check = due;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
     double slower = 1.0; /* the timers of walls relied on a lower speed: their steps get fewer */
@@ -181,10 +181,10 @@ static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
                  tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     const dem__list_frame frame = dem__frame_at(w, step);
-    dem__outcome news = dem__no_outcome(w);
+    dem__outcome outcome = dem__no_outcome(w);
     dem__set_bound(w, i, step, x, v);
-    if (dem__apply_bound(w, i, step, &frame, x, v, shifted, &news)) dem__advance_wall_timers(w, i, step);
-    dem__apply_outcome(w, &news);
+    if (dem__apply_bound(w, i, step, &frame, x, v, shifted, &outcome)) dem__advance_wall_timers(w, i, step);
+    dem__apply_outcome(w, &outcome);
 }
 
 /* Makes a test of every particle with wall k due at a step. */
@@ -201,13 +201,13 @@ static inline int dem__move_walls(dem_world *w, int64_t step) {
     const dem__run *run = &w->engine->run;
     const double time = run->start_time + (double)(step - run->start_step) * run->dt;
     const dem_wall *last = NULL; /* to which the sway belongs */
-    dem__sway sway;
+    dem__oscillation sway;
     for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
         const double t = time - a->asked.motion_start;
         if (a->asked.drive == DEM_KINEMATIC) {
             if (!(a->speed_bound > 0.0 || a->spin_bound > 0.0)) continue;
-            if (!last || !dem__sways_like(a, last)) sway = dem__sway_at(a, t);
+            if (!last || !dem__oscillates_like(a, last)) sway = dem__oscillation_at(a, t);
             last = a;
             dem__kinematic_wall(a, t, &sway);
             continue;

@@ -1,10 +1,10 @@
 /* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two
    spheres that are not listed cannot touch before the next check. */
 #pragma once
-#include "tests.h"
+#include "narrow_phase.h"
 #include "../particles/active.h"
 #include "cells.h"
-#include "margin.h"
+#include "skin.h"
 
 /* The near pairs that a thread finds; room: how many fit. */
 typedef struct dem__found_pairs {
@@ -92,7 +92,7 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
         low.z = scratch[p].z < low.z ? scratch[p].z : low.z, high.z = scratch[p].z > high.z ? scratch[p].z : high.z;
         extent = scratch[p].tolerance > extent ? scratch[p].tolerance : extent;
     }
-    const double reach = extent + g->widest + 0.5 * w->engine->pairs.margin;
+    const double reach = extent + g->widest + 0.5 * w->engine->pairs.skin;
     int32_t from[3], cells[3];
     for (int a = 0; a < 3; a++) {
         const double l = dem_axis(low, a), h = dem_axis(high, a);
@@ -148,7 +148,7 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
         dem__grid *g = &grid[level];
         if (g->count == 0) continue;
         levels = level + 1;
-        dem__make_grid(w, g, 2.0 * g->widest + pairs->margin, low, high);
+        dem__make_grid(w, g, 2.0 * g->widest + pairs->skin, low, high);
         g->first = cells;
         cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
     }
@@ -171,7 +171,7 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
         sorted[k] = (int32_t)i;
         bodies->bound[k].x = w->engine->pairs.listed_at[i].x, bodies->bound[k].y = w->engine->pairs.listed_at[i].y,
         bodies->bound[k].z = w->engine->pairs.listed_at[i].z;
-        bodies->bound[k].tolerance = w->particle[i].radius + 0.5 * pairs->margin;
+        bodies->bound[k].tolerance = w->particle[i].radius + 0.5 * pairs->skin;
     }
     return levels;
 }
@@ -213,7 +213,7 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
 }
 
 /* Removes the pairs of particles of one rigid body, and of two fixed particles. */
-static inline void dem__drop_idle_pairs(dem_world *w) {
+static inline void dem__drop_skipped_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t *of = w->engine->bodies.rigid_of;
     ptrdiff_t kept = 0;
@@ -225,7 +225,7 @@ static inline void dem__drop_idle_pairs(dem_world *w) {
     pairs->count = kept;
 }
 
-/* Finds the near pairs, those with a gap below the margin. Each thread searches a part of the sorted spheres; if one
+/* Finds the near pairs, those with a gap below the skin. Each thread searches a part of the sorted spheres; if one
    has no room, all search again with more. Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
@@ -250,7 +250,7 @@ static inline int dem__find_pairs(dem_world *w) {
         memmove(pairs->near + pairs->count, s.finds[q].pair, (size_t)s.finds[q].n * sizeof *pairs->near);
         pairs->count += s.finds[q].n;
     }
-    if (w->engine->bodies.rigid || w->engine->bodies.has_fixed) dem__drop_idle_pairs(w);
+    if (w->engine->bodies.rigid || w->engine->bodies.has_fixed) dem__drop_skipped_pairs(w);
     return 1;
 }
 
@@ -380,7 +380,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     double smallest, largest;
     if (!dem__list_positions(w, &smallest, &largest)) return 0;
     dem__choose_frame(w);
-    dem__choose_margin(w, keeps, smallest, largest);
+    dem__choose_skin(w, keeps, smallest, largest);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) return dem__fail_to_list(w, DEM_TOO_MANY);
     if (!dem__make_timers(w, keeps)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
@@ -396,7 +396,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__renew_bound(w, i, w->step);
     }
-    if (pairs->next_check <= w->step) pairs->next_check = w->step + 1; /* the margin is large enough for one step */
+    if (pairs->next_check <= w->step) pairs->next_check = w->step + 1; /* the skin is large enough for one step */
     dem__set_all_timers(w);
     if (w->status != DEM_OK) return 0;
     dem__set_wall_timers(w, keeps);
@@ -415,9 +415,9 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         const double tau = dem__now(w, i);
-        const dem__leeway leeway = dem__leeway_of(w, i, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau));
-        if (dem__lasts(w, &leeway, (double)(due - w->step) * w->engine->run.dt)) continue;
-        const int steps = dem__steps_left(w, &leeway);
+        const dem__skin_left skin = dem__skin_left_of(w, i, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau));
+        if (dem__lasts(w, &skin, (double)(due - w->step) * w->engine->run.dt)) continue;
+        const int steps = dem__steps_left(w, &skin);
         if (steps < least) return dem__rebuild(w);
         due = w->step + steps;
     }

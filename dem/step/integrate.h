@@ -83,10 +83,10 @@ DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
 
 /* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step
    to its end. Sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
-   scratch.index from `first` on. check: 0, or NaN if a force is not finite; strays: length of the list; loads, turns:
+   scratch.index from `first` on. check: 0, or NaN if a force is not finite; deviating: length of the list; loads, turns:
    constants, 0 where nothing has a load, and where no spin changes. */
-DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays,
-                              int loads, int turns) {
+DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
+                              ptrdiff_t *deviating, int loads, int turns) {
     dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
@@ -123,57 +123,58 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         n += !dem__surely_within(p, dt, pull);
     }
     *check = 0.0 * all;
-    *strays = n;
+    *deviating = n;
 }
 /* Does so without loads where there are none: whether there are any is a constant of the loop. */
 DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
-                                        ptrdiff_t *strays) {
-    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, strays, 1, 1);
-    else if (w->engine->run.turns) dem__kick_all(w, h, first, end, check, strays, 0, 1);
-    else dem__kick_all(w, h, first, end, check, strays, 0, 0);
+                                        ptrdiff_t *deviating) {
+    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, deviating, 1, 1);
+    else if (w->engine->run.turns) dem__kick_all(w, h, first, end, check, deviating, 0, 1);
+    else dem__kick_all(w, h, first, end, check, deviating, 0, 0);
 }
 DEM__AVX2_CLONE(dem__kick_part,
-                (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
-                (w, h, first, end, check, strays), dem__kick_loaded_or_not(w, h, first, end, check, strays))
+                (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *deviating),
+                (w, h, first, end, check, deviating), dem__kick_loaded_or_not(w, h, first, end, check, deviating))
 
 /* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews
    tolerance_left__ of the others. */
 static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
-    ptrdiff_t strays = 0;
+    ptrdiff_t deviating = 0;
     for (ptrdiff_t k = dem__prefetch_from(n, DEM__AHEAD); k < n; k++) {
         if (k + DEM__AHEAD < n) dem__prefetch_flight(w, doubtful[k + DEM__AHEAD]);
         if (k < 0) continue;
         const int32_t i = doubtful[k];
-        const dem_vec stray = dem__deviation(w, i, t);
-        if (dem__within_bound(w, i, stray)) dem__set_tolerance_left(w, i, dem__length(stray));
-        else doubtful[strays++] = i;
+        const dem_vec deviation = dem__deviation(w, i, t);
+        if (dem__within_bound(w, i, deviation)) dem__set_tolerance_left(w, i, dem__length(deviation));
+        else doubtful[deviating++] = i;
     }
-    return strays;
+    return deviating;
 }
 /* Marks n particles that move by themselves, and moves those that were not marked before to the front of the list.
    Returns their number. */
-static inline ptrdiff_t dem__mark_strays(dem_world *w, int32_t *stray, ptrdiff_t n) {
+static inline ptrdiff_t dem__mark_deviating(dem_world *w, int32_t *particle, ptrdiff_t n) {
     int32_t *activity = w->engine->bodies.activity;
     ptrdiff_t marked = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
-        const int32_t i = stray[k];
+        const int32_t i = particle[k];
         if (activity[i] != DEM__STEPPING) continue;
         activity[i] = DEM__TO_CHECK;
-        stray[marked++] = i;
+        particle[marked++] = i;
     }
     return marked;
 }
 typedef struct dem__kicked {
     double h, check[DEM__PARTS_MAX]; /* check: 0, or NaN if a force is not finite */
-    ptrdiff_t strays[DEM__PARTS_MAX];
+    ptrdiff_t deviating[DEM__PARTS_MAX];
 } dem__kicked;
 static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__kicked *kicked = (dem__kicked *)context;
-    dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
-    kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
+    dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->deviating[part]);
+    kicked->deviating[part] =
+        dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->deviating[part]);
     if (!w->engine->bodies.rigid)
-        kicked->strays[part] = dem__mark_strays(w, w->engine->scratch.index + first, kicked->strays[part]);
+        kicked->deviating[part] = dem__mark_deviating(w, w->engine->scratch.index + first, kicked->deviating[part]);
 }
 /* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them.
    dem__kick_all finds them from sums over particles, which round differently; which bodies are checked depends on what
@@ -207,11 +208,11 @@ static inline int dem__kick(dem_world *w, double h) {
     if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.calls->kick, &h);
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
-        const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
+        const int32_t *particle = w->engine->scratch.index + dem__part(n, q, parts);
         dem__bodies *bodies = &w->engine->bodies;
-        for (ptrdiff_t k = 0; k < kicked.strays[q] && bodies->rigid; k++) dem__mark_to_check(w, stray[k]);
-        for (ptrdiff_t k = 0; k < kicked.strays[q] && !bodies->rigid; k++)
-            bodies->to_check[bodies->to_check_count++] = stray[k];
+        for (ptrdiff_t k = 0; k < kicked.deviating[q] && bodies->rigid; k++) dem__mark_to_check(w, particle[k]);
+        for (ptrdiff_t k = 0; k < kicked.deviating[q] && !bodies->rigid; k++)
+            bodies->to_check[bodies->to_check_count++] = particle[k];
         all += kicked.check[q];
     }
     w->engine->run.turns = dem__may_turn(w); /* what does not turn has no spin rate from now on */
@@ -300,9 +301,9 @@ static inline void dem__correct_inner_range(dem_world *w, ptrdiff_t first, ptrdi
         const ptrdiff_t n = contacts->chunk[q].marked;
         for (ptrdiff_t k = 0; k < n; k++) dem__prefetch_correction(w, slot[k]);
         for (ptrdiff_t k = 0; k < n; k++) {
-            if (!contacts->edge[slot[k]] || !dem__is_inner(w, q, slot[k])) continue;
+            if (!contacts->partial[slot[k]] || !dem__is_inner(w, q, slot[k])) continue;
             dem__apply_correction(w, slot[k], *(const int *)friction, 0);
-            contacts->edge[slot[k]] = 2; /* done, but for the marks */
+            contacts->partial[slot[k]] = 2; /* done, but for the marks */
         }
     }
 }
@@ -314,8 +315,8 @@ static inline void dem__correct_others(dem_world *w, int has_friction) {
     for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] == 2) dem__mark_one(w, contacts->i[c]), dem__mark_one(w, contacts->j[c]);
-            if (contacts->edge[c] != 1) continue;
+            if (contacts->partial[c] == 2) dem__mark_one(w, contacts->i[c]), dem__mark_one(w, contacts->j[c]);
+            if (contacts->partial[c] != 1) continue;
             dem__prefetch_correction(w, c);
             waits[n++] = c;
             for (int m = 0; m < n && n == DEM__BLOCK; m++) dem__apply_correction(w, waits[m], has_friction, 1);
@@ -324,7 +325,7 @@ static inline void dem__correct_others(dem_world *w, int has_friction) {
     }
     for (int m = 0; m < n; m++) dem__apply_correction(w, waits[m], has_friction, 1);
 }
-/* Applies the corrections of all edge steps: where there are chunks, those within one first, so that threads share
+/* Applies the corrections of all partial steps: where there are chunks, those within one first, so that threads share
    them; the shifts of rigid bodies last. */
 static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -339,7 +340,7 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
         const dem__chunk *in = &contacts->chunk[q];
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
+            if (contacts->partial[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
         }
     }
 }
@@ -347,9 +348,9 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
 /* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall
    timers, and whether a flight begins. */
 typedef struct dem__checked {
-    ptrdiff_t reset, hurried;
+    ptrdiff_t reset, earlier;
     int flown;
-    dem__outcome news;
+    dem__outcome outcome;
 } dem__checked;
 
 /* Prefetches what the check of a bound reads. */
@@ -371,24 +372,24 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const double t = dem__since_listed(w, w->step);
-    q->reset = q->hurried = q->flown = 0;
-    q->news = dem__no_outcome(w);
+    q->reset = q->earlier = q->flown = 0;
+    q->outcome = dem__no_outcome(w);
     for (ptrdiff_t k = first + dem__prefetch_from(end - first, DEM__AHEAD); k < end; k++) {
         if (k + DEM__AHEAD < end) dem__prefetch_check(w, bodies->to_check[k + DEM__AHEAD]);
         if (k < first) continue;
         const int32_t i = bodies->to_check[k];
         if (w->alive[i] && !w->engine->run.needs_lists) {
             const dem_particle *p = &w->particle[i];
-            const dem_vec stray = dem__deviation(w, i, t);
+            const dem_vec deviation = dem__deviation(w, i, t);
             if (w->touching[i] == 0)
                 dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
-            if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
+            if (w->touching[i] == 0 || !dem__within_bound(w, i, deviation)) {
                 const double shifted = bodies->shifted[i];
                 dem__set_bound(w, i, w->step, p->x, p->v);
                 w->engine->scratch.index[first + q->reset++] = i;
-                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news))
-                    w->engine->pairs.cell_of[first + q->hurried++] = i;
-            } else dem__set_tolerance_left(w, i, dem__length(stray));
+                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->outcome))
+                    w->engine->pairs.cell_of[first + q->earlier++] = i;
+            } else dem__set_tolerance_left(w, i, dem__length(deviation));
         }
         bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
         bodies->activity[i] = w->alive[i] && (w->touching[i] > 0 || (bodies->loads_on && dem__is_loaded(w, i)));
@@ -401,7 +402,7 @@ static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdif
 }
 
 /* Takes a particle whose flight has begun from the list of active ones: the last of them takes its place. */
-DEM_INLINE void dem__rest_from_steps(dem_world *w, ptrdiff_t i) {
+DEM_INLINE void dem__drop_active(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     const int32_t last = bodies->active[--bodies->active_count], at = bodies->active_at[i];
     bodies->active[at] = last, bodies->active_at[last] = at;
@@ -419,16 +420,16 @@ static inline void dem__check_bounds(dem_world *w) {
     dem__in_parts(w, parts, n, dem__check_bounds_range, watched);
     for (int q = 0; q < parts; q++) {
         const ptrdiff_t first = dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < watched[q].hurried; k++)
+        for (ptrdiff_t k = 0; k < watched[q].earlier; k++)
             dem__advance_wall_timers(w, w->engine->pairs.cell_of[first + k], w->step);
         for (ptrdiff_t k = 0; k < watched[q].reset; k++)
             w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
-        dem__apply_outcome(w, &watched[q].news);
+        dem__apply_outcome(w, &watched[q].outcome);
         flown |= watched[q].flown;
     }
     dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
     for (ptrdiff_t k = 0; k < n && flown; k++) {
-        if (!bodies->activity[bodies->to_check[k]]) dem__rest_from_steps(w, bodies->to_check[k]);
+        if (!bodies->activity[bodies->to_check[k]]) dem__drop_active(w, bodies->to_check[k]);
     }
     bodies->to_check_count = 0;
     if (flown && 2 * bodies->active_count > w->count && w->step % 64 == 0) dem__list_active(w);

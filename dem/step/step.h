@@ -3,7 +3,7 @@
 #pragma once
 #include "../removal/remove.h"
 #include "../contacts/forces.h"
-#include "memory.h"
+#include "spatial_sort.h"
 #include "../ledger/ledger.h"
 #include "integrate.h"
 #include "detect.h"

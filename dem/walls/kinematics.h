@@ -42,14 +42,14 @@ static inline void dem__set_phase_sine(dem_wall *w) {
 }
 
 /* Displacement, velocity and acceleration of a wall by vibration. */
-typedef struct dem__sway {
+typedef struct dem__oscillation {
     dem_vec shift, velocity, acceleration;
-} dem__sway;
-static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
+} dem__oscillation;
+static inline dem__oscillation dem__oscillation_at(const dem_wall *w, double t) {
     const double rate = 2.0 * RIDDLE_PI * w->asked.frequency, turns = w->asked.frequency * t;
     const double angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
     const dem_vec size = w->asked.amplitude, phase = w->asked.phase, start = w->phase_sine;
-    dem__sway s;
+    dem__oscillation s;
     s.shift.x = dem__vibration(size.x, phase.x, start.x, angle, rate, &s.velocity.x, &s.acceleration.x);
     s.shift.y = dem__vibration(size.y, phase.y, start.y, angle, rate, &s.velocity.y, &s.acceleration.y);
     s.shift.z = dem__vibration(size.z, phase.z, start.z, angle, rate, &s.velocity.z, &s.acceleration.z);
@@ -57,7 +57,7 @@ static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
 }
 
 /* Returns whether two walls vibrate alike, as a deck and its side wall do. */
-DEM_INLINE int dem__sways_like(const dem_wall *a, const dem_wall *b) {
+DEM_INLINE int dem__oscillates_like(const dem_wall *a, const dem_wall *b) {
     return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
            memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 &&
            a->asked.frequency == b->asked.frequency && a->asked.motion_start == b->asked.motion_start;
@@ -123,7 +123,7 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
 }
 
 /* Moves a kinematic wall to its place t after its motion began [s]. */
-static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
+static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__oscillation *sway) {
     const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
     w->velocity = dem__add(sway->velocity, w->asked.drift);
     w->acceleration = sway->acceleration;
@@ -146,7 +146,7 @@ static inline void dem__move_wall(dem_wall *w, double time) {
     if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
     else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
     else {
-        const dem__sway sway = dem__sway_at(w, time - w->asked.motion_start);
+        const dem__oscillation sway = dem__oscillation_at(w, time - w->asked.motion_start);
         dem__kinematic_wall(w, time - w->asked.motion_start, &sway);
     }
 }

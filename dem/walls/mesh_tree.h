@@ -62,7 +62,7 @@ static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
 }
 
 /* Returns an empty tree with room for the mesh; NULL when out of memory. */
-static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
+static inline dem__tree *dem__new_tree(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
     const size_t v = (size_t)vertices, k = (size_t)triangles;
     const size_t bytes =
         sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
@@ -126,7 +126,7 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
         }
         n++;
     }
-    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
+    dem__tree *t = n > 0 ? dem__new_tree(a, vertices, n) : NULL;
     if (n == 0) *status = DEM_BAD_ARGUMENT;
     if (t) {
         dem__sort_keyed(items, items + n, n);

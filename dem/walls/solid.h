@@ -66,7 +66,7 @@ static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_
                                            const int32_t *corner) {
     const size_t n = (size_t)triangles;
     dem_stl_report report;
-    dem__workshop shop;
+    dem__mesh_builder shop;
     dem_mesh mesh;
     int closed;
     memset(&report, 0, sizeof report);

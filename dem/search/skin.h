@@ -1,4 +1,4 @@
-/* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these
+/* The frame and the skin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these
    fields of pairs. */
 #pragma once
 #include "bounds.h"
@@ -64,20 +64,20 @@ static inline double dem__most_approach(const dem_world *w) {
     return 2.0 * farthest;
 }
 
-/* Chooses the margin of the list so that lists last long enough, for one step at least, and sets what depends on it. */
-static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, double largest) {
+/* Chooses the skin of the list so that lists last long enough, for one step at least, and sets what depends on it. */
+static inline void dem__choose_skin(dem_world *w, int keeps, double smallest, double largest) {
     dem__pairs *pairs = &w->engine->pairs;
     pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* not rounded up */
     const int few = pairs->count < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
-    if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
-    pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
-    const double usual = 2.0 * smallest * w->def.skin * pairs->margin_factor, least = 1.05 * dem__most_approach(w),
+    if (keeps) pairs->skin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
+    pairs->skin_factor = dem__clamp(pairs->skin_factor, 1.0, 3.0);
+    const double usual = 2.0 * smallest * w->def.skin * pairs->skin_factor, least = 1.05 * dem__most_approach(w),
                  wanted = usual > least ? usual : least,
                  room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
-    pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
-    pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
-    pairs->wall_reach = 4.0 * pairs->margin;
-    const double rounding = dem__position_rounding(w), most = 0.25 * pairs->margin;
+    pairs->skin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
+    pairs->least_tolerance = 0.05 * pairs->skin / (DEM__RETEST_STEPS * w->engine->run.dt);
+    pairs->wall_reach = 4.0 * pairs->skin;
+    const double rounding = dem__position_rounding(w), most = 0.25 * pairs->skin;
     /* as much as slow contacts shift; faster ones are rare, and a larger tolerance would cost more tests of particles
        that are near */
     pairs->position_tolerance = 2e-6 * smallest + (rounding < most ? rounding : most);

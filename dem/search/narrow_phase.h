@@ -135,7 +135,7 @@ static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, con
     if (dem__has(&w->wall[wall], DEM__KEEPS_CURVATURE)) contacts->touch[DEM__KEPT_CURVATURE][c] = touch->curvature;
     if (!dem__has(&w->wall[wall], DEM__TRIANGULATED)) return 1;
     dem__set_touch(w, c, touch);
-    contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing yet */
+    contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no cached face yet */
     dem__set_place_vec(w, DEM__PLACE_BEFORE, c, touch->normal);
     return 1;
 }
@@ -188,7 +188,7 @@ typedef struct dem__wall_test {
    plane, a bar and a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
 static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test *t) {
     const dem_wall *wall = t->wall;
-    const double stray = 2.0 * w->engine->bodies.bound[t->i].tolerance,
+    const double spread = 2.0 * w->engine->bodies.bound[t->i].tolerance,
                  near = w->engine->pairs.touch_gap + w->engine->pairs.position_tolerance,
                  radius = w->particle[t->i].radius;
     const dem_vec u = dem__sub(t->v, wall->velocity), g = dem__free_fall(w);
@@ -196,11 +196,11 @@ static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test 
     if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || !dem__has(wall, DEM__CONVEX) || wall->spin != 0.0 ||
         !(a < HUGE_VAL))
         return 0.0;
-    if (dem__has_elements(wall)) least = dem__time_to_close(t->others - near, dem__length(u) + stray, a);
+    if (dem__has_elements(wall)) least = dem__time_to_close(t->others - near, dem__length(u) + spread, a);
     if (wall->kind__->closing) a = wall->kind__->closing(wall, t->touch, radius, g, u);
     for (int q = 0; q < t->found; q++) {
         if (dem__has_surface(wall) && dem__touches_element(w, t->i, t->k, t->touch[q].element)) continue;
-        const double time = dem__time_to_close(t->touch[q].gap - near, stray - dem__dot(u, t->touch[q].normal), a);
+        const double time = dem__time_to_close(t->touch[q].gap - near, spread - dem__dot(u, t->touch[q].normal), a);
         least = time < least ? time : least;
     }
     return least;
@@ -210,7 +210,7 @@ static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test 
 static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t e, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, t->i);
     const double tau = (double)(step - w->particle[t->i].origin) * w->engine->run.dt;
-    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__posture_at(w, r, tau).x))) dem__pass_exit(w, t->i, t->k);
+    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__pose_at(w, r, tau).x))) dem__pass_exit(w, t->i, t->k);
     else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
 }
 
