@@ -1632,14 +1632,14 @@ enum {
 enum { DEM__XI };
 
 /* Returns the factor of the dashpot's velocity, which is predicted over a step h. With it, an oscillation of two bodies
-   on a linear spring of k m/h^2 and a dashpot of c m/h decays as it should, to third order. It follows from the
+   with a linear spring of k m/h^2 and a dashpot of c m/h decays correctly to third order. It follows from the
    characteristic equation of the scheme for positions proportional to z^n: 2 z (z - 1)^2 + 2 k z^2 + c (z - 1)(3 z - 1)
    = 0. */
 DEM_INLINE double dem__prediction(double k, double c) {
     return 1.0 - (11.0 * k - 5.0 * c * c + 9.0 * c * k - 3.0 * c * c * c) / 24.0;
 }
 
-/* Computes rolling resistance against the relative spin: at most the torque that stops it in two steps. */
+/* Computes rolling resistance against the relative spin: at most the torque that stops the spin in two steps. */
 DEM_INLINE void dem__roll(const dem_contact *c, double normal, double arm, double cap, dem_response *r) {
     const double *n = c->normal, *w = c->spin;
     double along = w[0] * n[0] + w[1] * n[1] + w[2] * n[2];
@@ -1669,17 +1669,17 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
 
     double push = force > 0.0 ? force : 0.0, limit = p[DEM__MU] * push;
     double relax = p[DEM__GAMMA_T] / (p[DEM__KT] > 0.0 ? p[DEM__KT] : 1.0), xi[3],
-           t[3]; /* [s]; arbitrary without a spring */
+           t[3]; /* [s]; any value if there is no spring */
     for (int a = 0; a < 3; a++) {
         xi[a] = state[DEM__XI + a] + c->slip[a] * c->dt;
         t[a] = p[DEM__KT] * xi[a] + p[DEM__GAMMA_T] * c->slip[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), most = size + 1e-300;
     double scale =
-        (limit < most ? limit : most) / most; /* a choice of 1 would make gcc compute both cases of all that follows */
+        (limit < most ? limit : most) / most; /* with 1 here gcc would compute both cases below */
     for (int a = 0; a < 3; a++) {
         double kept = size > limit ? scale * (xi[a] + relax * c->slip[a])
-                                   : xi[a]; /* sliding: the spring carries the whole force */
+                                   : xi[a]; /* when it slides, the spring carries the whole force */
         r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force over
                                                                                              the distance slid */
         r->elastic += 0.5 * p[DEM__KT] * kept * kept;
@@ -1705,8 +1705,8 @@ static inline double dem_prepare_linear(const dem_birth *b, double *constants) {
     return k;
 }
 
-/* Hertz-Mindlin: normal force 4/3 E* sqrt(R*) delta^1.5, dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992;
-   gives e exactly: Antypov & Elliott 2011), tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949,
+/* Hertz-Mindlin. Normal force 4/3 E* sqrt(R*) delta^1.5; dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992;
+   gives e exactly: Antypov & Elliott 2011); tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949,
    without microslip). A stored tangential force follows the contact radius when it grows and when it shrinks, as in
    Chung & Ooi's impact tests and in the common codes. The energy that a change of the radius adds or takes counts as
    sliding loss, with its sign. */
@@ -1728,7 +1728,7 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
     double overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[DEM__HERTZ_RADIUS] * overlap);
     double spring = p[DEM__HERTZ_K] * area * overlap, damping = p[DEM__HERTZ_GAMMA] * sqrt(area);
     double step = c->dt / c->mass,
-           k = 1.5 * p[DEM__HERTZ_K] * area * c->dt * step; /* of a spring as stiff as it is now */
+           k = 1.5 * p[DEM__HERTZ_K] * area * c->dt * step; /* of a spring that is as stiff as the contact now */
     double closing = dem__prediction(k, damping * step) * c->closing, force = spring + damping * closing;
     r->normal = r->contact = force;
     r->ended = c->gap < 0.0 ? 0.0 : 1.0;
@@ -2495,7 +2495,7 @@ typedef struct dem__wall_state {
 } dem__wall_state;
 
 /* Near pairs and the list's life. search/skin.h chooses how long the list may last, search/neighbour_list.h builds
-   it, search/due_tests.h tests the pairs. */
+   it, step/detect.h tests the pairs. */
 typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
     dem__near *near;
@@ -2517,10 +2517,10 @@ typedef struct dem__pairs {
 } dem__pairs;
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by
-   partners; gaps are filled from its end; now and then all are ordered by rank, the last first. The order of slots depends
-   only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits. search/narrow_phase.h
-   and polyhedra/pairs.h begin them, contacts/kernel.h and contacts/first_and_last_step.h evaluate them,
-   contacts/contacts.h orders and ends them. */
+   partners; gaps are filled from its end; now and then all are sorted by rank, the last first. The order of slots depends
+   only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits.
+   search/narrow_phase.h and polyhedra/pairs.h begin them, contacts/kernel.h and contacts/first_and_last_step.h evaluate
+   them, contacts/contacts.h orders and ends them. */
 typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
@@ -2556,7 +2556,7 @@ typedef struct dem__contacts {
 } dem__contacts;
 
 /* Links, in the order in which they were made; each is in the lists of its two bodies. links/links.h adds and steps
-   them, contacts/kernel.h evaluates them, particles/detach.h cuts them. */
+   them, contacts/kernel.h evaluates them, removal/remove.h cuts them. */
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
@@ -5591,11 +5591,10 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
 }
 
 /* ----------------------------------------------------------------------------------------------- >>search/timers.h */
-/* Timers of near pairs and of particles with walls, and batches of them.
-   Relies on particles/free_flight.h for where particles are; reads the bounds that search/bounds.h sets. */
+/* Timers of near pairs and of particles with walls, and batches of them. Relies on motion/motion.h for positions; reads
+   the bounds that search/bounds.h sets. */
 
-/* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the
-   next step in which one is possible. */
+/* A timer holds the step in which a near pair, or a particle and a wall, is tested next. */
 
 DEM_INLINE void dem__set_due(dem__timers *t, int32_t e, int32_t due) {
     int32_t *earliest = &t->earliest[(uint32_t)e / DEM__LINE];
@@ -5614,7 +5613,8 @@ DEM_INLINE int32_t dem__earliest(const int32_t *due) {
     return earliest;
 }
 
-/* Appends the timers of line b that are due to a list of length n and sets them to `then`. Returns the new length. */
+/* Appends the due timers of line b to a list of n entries, and sets them to `then`. Returns the new number of
+   entries. */
 DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list,
                                            ptrdiff_t n) {
     int32_t *due = t->due + b * DEM__LINE;
@@ -5631,7 +5631,7 @@ DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t 
 }
 
 /* Lists the timers in pages first .. end-1 that are due at a step, from list[first * DEM__PAGE] on, and sets them to
-   `then`. Returns their number. */
+   `then`. Returns how many. */
 DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then) {
     const int32_t now = (int32_t)(step - t->from);
     int32_t *list = t->list + first * DEM__PAGE;
@@ -5644,7 +5644,7 @@ DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t en
         DEM__NO_UNROLL
         for (int k = 0; k < DEM__LINE; k++) any |= earliest[k] <= now;
         const int before = opened;
-        for (int k = 0; k < DEM__LINE && any; k++) { /* without a branch, which would be mispredicted */
+        for (int k = 0; k < DEM__LINE && any; k++) { /* no branch, because it would be mispredicted */
             open[opened] = (int32_t)(s * DEM__LINE) + k;
             opened += earliest[k] <= now;
         }
@@ -5663,21 +5663,20 @@ DEM__AVX2_CLONE(dem__list_due,
 DEM_INLINE int dem__steps_due(const dem__timers *t, int32_t e, int64_t step) {
     return (int)(t->due[e] - (step - t->from));
 }
-/* Returns the number of steps from `step` in which no contact with the wall can begin; it may be more than
+/* Returns the number of steps from `step` on in which no contact with the wall can begin. It may exceed
    dem__steps_due. */
 DEM_INLINE int dem__steps_sure(const dem_world *w, int32_t e, int64_t step) {
     return (int)(int32_t)(w->engine->walls.sure[e] - (uint32_t)(uint64_t)step);
 }
 
-/* Converts a time [s] in which no contact can begin to steps until the next test, 1 to DEM__STEPS_MAX - 1. */
+/* Converts a time [s] without contact to the number of steps until the next test, 1 to DEM__STEPS_MAX - 1. */
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     double n = t * w->engine->pairs.steps_per_second;
     if (n >= (double)(DEM__STEPS_MAX - 2)) return DEM__STEPS_MAX - 1;
     return n > 0.0 ? 1 + (int)n : 1; /* NaN: 1 */
 }
 
-/* Returns the time [s] to cover a distance [m] at a speed that starts with s [m/s] and grows by g [m/s2]; 0 without a
-   distance. */
+/* Returns the time [s] to cover a distance [m] at a speed s [m/s] that grows by g [m/s2]; 0 without a distance. */
 DEM_INLINE double dem__time_to_cover(double distance, double s, double g) {
     return distance > 0.0 ? 2.0 * distance / (s + sqrt(s * s + 2.0 * g * distance)) : 0.0;
 }
@@ -5689,8 +5688,7 @@ DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
     return distance > 0.0 ? (root > 0.0 ? 2.0 * distance / root : HUGE_VAL) : 0.0;
 }
 
-/* Returns the vector from the centre of j to that of i at a step [m], of the nearest image; neither belongs to a rigid
-   body. */
+/* Returns the vector from the centre of j to the nearest image of i at a step [m]. Neither belongs to a rigid body. */
 DEM_INLINE dem_vec dem__sphere_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
     return dem__nearest_image(
         w, dem__sub(dem__sphere_at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
@@ -5704,20 +5702,20 @@ DEM_INLINE dem_vec dem__pair_separation(const dem_world *w, ptrdiff_t i, ptrdiff
 
 typedef double dem__row[DEM__BLOCK];
 
-/* Near pairs whose timers are to be computed together; and the results of tests. */
+/* Near pairs whose timers are computed together, and the results of tests. */
 typedef struct dem__timer_batch {
-    dem__bound apart[DEM__BLOCK]; /* bound of one relative to the other: they can touch within `reach` */
+    dem__bound apart[DEM__BLOCK]; /* bound of one particle relative to the other; they touch within `reach` */
     int32_t pair[DEM__BLOCK], steps[DEM__BLOCK];
     int n;
-    int32_t *found; /* of tests: pairs that touch */
+    int32_t *found; /* tests: pairs that touch */
     ptrdiff_t touch;
     int64_t looks;
 } dem__timer_batch;
 
 DEM_INLINE void dem__clear_batch(dem__timer_batch *q) { q->n = 0, q->found = NULL, q->touch = 0, q->looks = 0; }
 
-/* Computes the steps until each pair can touch if both particles keep to their bounds: 0 for never, else 1 to
-   DEM__STEPS_MAX - 1. pace: steps a second. */
+/* Computes the number of steps until each pair can touch while both particles keep to their bounds: 0 for never, else 1
+   to DEM__STEPS_MAX - 1. pace: steps a second. */
 DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
     for (int k = 0; k < q->n; k++) {
         const dem__bound *r = &q->apart[k];
@@ -5746,8 +5744,8 @@ static inline void dem__flush_batch(dem_world *w, dem__timer_batch *q, int64_t s
     q->n = 0;
 }
 
-/* Computes the steps until the pairs in the batch are due, stores pairs and steps as a list of n entries at `to`, and
-   empties the batch. Returns the new number. */
+/* Computes how many steps remain until the pairs in the batch are due, appends pairs and steps to a list of n entries
+   at `to`, and empties the batch. Returns the new number of entries. */
 static inline ptrdiff_t dem__list_batch(const dem_world *w, dem__timer_batch *q, int32_t *to, ptrdiff_t n) {
     dem__compute_due(q, w->engine->pairs.steps_per_second);
     for (int k = 0; k < q->n; k++, n++) to[2 * n] = q->pair[k], to[2 * n + 1] = q->steps[k];
@@ -5767,7 +5765,7 @@ static inline void dem__set_listed(dem_world *w, const int32_t *list, ptrdiff_t 
     }
 }
 
-/* Returns the time since the list was built [s], on which bounds depend. */
+/* Returns the time since the list was built [s]; bounds are functions of it. */
 DEM_INLINE double dem__since_listed(const dem_world *w, int64_t step) {
     return (double)(step - w->engine->pairs.listed_step) * w->engine->run.dt;
 }
@@ -5779,7 +5777,7 @@ DEM_INLINE dem__bound dem__bound_at(const dem__bound *c, double t) {
     return now;
 }
 
-/* Appends pair p with the bound of a relative to b to the batch. Returns that relative bound. */
+/* Appends pair p to the batch with the bound of a relative to b. Returns that bound. */
 DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a,
                                        const dem__bound *b) {
     if (q->n == DEM__BLOCK) dem__flush_batch(w, q, step);
@@ -5790,7 +5788,7 @@ DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_
     return r;
 }
 
-/* Appends pair p. a, b: the bounds of its particles as they are at the step; their nearest images are taken. */
+/* Appends pair p. a, b: the bounds of its particles at the step; their nearest images are taken. */
 DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a,
                                   const dem__bound *b) {
     dem__bound *r = dem__batch_pair(w, q, p, step, a, b);
@@ -5799,7 +5797,7 @@ DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, 
     r->x = d.x, r->y = d.y, r->z = d.z;
 }
 
-/* Appends pair p, whose centres are known to be d apart [m] at a step. */
+/* Appends pair p, whose centres are d apart [m] at a step. */
 DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, dem_vec d) {
     const dem__near *pair = &w->engine->pairs.near[p];
     dem__bound *r =
@@ -5867,8 +5865,8 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
 }
 
 /* ----------------------------------------------------------------------------------------- >>search/narrow_phase.h */
-/* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the
-   last chunk. */
+/* The narrow phase. A test of a pair, or of a particle and a wall, finds that a contact begins, or the next step in
+   which one is possible. New contacts are appended to the last chunk. */
 
 /* Returns the slot of contact k. In public functions contacts are numbered from 0 in the order of slots. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
@@ -5916,7 +5914,7 @@ static inline int dem__new_contact(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32
     return 1;
 }
 
-/* Tests pair p: adds it to the pairs found if it touches, else to those whose timers are to be set. */
+/* Tests pair p. If it touches, adds it to the pairs found; otherwise, to those that need a new timer. */
 DEM_INLINE void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step, int rigid) {
     const dem__near *q = &w->engine->pairs.near[p];
     const dem_vec d = rigid ? dem__pair_separation(w, q->i, q->j, step) : dem__sphere_separation(w, q->i, q->j, step);
@@ -5945,20 +5943,21 @@ static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall
     return 0;
 }
 
-/* Returns an arm [m]: no point of a wall at x is faster than speed_bound + arm * spin_bound. */
+/* Returns an arm [m] such that no point of a wall at x is faster than speed_bound + arm * spin_bound. */
 DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
     const double arm =
-        dem__length(dem__sub(x, wall->position)); /* a kinematic wall's speed_bound leaves out that its origin turns */
+        dem__length(dem__sub(x, wall->position)); /* speed_bound of a kinematic wall leaves out its rotation */
     return wall->asked.drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->asked.origin, wall->asked.spin_centre))
                                               : arm;
 }
 
-/* Returns whether particle i must be tested with a wall. A screen may be touched at several bars. Any other wall that
-   it touches needs no test: it has one place, and dem__follow_meshes finds the other places of a mesh. */
+/* Returns whether particle i must be tested with a wall. A screen may be touched at several bars. A particle that
+   touches any other wall needs no test: such a wall is touched at one place, and dem__follow_meshes finds the other
+   places of a mesh. */
 DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     if (dem__is_fixed(w, i)) return 0;
     if (dem__shape_of(w, i))
-        return !dem__has_surface(&w->wall[wall]); /* others: by corners and edges, in polyhedra/pairs.h */
+        return !dem__has_surface(&w->wall[wall]); /* polyhedra/pairs.h tests corners and edges with all other walls */
     if (dem__has_elements(&w->wall[wall])) return 1;
     for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
         if (w->engine->contacts.j[c] == -1 - wall) return 0;
@@ -5966,7 +5965,7 @@ DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     return 1;
 }
 
-/* Returns whether the contact in slot c is one of a polyhedron. The functions after it read and write what a contact
+/* Returns whether a polyhedron takes part in the contact in slot c. The functions below read and write what a contact
    keeps of the place where it touches: see DEM__PLACE_NORMAL in base/engine.h. first: the first of three numbers. */
 DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
 DEM_INLINE dem_vec dem__place_vec(const dem_world *w, int first, ptrdiff_t c) {
@@ -5990,8 +5989,8 @@ DEM_INLINE void dem__set_touch(dem_world *w, ptrdiff_t c, const dem__touch *touc
     w->engine->contacts.touch[DEM__PLACE_GAP][c] = touch->gap;
 }
 
-/* Begins a contact with a wall. A cone is touched from both sides and at its rims: a contact keeps the curvature with
-   which it began. Returns 0 when out of memory. */
+/* Begins a contact with a wall. A cone is touched from both sides and at its rims, so a contact keeps the curvature
+   with which it began. Returns 0 when out of memory. */
 static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!dem__new_contact(w, i, -1 - wall, element, -1)) return 0;
@@ -6004,13 +6003,13 @@ static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, con
     return 1;
 }
 
-/* Returns whether a point is beyond an exit. A rigid body leaves when its centre of mass is, and the centre of one of
-   its particles. */
+/* Returns whether a point is beyond an exit. A rigid body leaves when both its centre of mass and the centre of one of
+   its particles are beyond it. */
 static inline int dem__has_passed(const dem_wall *wall, dem_vec x) {
     return dem__dot(dem__sub(x, wall->position), wall->axis[2]) < 0.0;
 }
 
-/* Returns a lower limit of the gap of elements that are not among those found [m]. */
+/* Returns a lower limit of the gap to the elements that were not found [m]. */
 static inline double dem__other_elements(const dem_world *w, const dem_wall *wall, double radius,
                                          const dem__touch *touch, int found) {
     double lowest = 0.0;
@@ -6019,8 +6018,8 @@ static inline double dem__other_elements(const dem_world *w, const dem_wall *wal
     return others < w->engine->pairs.wall_reach ? others : w->engine->pairs.wall_reach;
 }
 
-/* Returns how far x is from a face of the periodic box beyond which the wall does not continue [m]: walls are not
-   repeated. */
+/* Returns the distance from x to the nearest face of the periodic box beyond which the wall does not continue [m].
+   Walls are not repeated. */
 static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wall, dem_vec x) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
@@ -6042,14 +6041,14 @@ typedef struct dem__wall_test {
     dem_wall *wall;
     dem_vec x, v;  /* of the particle at the step of the test */
     double clear;  /* lower limit of the gaps where there is no contact [m] */
-    double others; /* the same of what is not among the places found */
+    double others; /* lower limit of the gaps to all places that were not found [m] */
     int found;
     dem__touch touch[DEM__TOUCHES];
 } dem__wall_test;
 
 /* Returns a time [s] before which the particle cannot touch the wall, from its velocity and the tolerance of its bound;
-   0 if none is known. Near a wall it is longer than the time from speeds alone, but it holds for this bound only. A
-   plane, a bar and a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
+   0 if none is known. Near a wall it is longer than the time that follows from speeds alone, but it holds for this
+   bound only. A plane, a bar and a cylinder from outside are convex: a gap to them shrinks fastest along its normal. */
 static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test *t) {
     const dem_wall *wall = t->wall;
     const double spread = 2.0 * w->engine->bodies.bound[t->i].tolerance,
@@ -6070,7 +6069,8 @@ static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test 
     return least;
 }
 
-/* Lets a particle beyond an exit leave. A rigid body whose centre is not beyond it is tested again in the next step. */
+/* Removes a particle that is beyond an exit. A rigid body whose centre is not beyond it is tested again in the next
+   step. */
 static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t e, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, t->i);
     const double tau = (double)(step - w->particle[t->i].origin) * w->engine->run.dt;
@@ -6078,7 +6078,7 @@ static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t
     else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
 }
 
-/* Returns whether a feature wants a contact of particle i with an element of a wall before they touch. */
+/* Returns whether a feature needs the contact of particle i with an element of a wall before they touch. */
 static inline int dem__begins_early(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
     int early = 0;
     for (int k = 0; k < w->engine->features && !early; k++) {
@@ -6088,8 +6088,8 @@ static inline int dem__begins_early(const dem_world *w, ptrdiff_t i, int wall, i
     return early;
 }
 
-/* Begins contacts at the places found, and sets what is clear of them. Returns 0 if the wall needs no other test: it is
-   touched at its only place, or memory ran out. */
+/* Begins contacts at the places found, and computes how far the rest of the wall is. Returns 0 if the wall needs no
+   other test: it is touched at its only place, or memory ran out. */
 static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
     const double near = w->engine->pairs.touch_gap;
     int touches = 0;
@@ -6108,8 +6108,8 @@ static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
     return !touches || dem__has_elements(t->wall);
 }
 
-/* Returns a limit of the speed at which particle and wall approach each other now [m/s]. most: number of steps for
-   which it holds if gravity is added. */
+/* Returns a limit of the speed at which particle and wall approach each other now [m/s]. most: the number of steps for
+   which it holds once gravity is added. */
 static inline double dem__speed_to_wall(dem_world *w, const dem__wall_test *t, int *most) {
     double *relied = &w->engine->bodies.wall_speed[t->i],
            speed = dem__length(t->v) + 2.0 * w->engine->bodies.bound[t->i].tolerance;
@@ -6139,7 +6139,7 @@ static inline void dem__wait_for_wall(dem_world *w, const dem__wall_test *t, int
     dem__set_timer(&w->engine->walls.timers, e, step + (better > steps ? better : steps));
 }
 
-/* Tests the particle and the wall of timer e, at a step to which the wall has been moved: begins contacts, or sets the
+/* Tests the particle and the wall of timer e, at a step to which the wall has been moved. Begins contacts, or sets the
    timer. */
 static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     const int skips = w->def.skip & DEM_SKIP_SPACE;
@@ -6150,7 +6150,7 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     const double tau = (double)(step - w->particle[t.i].origin) * w->engine->run.dt, radius = w->particle[t.i].radius;
     t.x = dem__at(w, t.i, tau), t.v = dem__velocity_at(w, t.i, tau);
     if (w->engine->run.has_periodic)
-        t.x = dem__in_box(w, t.x); /* where the step will put it: bars are told apart by their place */
+        t.x = dem__in_box(w, t.x); /* where the step will put it: a bar is known by its place */
     t.others = w->engine->pairs.wall_reach;
     t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->pairs.touch_gap, t.touch, &t.clear);
     if (!dem__has_surface(t.wall) && t.clear < 0.0) {
@@ -6378,13 +6378,14 @@ static inline void dem__compact(dem_world *w) {
 /* The grid of one size class: spheres up to DEM__CLASS times as large as its smallest. */
 typedef struct dem__grid {
     double low[3], inverse[3]; /* lower corner [m]; 1 / cell size [1/m] */
-    double widest;             /* radius of its largest sphere [m] */
+    double widest;             /* radius of the largest sphere [m] */
     int32_t n[3], wraps[3];
-    ptrdiff_t count, first; /* number of spheres; its first cell in the common list */
+    ptrdiff_t count, first; /* number of spheres; where its first cell is in the common list */
 } dem__grid;
 
-#define DEM__CLASS 2.5         /* from 2 to 3 the time is the same: fewer levels, but more spheres in a cell */
-enum { DEM__LEVELS_MAX = 16 }; /* beyond 1 : 2.5^15 the last takes all */
+#define DEM__CLASS 2.5         /* any value from 2 to 3 takes the same time: a larger one means fewer levels, but more
+                                  spheres in a cell */
+enum { DEM__LEVELS_MAX = 16 }; /* the last level takes all spheres more than 2.5^15 times as large as the smallest */
 
 /* Returns the number of a sphere's size class. */
 DEM_INLINE int dem__level(double radius, double smallest) {
@@ -6394,9 +6395,9 @@ DEM_INLINE int dem__level(double radius, double smallest) {
     return level;
 }
 
-/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, again among
-   the points in that range as long as this halves its length. The few outside go into the cells at the border;
-   otherwise one particle far away would make all cells large. */
+/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, repeated for
+   the points in that range as long as this halves its length. The few points outside go into the cells at the border.
+   Otherwise one particle far away would make all cells large. */
 static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double *low, double *high) {
     double from = HUGE_VAL, to = -HUGE_VAL, span;
     for (ptrdiff_t i = 0; i < n; i++) {
@@ -6420,7 +6421,7 @@ static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double
     *low = from, *high = to;
 }
 
-/* Lays cells no smaller than `size` over a box, at most four a sphere. */
+/* Divides a box into cells no smaller than `size`, at most four for each sphere. */
 static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size, dem_vec low, dem_vec high) {
     double span[3];
     for (int a = 0; a < 3; a++) {
@@ -6441,8 +6442,8 @@ static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size,
     }
 }
 
-/* Finds the cells of an axis that [v - reach, v + reach] meets, each at most once. Returns their number; first: the
-   first one, from which the caller counts on and wraps. */
+/* Finds the cells along an axis that [v - reach, v + reach] overlaps, each at most once. Returns how many. first: the
+   first of them; the caller counts on from it and wraps. */
 DEM_INLINE int32_t dem__cells(const dem__grid *g, int a, double v, double reach, int32_t *first) {
     const double from = (v - reach - g->low[a]) * g->inverse[a], to = (v + reach - g->low[a]) * g->inverse[a],
                  last = (double)(g->n[a] - 1);
@@ -6706,32 +6707,33 @@ DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
     for (ptrdiff_t k = own.first; k < own.end; k++) dem__mark_one(w, k);
 }
 
-/* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root.
- */
+/* Returns a limit of how much an acceleration changes the velocity in one step [m/s]. A sum of components needs no
+   root. */
 DEM_INLINE double dem__most_change(double dt, dem_vec pull) {
     return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z));
 }
 
-/* Sets how much of a particle's tolerance is left after the next step [m/s]. deviation: the deviation of its velocity now
-   [m/s]. */
+/* Sets by how much the velocity of particle i may still change before it leaves its bound [m/s]. deviation: how far it
+   is from the bound's velocity now [m/s]. */
 DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double deviation) {
     w->particle[i].tolerance_left__ =
         w->engine->bodies.bound[i].tolerance - deviation -
         dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
-/* Sets a new bound for particle i, which is at x and has velocity v at a step. In an impact that has just begun, the
-   velocity changes about as much after its middle as before: the bound has the velocity of the middle, and its
-   tolerance includes both ends, so that one bound lasts for the whole impact. Otherwise the tolerance allows 16 steps
-   of the present force and a little more. In flight it is very small: only a contact changes the velocity, and small
-   tolerances give late timers. */
+/* Sets a new bound for particle i, which is at x with velocity v at a step.
+
+   In an impact that has just begun, the velocity changes about as much after the middle of the impact as before it. The
+   bound has the velocity of the middle, and its tolerance includes both ends, so one bound lasts for the whole impact.
+   Otherwise the tolerance allows 16 steps of the present force and a little more. In flight it is very small: only a
+   contact changes the velocity, and small tolerances give late timers. */
 DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__pairs *pairs = &w->engine->pairs;
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body =
-        w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
+        w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* a body in flight turns about its centre of mass */
     const double turning_speed = body ? bodies->calls->turning_speed(body, dem__length(bodies->offset[i])) : 0.0;
     const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a)
                            : dem__add(v, impact);
@@ -6751,7 +6753,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     dem__set_tolerance_left(w, i, turn);
 }
 
-/* Returns the rounding error of the position farthest from the origin [m]. */
+/* Returns the rounding error of the position that is farthest from the origin [m]. */
 static inline double dem__position_rounding(const dem_world *w) {
     double farthest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -6761,8 +6763,8 @@ static inline double dem__position_rounding(const dem_world *w) {
     return 8.0 * DBL_EPSILON * farthest;
 }
 
-/* Result of new bounds, one a thread: the step in which the list must be checked, and a particle that is too fast (-1:
-   none). */
+/* What new bounds lead to, one for each thread: the step in which the list must be checked, and a particle that is too
+   fast (-1: none). */
 typedef struct dem__outcome {
     int64_t check;
     ptrdiff_t fast;
@@ -6792,8 +6794,8 @@ DEM_INLINE dem__list_frame dem__frame_at(const dem_world *w, int64_t step) {
     return f;
 }
 
-/* How far a particle may move in that frame before it could touch one that is not listed, and how fast it can move
-   there. */
+/* How far a particle may move in that frame before it could touch one that is not listed, and how fast it moves there
+   at most. */
 typedef struct dem__skin_left {
     double left, speed; /* [m], [m/s] */
 } dem__skin_left;
@@ -6806,8 +6808,8 @@ DEM_INLINE dem__skin_left dem__skin_left_of(const dem_world *w, ptrdiff_t i, con
     return q;
 }
 
-/* Returns the number of whole steps for which the skin lasts; the list is checked before the first step that it does
-   not cover. */
+/* Returns for how many whole steps the skin lasts. The list is checked before the first step that the skin does not
+   cover. */
 DEM_INLINE int dem__steps_left(const dem_world *w, const dem__skin_left *q) {
     return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall)) - 1;
 }
@@ -6817,7 +6819,7 @@ DEM_INLINE int dem__lasts(const dem_world *w, const dem__skin_left *q, double ti
     return q->left > time * (q->speed + 0.5 * w->engine->pairs.frame_fall * time);
 }
 
-/* Applies the consequences of particle i's new bound: the next check of the list, the speed limit, its wall timers.
+/* Applies what follows from a new bound of particle i: the next check of the list, the speed limit, its wall timers.
    shifted: how far corrections moved it from the last bound [m]. Returns 1 if a wall must be tested sooner than its
    timer says; the caller then calls dem__advance_wall_timers. */
 DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v,
@@ -6831,11 +6833,12 @@ DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const d
     if (!(speed * run->dt <= dem__longest_step(w, i)) && outcome->fast < 0) outcome->fast = i;
     speed += 2.0 * bodies->bound[i].tolerance;
     if (!dem__lasts(w, &skin, (double)(outcome->check - step) * run->dt)) {
-        const int64_t due = skin.left > 0.0 ? step + dem__steps_left(w, &skin) : step; /* 0: a host moved it: at once */
+        /* 0: a host moved the particle, so check at once */
+        const int64_t due = skin.left > 0.0 ? step + dem__steps_left(w, &skin) : step;
         if (due < outcome->check) outcome->check = due;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
-    double slower = 1.0; /* the timers of walls relied on a lower speed: their steps get fewer */
+    double slower = 1.0; /* wall timers relied on a lower speed: they last fewer steps */
     if (speed > bodies->wall_speed[i]) {
         slower = bodies->wall_speed[i] / (1.25 * speed);
         bodies->wall_speed[i] = 1.25 * speed;
@@ -6847,12 +6850,12 @@ DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const d
         if (walls->timers.due[e] == DEM__STOPPED) continue;
         const double left = (double)(dem__steps_sure(w, e, step) - 1) * slower - lost;
         const int now = left > 0.0 ? 1 + (int)left : 1;
-        walls->sure[e] = (uint32_t)(uint64_t)(step + now); /* the test computes the step anew */
+        walls->sure[e] = (uint32_t)(uint64_t)(step + now); /* the test computes the step again */
         sooner |= now < dem__steps_due(&walls->timers, e, step);
     }
     return sooner;
 }
-/* Sets the wall timers of particle i that are later than walls.sure to that step. */
+/* Brings forward the wall timers of particle i that are later than walls.sure. */
 static inline void dem__advance_wall_timers(dem_world *w, ptrdiff_t i, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
     for (int k = 0; k < w->walls; k++) {
@@ -6863,8 +6866,8 @@ static inline void dem__advance_wall_timers(dem_world *w, ptrdiff_t i, int64_t s
     }
 }
 
-/* Sets a new bound for particle i and applies its consequences, except for its pairs: see dem__reset_pair_timers. Not
-   for several threads at once. */
+/* Sets a new bound for particle i and applies what follows, except for its pairs: see dem__reset_pair_timers. Not
+   thread-safe. */
 static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
     const double shifted = w->engine->bodies.shifted[i],
                  tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
@@ -6876,7 +6879,7 @@ static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
     dem__apply_outcome(w, &outcome);
 }
 
-/* Makes a test of every particle with wall k due at a step. */
+/* Makes all particles due for a test with wall k at a step. */
 static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
     for (ptrdiff_t i = 0; i < w->count && (w->def.skip & DEM_SKIP_SPACE); i++) {
         const int32_t e = (int32_t)i * w->walls + k;
@@ -6884,21 +6887,21 @@ static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
     }
 }
 
-/* Moves walls to a step. Timers rely on a limit of each wall's speed: a driven wall that exceeds its limit gets a
-   larger one, and is tested with all particles in this step. Returns 0 if a wall's position is not finite. */
+/* Moves walls to a step. Timers rely on a limit of each wall's speed. A driven wall that exceeds it gets a larger one
+   and is tested with all particles in this step. Returns 0 if a wall's position is not finite. */
 static inline int dem__move_walls(dem_world *w, int64_t step) {
     const dem__run *run = &w->engine->run;
     const double time = run->start_time + (double)(step - run->start_step) * run->dt;
-    const dem_wall *last = NULL; /* to which the sway belongs */
-    dem__oscillation sway;
+    const dem_wall *last = NULL; /* the wall for which `oscillation` was computed */
+    dem__oscillation oscillation;
     for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
         const double t = time - a->asked.motion_start;
         if (a->asked.drive == DEM_KINEMATIC) {
             if (!(a->speed_bound > 0.0 || a->spin_bound > 0.0)) continue;
-            if (!last || !dem__oscillates_like(a, last)) sway = dem__oscillation_at(a, t);
+            if (!last || !dem__oscillates_like(a, last)) oscillation = dem__oscillation_at(a, t);
             last = a;
-            dem__kinematic_wall(a, t, &sway);
+            dem__kinematic_wall(a, t, &oscillation);
             continue;
         }
         const dem_vec from = a->position, axis[3] = {a->axis[0], a->axis[1], a->axis[2]};
@@ -6940,14 +6943,14 @@ static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
 /* New timers of the near pairs of n particles with new bounds. */
 typedef struct dem__reset_list {
     const int32_t *particle;
-    ptrdiff_t n, room; /* room: entries of a thread's list; 0: timers are set at once, by one thread */
+    ptrdiff_t n, room; /* room: entries of a thread's list; 0: one thread sets the timers at once */
     int64_t step;
     ptrdiff_t listed[DEM__PARTS_MAX];
     int parts;
 } dem__reset_list;
 
-/* Computes the timers of the pairs of particles reset[0 .. n-1]: sets them, or lists them from `list` on, where there is
-   room for `room`. Returns the number listed, or -1 if there is no room. */
+/* Computes the timers of the pairs of particles reset[0 .. n-1]. Sets them, or appends them to `list` if it has room
+   (`room` entries). Returns how many were listed, or -1 if they do not fit. */
 DEM_INLINE ptrdiff_t dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step, int32_t *list,
                                           ptrdiff_t room) {
     dem__pairs *pairs = &w->engine->pairs;
@@ -6956,7 +6959,7 @@ DEM_INLINE ptrdiff_t dem__reset_timers_of(dem_world *w, const int32_t *reset, pt
     dem__timer_batch waits;
     dem__clear_batch(&waits);
     for (ptrdiff_t m = dem__prefetch_from(n, 16); m < n; m++) {
-        /* prefetch in three stages: where a list of neighbours begins, the list, what it names */
+        /* prefetch in three stages: where a list of neighbours begins, the list, the particles in it */
         if (m + 16 < n) DEM__PREFETCH(&pairs->adjacent_start[reset[m + 16]]);
         if (m >= -8 && m + 8 < n) {
             const int32_t *neighbours = &pairs->adjacent[2 * pairs->adjacent_start[reset[m + 8]]];
@@ -6987,14 +6990,14 @@ DEM__AVX2_CLONE(dem__reset_timers_part,
                  ptrdiff_t *listed),
                 (w, reset, n, step, list, room, listed), *listed = dem__reset_timers_of(w, reset, n, step, list, room))
 
-/* Lists the timers of the pairs of particles first .. end-1 of the list, in this thread's part of timers.list, which is
-   free between two searches for what is due. */
+/* Computes the new timers of the pairs of particles first .. end-1 and lists them in this thread's part of timers.list,
+   which is free between two searches for due tests. */
 static inline void dem__list_resets(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__reset_list *q = (dem__reset_list *)context;
     dem__reset_timers_part(w, q->particle + first, end - first, q->step,
                            w->engine->pairs.timers.list + 2 * q->room * part, q->room, &q->listed[part]);
 }
-/* Sets those of the listed timers that are in this thread's lines: every `parts`-th group of 64. */
+/* Sets those of the listed timers that lie in this thread's lines: every `parts`-th group of 64. */
 static inline void dem__set_resets(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__reset_list *q = (const dem__reset_list *)context;
     dem__timers *t = &w->engine->pairs.timers;
@@ -7009,8 +7012,8 @@ static inline void dem__set_resets(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     }
 }
 
-/* Sets new timers for the near pairs of n particles with new bounds. Several threads compute them; then each sets those
-   of its lines, because timers of a line share a number. */
+/* Sets new timers for the near pairs of n particles with new bounds. All threads compute them. Then each thread sets
+   those in its own lines, because the timers of a line share their earliest step. */
 static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
     dem__reset_list q;
     ptrdiff_t nothing, listed = 0, least = 0;
@@ -7030,10 +7033,10 @@ static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, pt
 }
 
 /* ------------------------------------------------------------------------------------------------- >>search/skin.h */
-/* The frame and the skin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these
+/* The frame and the skin of the list of near pairs, which determine how long it lasts. Reads bodies; writes these
    fields of pairs. */
 
-/* Returns the length of the box along an axis; HUGE_VAL where it is not periodic. */
+/* Returns the length of the periodic box along an axis; HUGE_VAL where it is not periodic. */
 DEM_INLINE double dem__period(const dem_world *w, int axis) {
     return w->def.periodic[axis] ? dem_axis(w->def.high, axis) - dem_axis(w->def.low, axis) : HUGE_VAL;
 }
@@ -7043,8 +7046,8 @@ static inline double dem__narrowest(const dem_world *w) {
     return narrowest;
 }
 
-/* Chooses the frame in which the list measures how far particles have moved, so that it lasts long: it moves at their
-   mean velocity, and falls with them if most fly. */
+/* Chooses the frame in which the list measures how far particles have moved. It moves at their mean velocity, and falls
+   with them if most are in flight, so that the list lasts long. */
 static inline void dem__choose_frame(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int flies = 2 * w->engine->bodies.active_count < w->count;
@@ -7059,8 +7062,8 @@ static inline void dem__choose_frame(dem_world *w) {
     pairs->frame_fall = flies ? 0.0 : pairs->gravity_size;
 }
 
-/* Stores where every particle is, and finds the smallest and the largest radius [m]. Returns 0 if a position is not
-   finite. */
+/* Records the positions of all particles, and finds the smallest and the largest radius [m]. Returns 0 if a position is
+   not finite. */
 static inline int dem__list_positions(dem_world *w, double *smallest, double *largest) {
     *smallest = HUGE_VAL, *largest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -7086,7 +7089,8 @@ static inline double dem__most_approach(const dem_world *w) {
     double farthest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
-        const double tau = dem__now(w, i), most = 0.75 * w->particle[i].radius; /* above it a particle is too fast */
+        /* a particle that moves farther is too fast */
+        const double tau = dem__now(w, i), most = 0.75 * w->particle[i].radius;
         const double moved = dem__length(dem__sub(dem__sub(dem__at(w, i, tau + dt), dem__at(w, i, tau)), way));
         const double counts = moved < most ? moved : most;
         farthest = counts > farthest ? counts : farthest;
@@ -7094,28 +7098,28 @@ static inline double dem__most_approach(const dem_world *w) {
     return 2.0 * farthest;
 }
 
-/* Chooses the skin of the list so that lists last long enough, for one step at least, and sets what depends on it. */
+/* Chooses the skin so that a list lasts long enough, for one step at least, and sets what depends on it. */
 static inline void dem__choose_skin(dem_world *w, int keeps, double smallest, double largest) {
     dem__pairs *pairs = &w->engine->pairs;
-    pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* not rounded up */
+    pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* a little less, so that times are not rounded up */
     const int few = pairs->count < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
     if (keeps) pairs->skin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
     pairs->skin_factor = dem__clamp(pairs->skin_factor, 1.0, 3.0);
     const double usual = 2.0 * smallest * w->def.skin * pairs->skin_factor, least = 1.05 * dem__most_approach(w),
                  wanted = usual > least ? usual : least,
-                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
+                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* an image is no second neighbour */
     pairs->skin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
     pairs->least_tolerance = 0.05 * pairs->skin / (DEM__RETEST_STEPS * w->engine->run.dt);
     pairs->wall_reach = 4.0 * pairs->skin;
     const double rounding = dem__position_rounding(w), most = 0.25 * pairs->skin;
-    /* as much as slow contacts shift; faster ones are rare, and a larger tolerance would cost more tests of particles
-       that are near */
+    /* as much as corrections of slow contacts shift a particle. Faster contacts are rare, and a larger tolerance would
+       cost more tests of near pairs */
     pairs->position_tolerance = 2e-6 * smallest + (rounding < most ? rounding : most);
 }
 
 /* --------------------------------------------------------------------------------------- >>search/neighbour_list.h */
-/* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two
-   spheres that are not listed cannot touch before the next check. */
+/* Near pairs and the rebuilding of their list: the broad phase. Reads bodies; writes pairs, timers and bounds.
+   Promises: two spheres that are not listed cannot touch before the next check. */
 
 /* The near pairs that a thread finds; room: how many fit. */
 typedef struct dem__found_pairs {
@@ -7127,17 +7131,17 @@ typedef struct dem__found_pairs {
 static inline int dem__add_near(const dem_world *w, dem__found_pairs *finds, int32_t i, int32_t j) {
     if (finds->n == finds->room) return 0;
     dem__near *q = &finds->pair[finds->n++];
-    const int in_order = w->id[i] < w->id[j]; /* so are their numbers, in whatever order they lie */
+    const int in_order = w->id[i] < w->id[j]; /* the order of their ids, whatever their order in memory */
     q->i = in_order ? i : j;
     q->j = in_order ? j : i;
     q->distance = w->particle[i].radius + w->particle[j].radius;
     return 1;
 }
 
-/* Spheres that may be near to those of a cell. */
+/* Spheres that may be near those of a cell. */
 enum {
     DEM__CANDIDATES_MAX = 256
-}; /* twice as many as a cell and its neighbours contain in a dense bed of equal spheres */
+}; /* twice as many as a cell and its neighbours hold in a dense bed of equal spheres */
 typedef struct dem__candidates {
     double x[DEM__CANDIDATES_MAX], y[DEM__CANDIDATES_MAX], z[DEM__CANDIDATES_MAX], extent[DEM__CANDIDATES_MAX];
     int32_t at[DEM__CANDIDATES_MAX]; /* in the sorted list */
@@ -7150,7 +7154,7 @@ DEM_INLINE double dem__image(double d, double length) {
     return d < -0.5 * length ? d + length : d;
 }
 
-/* Lists the candidates near a sphere by their numbers. Without a branch, which would be mispredicted. */
+/* Lists the candidates near a sphere. Has no branch, because it would be mispredicted. */
 DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near,
                                  int *count) {
     double room[DEM__CANDIDATES_MAX];
@@ -7171,8 +7175,8 @@ DEM__AVX2_CLONE(dem__choose,
                 (const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count),
                 (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
 
-/* Adds the near pairs of spheres first .. end-1 of the sorted list with candidates that come after each in the list.
-   Returns 0 if there is no room. */
+/* Adds the near pairs of spheres first .. end-1 of the sorted list, each with the candidates that follow it in the
+   list. Returns 0 if they do not fit. */
 static inline int dem__pairs_with_candidates(const dem_world *w, const dem__candidates *crowd, int32_t first,
                                              int32_t end, dem__found_pairs *finds) {
     const double length[3] = {dem__period(w, 0), dem__period(w, 1), dem__period(w, 2)};
@@ -7188,8 +7192,8 @@ static inline int dem__pairs_with_candidates(const dem_world *w, const dem__cand
     return 1;
 }
 
-/* Adds the near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one
-   level. Returns 0 if there is no room. */
+/* Adds the near pairs of spheres first .. end-1 of the sorted list, which share a cell, with the spheres that follow
+   each of them on one level. Returns 0 if they do not fit. */
 static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end,
                                      dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
@@ -7216,7 +7220,7 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
         const int32_t cy = from[1] + row % cells[1], cz = from[2] + row / cells[1];
         const int32_t iy = cy < g->n[1] ? cy : cy - g->n[1], iz = cz < g->n[2] ? cz : cz - g->n[2];
         const int32_t *cell = start + g->first + ((ptrdiff_t)iz * g->n[1] + iy) * g->n[0];
-        for (int part = 0; part < 2; part++) { /* neighbouring cells of a row are neighbours in the list */
+        for (int part = 0; part < 2; part++) { /* cells that are neighbours in a row are neighbours in the list */
             const int32_t last = part ? cell[cells[0] - before] : cell[from[0] + before];
             int32_t q = part ? cell[0] : cell[from[0]];
             for (q = q > first ? q : first; q < last; q++) {
@@ -7233,7 +7237,7 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
     return dem__pairs_with_candidates(w, &crowd, first, end, finds);
 }
 
-/* Sorts the spheres by size class, then by cell of the class's grid. Returns the number of classes; 0 when out of
+/* Sorts the spheres by size class, then by the cells of the class's grid. Returns the number of classes; 0 when out of
    memory. Uses the bounds as scratch memory, because a rebuild sets all of them. */
 static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     dem__bodies *bodies = &w->engine->bodies;
@@ -7287,9 +7291,9 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     return levels;
 }
 
-/* Finds the near pairs of the spheres whose cells begin in first .. end-1 of the sorted list. Spheres of a cell are
-   compared with the cells around it, on their own level and on coarser ones, and there with those after them in the
-   list. Returns 0 if there is no room. */
+/* Finds the near pairs of the spheres whose cells begin in first .. end-1 of the sorted list. The spheres of a cell are
+   compared with those in the cells around it, on their own level and on coarser ones, if these follow them in the list.
+   Returns 0 if the pairs do not fit. */
 static inline int dem__find_pairs_part(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first,
                                        ptrdiff_t end, dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
@@ -7323,7 +7327,7 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
     s->finds[part].full = !dem__find_pairs_part(w, s->grid, s->levels, first, end, &s->finds[part]);
 }
 
-/* Removes the pairs of particles of one rigid body, and of two fixed particles. */
+/* Removes pairs within a rigid body, and pairs of two fixed particles. */
 static inline void dem__drop_skipped_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t *of = w->engine->bodies.rigid_of;
@@ -7336,8 +7340,8 @@ static inline void dem__drop_skipped_pairs(dem_world *w) {
     pairs->count = kept;
 }
 
-/* Finds the near pairs, those with a gap below the skin. Each thread searches a part of the sorted spheres; if one
-   has no room, all search again with more. Returns 0 when out of memory. */
+/* Finds the near pairs: those with a gap below the skin. Each thread searches a part of the sorted spheres. If one runs
+   out of room, all search again with more. Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__search s;
@@ -7365,7 +7369,7 @@ static inline int dem__find_pairs(dem_world *w) {
     return 1;
 }
 
-/* Lists the near pairs of each particle, so that each pair is listed twice. Returns 0 when out of memory. */
+/* Lists the near pairs of each particle; each pair is listed twice. Returns 0 when out of memory. */
 static inline int dem__find_adjacent(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     if (w->count == 0) return 1;
@@ -7400,7 +7404,7 @@ static inline void dem__list_wall_contacts(dem_world *w) {
 static inline void dem__find_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     DEM__EACH_CONTACT(w, c) {
-        if (dem__is_convex_contact(w, c)) continue; /* see dem__list_convex_pairs */
+        if (dem__is_convex_contact(w, c)) continue; /* dem__list_convex_pairs does it */
         const int32_t p = contacts->j[c] < 0 ? -1 : dem__near_pair(w, contacts->i[c], contacts->j[c]);
         contacts->near[c] = p;
         if (p >= 0) dem__stop_timer(&w->engine->pairs.timers, p);
@@ -7433,8 +7437,8 @@ static inline void dem__set_all_timers(dem_world *w) {
         dem__in_parts(w, dem__parts(w, pairs->count), pairs->timers.pages, dem__set_new_timers_range, NULL);
 }
 
-/* Makes timers for a new list: near pairs as if apart; those of walls stay (keeps), or are all stopped. Returns 0 when
-   out of memory. */
+/* Makes the timers of a new list. Near pairs begin without contact. Wall timers stay (keeps), or all are stopped.
+   Returns 0 when out of memory. */
 static inline int dem__make_timers(dem_world *w, int keeps) {
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t walls = w->count * w->walls;
@@ -7451,7 +7455,7 @@ static inline int dem__make_timers(dem_world *w, int keeps) {
     return 1;
 }
 
-/* Lets speed limits of driven walls shrink, and sets timers of walls for a list made anew. */
+/* Lowers the speed limits of driven walls where possible, and sets the wall timers for a new list. */
 static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
@@ -7468,15 +7472,15 @@ static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     }
 }
 
-/* Notes a failure while lists are built: the next run builds all of them anew. Returns 0. */
+/* Records a failure while lists are built: the next run builds all of them again. Returns 0. */
 static inline int dem__fail_to_list(dem_world *w, dem_status status) {
     w->status = status;
     w->engine->run.needs_lists = 1;
     return 0;
 }
 
-/* Builds near pairs, timers and bounds anew. Timers of walls stay unless something was changed from outside. Returns 0
-   after a failure. */
+/* Rebuilds near pairs, timers and bounds. Wall timers stay unless the caller changed something. Returns 0 after a
+   failure. */
 static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -7484,7 +7488,8 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     const int keeps = !run->needs_lists;
     DEM__TELL(w, keep_up, (w));
     if (w->status != DEM_OK) return 0;
-    if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
+    /* closing the gaps costs about as much as finding the pairs */
+    if (!keeps || bodies->dropped > w->count / 16) dem__compact(w);
     if (!keeps) dem__release_unloaded(w);
     dem__list_active(w);
     dem_status status = DEM_OK;
@@ -7515,8 +7520,8 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
 }
 
 /* Checks whether anything has moved so far that an unlisted pair could touch soon. If so, rebuilds the list; otherwise
-   sets the step of the next check. A list takes as long as forty checks: the older it is, the more steps a check must
-   gain. Returns 0 after a failure. */
+   sets the step of the next check. A rebuild takes as long as forty checks, so the older the list, the more steps a
+   check must gain. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const int64_t least = 1 + (w->step - w->engine->pairs.listed_step) / 40;
@@ -7538,12 +7543,12 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
 
 /* ---------------------------------------------------------------------------------------------- >>contacts/block.h */
 /* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads
-   bodies, walls and contacts; writes contacts through columns. Promises: what it writes of a contact depends on that
-   contact and its bodies alone. */
+   bodies, walls and contacts; writes contacts through columns. Promises: what it writes of a contact depends only on
+   that contact and its bodies. */
 
 /* Geometry and motion of a block of contacts, before the law is called. */
 typedef struct dem__rows {
-    dem__row dx, dy, dz;             /* to the centre of i, from that of j or from the axis of a round wall */
+    dem__row dx, dy, dz;             /* from the centre of j, or from the axis of a round wall, to the centre of i */
     dem__row vx, vy, vz, ax, ay, az; /* relative velocity in the middle of the step, relative acceleration */
     dem__row wi[3], wj[3];           /* spins */
     dem__row nx, ny, nz, gap, inverse;
@@ -7552,12 +7557,12 @@ typedef struct dem__rows {
 
 /* Constants of a block of contacts. Kept from block to block, because most contacts are of the same types. */
 typedef struct dem__type_rows {
-    int32_t kind[DEM__BLOCK]; /* contact type of the row; -1: constants of its own; -2: not filled yet */
+    int32_t kind[DEM__BLOCK]; /* contact type of the row; -1: constants of its own; -2: empty */
     dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
 } dem__type_rows;
 
-/* Computes the geometry of contact k for the law. half: half of the step [s]; lag: a constant, 0 where velocities and
-   spins are those of the rows' positions (links). */
+/* Computes the geometry of contact k for the law. half: half of the step [s]. lag: a constant, 0 for links, whose
+   velocities and spins belong to the same time as the rows' positions. */
 DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, double lag,
                                       int has_friction, dem_contact *q, double *arm_i, double *arm_j) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
@@ -7566,14 +7571,14 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     q->gap = b->gap[k];
     q->closing = -along - half * (b->ax[k] * nx + b->ay[k] * ny + b->az[k] * nz);
     if (!has_friction) return;
-    /* arms D r_i/(r_i + r_j) add up to the distance, which conserves angular momentum */
+    /* the arms D r_i/(r_i + r_j) add up to the distance D, which conserves angular momentum */
     const double distance = t->sum[k] + b->gap[k], ai = t->part[k] * distance, aj = (1.0 - t->part[k]) * distance;
     const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k],
                  sz = ai * b->wi[2][k] + aj * b->wj[2][k];
     *arm_i = ai, *arm_j = aj;
-    /* velocities and spins are those of the middle of the step, so the slip is computed with the normal of that time, n
-       - t; otherwise a rolling contact whose normal turns would gain energy. Terms of second order in t are left out.
-       */
+    /* velocities and spins are those of the middle of the step, so the slip is computed with the normal at that
+       time, n - t; otherwise a rolling contact whose normal turns would gain energy. Terms of second order in t are
+       left out. */
     const double tx = lag * b->tx[k], ty = lag * b->ty[k], tz = lag * b->tz[k];
     const double sn = sx * nx + sy * ny + sz * nz, lx = sx + sn * tx, ly = sy + sn * ty, lz = sz + sn * tz;
     q->translation[0] = b->vx[k] - along * (nx - tx), q->translation[1] = b->vy[k] - along * (ny - ty);
@@ -7585,8 +7590,8 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     q->spin[2] = b->wi[2][k] - b->wj[2][k];
 }
 
-/* Turns a tangential vector of the history with the contact: from the old normal to the new one, which differ by the
-   tangential motion, to second order and without a root; and about the normal with the mean spin. */
+/* Turns a tangential vector of the history with the contact: from the old normal to the new one, to second order and
+   without a root, and about the normal with the mean spin. */
 DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
     const double bx = nx - b->tx[k], by = ny - b->ty[k],
@@ -7620,8 +7625,8 @@ DEM_INLINE void dem__columns_of(const dem_world *w, ptrdiff_t c, const dem_law *
     at->elastic = features & DEM_ENERGY ? contacts->elastic + c : NULL;
 }
 
-/* Sets where the results of a block go: forces into the block's rows, because few runs keep them; the rest directly to
-   the contacts or, with `copies`, into rows. */
+/* Sets where the results of a block go. Forces go into the block's rows, because few runs keep them. The rest goes
+   directly to the contacts or, with `copies`, into rows. */
 DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, int copies,
                                  dem__block_rows *b, dem__columns *at) {
     dem__columns_of(w, c, law, features, at);
@@ -7652,7 +7657,7 @@ DEM_INLINE void dem__store(const dem__columns *to, const dem__columns *from, int
     if (features & DEM_ENERGY) dem__store_ledger(to, from, n);
 }
 
-/* Copies the constants of a block whose contacts have constants of their own. */
+/* Copies the constants of a block of contacts that have constants of their own. */
 static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
     const size_t bytes = (size_t)n * sizeof(double);
@@ -7662,7 +7667,7 @@ static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, in
     for (int k = 0; k < n; k++) t->kind[k] = -1;
 }
 
-/* Loads the constants of those rows whose contact type is not that of the block before. */
+/* Loads the constants of those rows whose contact type differs from that of the block before. */
 DEM__FAST static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants,
                                                      dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -7725,7 +7730,7 @@ DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old,
     at->elastic[c] = r->elastic;
 }
 
-/* Finds the place where a wall is touched by the contact in a slot, or by a link (slot -1). */
+/* Finds where a wall is touched by the contact in a slot, or by a link (slot -1). */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius,
                                  int32_t element, dem__touch *touch) {
     if (dem__has(wall, DEM__HALF_SPACE)) dem__touch_flat(wall, dem__sub(x, wall->position), radius, touch);
@@ -7740,16 +7745,16 @@ typedef struct dem__wall_row {
     const dem_particle *particle;
     const dem_wall *wall;
     int row;
-    dem_vec from, velocity; /* round wall: the centre from its axis [m]; velocity of the wall at the contact [m/s] */
+    dem_vec from, velocity; /* round wall: from its axis to the centre [m]; velocity of the wall at the contact [m/s] */
     ptrdiff_t slot;         /* of the contact; -1: of a link */
     int32_t element;
     double outside,
-        inner; /* round wall: 1, or -1 from inside, and its radius [m]; otherwise outside is 0, and touch is known */
+        inner; /* round wall: 1, or -1 from inside, and its radius [m]; other walls: 0, and touch is known */
     dem__touch touch;
 } dem__wall_row;
 
 /* Gathers row k: particle i at an element of a wall, for the contact in a slot or a link (-1). A round wall is treated
-   like another sphere: dem__complete_rows computes root and quotient. */
+   like another sphere: dem__complete_rows computes its root and quotient. */
 static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element,
                                            ptrdiff_t slot, dem__rows *b, int k, double half, dem__wall_row *at) {
     const dem_wall *wall = &w->wall[number];
@@ -7772,8 +7777,8 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
     b->wj[0][k] = b->wj[1][k] = b->wj[2][k] = 0.0;
 }
 
-/* Replaces a row's velocities by those relative to the wall's surface at the contact, where the surface does not move
-   as a whole. */
+/* Replaces the velocities of a row by those relative to the wall's surface at the contact, where the surface does not
+   move as a whole. */
 static DEM__NOINLINE void dem__slide(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const dem_wall *wall = at->wall;
@@ -7823,7 +7828,7 @@ DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at)
     if (at->wall->slides) dem__slide(b, half, at);
 }
 
-/* Computes the change of the normal at a wall: the sphere moves over the wall's shape, and the wall turns. */
+/* Computes the change of the normal at a wall: the sphere moves over the wall, and the wall turns. */
 static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, double half, double turn,
                                             const dem__wall_row *at) {
     const int k = at->row;
@@ -7836,7 +7841,7 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, dem__place_before(w, at->slot)));
     } else {
         dem_vec u = dem_vec3(b->vx[k], b->vy[k], b->vz[k]);
-        if (wall->slides) { /* u is relative to its surface, not to its frame */
+        if (wall->slides) { /* u is relative to the wall's surface, not to its frame */
             dem_vec carried = dem__plus(wall->velocity, -half, wall->acceleration);
             const dem_vec spin = dem__scale(wall->spin, wall->spin_axis);
             if (wall->spin != 0.0) carried = dem__add(carried, dem__cross(spin, dem__sub(s->x, wall->position)));
@@ -7849,8 +7854,9 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
 }
 
-/* Computes nearest images, normals and gaps of a block, and with friction the changes of the normals in the time `turn`
-   before the end of the step (links: half the time since their last evaluation). `walls` of the rows are at walls. */
+/* Computes nearest images, normals and gaps of a block. With friction, also the changes of the normals in the time
+   `turn` before the end of the step (links: half the time since their last evaluation). `walls` of the rows are at
+   walls. */
 DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half,
                                    double turn, dem__wall_row *wall, int walls, int has_friction) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
@@ -7883,11 +7889,11 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
 
 /* -------------------------------------------------------------------------------- >>contacts/first_and_last_step.h */
 /* Partial steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction,
-   history and losses. Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the
+   history and losses. Promises: with the impulse and the shift, the motion of the two bodies is as accurate as in the
    steps between. */
 
-/* Returns the part of the law's normal force that the overlap makes [N], at a gap [m] and a closing speed [m/s]. Leaves
-   the history unchanged. */
+/* Returns the part of the law's normal force that stems from the overlap [N], at a gap [m] and a closing speed [m/s].
+   Leaves the history unchanged. */
 DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing,
                                    double *elastic, const dem_law *law) {
     dem_contact c = *contact;
@@ -7903,8 +7909,8 @@ DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *sta
     return r.contact;
 }
 
-/* Moves the two bodies along the normal over a time t [s], by their contact force alone, in one Runge-Kutta step of
-   fourth order. Returns the force at the end [N]. */
+/* Moves the two bodies along the normal for a time t [s] under their contact force alone, in one fourth-order
+   Runge-Kutta step. Returns the force at the end [N]. */
 DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *gap, double *closing, double t,
                             const dem_law *law) {
     double g = *gap, u = *closing, m = 1.0 / c->mass, elastic;
@@ -7917,14 +7923,14 @@ DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *g
     return dem__force_alone(c, state, *gap, *closing, &elastic, law);
 }
 
-/* A contact begins and ends within a step. Verlet would give that step the whole force or none. Therefore the normal
-   motion of the two bodies through it is integrated by itself; the difference from Verlet's motion is applied as an
-   impulse and a shift along the normal. Verlet's velocity is a central difference, (x(t+h) - x(t-h)) / 2h, which
-   differs from the true velocity by h^2/6 x'''. */
+/* A contact begins and ends within a step. Verlet's scheme would apply the force for the whole step or not at all.
+   Therefore the normal motion of the two bodies in that step is integrated separately, and the difference from Verlet's
+   motion is applied as an impulse and a shift along the normal. Verlet's velocity is a central difference, (x(t+h) -
+   x(t-h)) / 2h, which differs from the true velocity by h^2/6 x'''. */
 typedef struct dem__partial_motion {
     double impulse, shift; /* [N s], [kg m]: divided by a mass, changes of velocity and of position along n */
     double gap, closing;   /* at the end of the step */
-    double duration;       /* of contact within the step [s] */
+    double duration;       /* how long the contact lasts within the step [s] */
     double loss, elastic;  /* dissipated by the normal dashpot in the step; stored at its end [J] */
     double before;         /* last step only: closing speed at the start of the step [m/s] */
 } dem__partial_motion;
@@ -7941,7 +7947,8 @@ DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state,
     const double force = dem__force_alone(c, state, e->gap, e->closing, &elastic, law);
     double next = e->gap, then = e->closing;
     dem__flow(c, state, &next, &then, h, law);
-    const double handed = (e->gap - next) * c->rate + 0.5 * h * force / c->mass; /* leads to `next` by Verlet */
+    /* Verlet's scheme leads from it to `next` */
+    const double handed = (e->gap - next) * c->rate + 0.5 * h * force / c->mass;
     e->impulse = c->mass * (c->closing - handed);
     e->shift = c->mass * (e->gap - c->gap);
     e->elastic = elastic;
@@ -7950,15 +7957,16 @@ DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state,
 }
 
 /* Integrates the normal motion through the last step of a contact. gap, force: of the step before. Returns 0 if
-   Verlet's step stands. `verlet` is the closing speed from which Verlet, for the two bodies alone, leads to the present
-   gap. */
+   Verlet's step stands. `verlet` is the closing speed from which Verlet's scheme, for the two bodies alone, leads to
+   the present gap. */
 DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, double gap, double force,
                                      dem__partial_motion *e, const dem_law *law) {
     const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass,
                  verlet = (gap - c->gap) * c->rate + half_kick;
     const double speed =
-        c->closing + 2.0 * half_kick; /* nearly `verlet`, but from velocities: right if a wall has jumped, too */
-    double own = speed;               /* true closing speed: integrated one step back, it gives the last mean one */
+        c->closing + 2.0 * half_kick; /* nearly `verlet`, but computed from velocities, so that it holds if a wall has
+                                         jumped, too */
+    double own = speed;               /* true closing speed: one step back it gives the last mean speed */
     if (!(verlet < 0.0 && gap < 0.0)) return 0;
     for (int k = 0; k < 2; k++) {
         double back = gap, then = own;
@@ -7971,9 +7979,9 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
     dem__force_alone(c, state, gap, u, &before, law);
     for (int k = 0; k < 3; k++) {
         double rest, last = h - t;
-        if (pulls) rest = v < 0.0 ? g / v : 0.0; /* the dashpot may pull: contact ends where the overlap is zero */
-        else { /* the force is clipped at zero: contact ends where it is zero, found with its slope over a
-                                                    short time */
+        if (pulls) rest = v < 0.0 ? g / v : 0.0; /* the dashpot may pull: the contact ends where the overlap is zero */
+        else { /* the force is clipped at zero: the contact ends where it reaches zero, found from its slope over a
+                  short time */
             const double moment = h / 64.0,
                          fp = dem__force_alone(c, state, g - moment * v, v - moment * f / c->mass, &after, law);
             rest = fp < f ? moment * f / (f - fp) : last;
@@ -8001,9 +8009,9 @@ typedef struct dem__partial_step {
     dem_vec wall_speed;
 } dem__partial_step;
 
-/* Adds friction and rolling, as they are in r, to an impulse: over `time` [s], and over `scaled` [s], a normal impulse
-   divided by the normal force of r. That force may be tiny: friction that remains without it (r->remaining) is left out
-   of the scaled part. */
+/* Adds friction and rolling, as they are in r, to an impulse: over `time` [s], and in proportion to the normal impulse
+   over `scaled` [s], which is that impulse divided by the normal force of r. That force may be tiny, so friction that
+   remains without it (r->remaining) is left out of the scaled part. */
 DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_response *r, double time, double scaled,
                                           int features) {
     for (int a = 0; a < 3; a++) {
@@ -8013,8 +8021,8 @@ DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_respo
 }
 
 /* Adds friction in the step in which a contact begins, by a Radau rule: after a third of the time t in contact, and at
-   its end, r. The normal impulse exceeds that of t because Verlet's velocities are central differences; friction
-   exceeds in proportion. */
+   its end, r. The normal impulse exceeds that over t because Verlet's velocities are central differences. Friction
+   exceeds its own in proportion. */
 DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__partial_motion *e, double *s,
                                     const dem_response *r, dem_response *impulse, const dem_law *law, int features) {
     const double t = e->duration, beyond = e->impulse - touch->mass * (touch->closing - e->closing);
@@ -8022,7 +8030,7 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__partial
     memset(&third, 0, sizeof third);
     dem_contact q = *touch;
     q.gap = (7.0 * e->gap - t * (4.0 * touch->closing - 2.0 * e->closing)) /
-            27.0; /* of the cubic through the motion's ends */
+            27.0; /* from the cubic through both ends of the motion */
     q.closing = t > 0.0 ? -4.0 / 3.0 * e->gap / t - e->closing / 3.0 : touch->closing;
     q.dt = t / 3.0;
     law->force(&q, s, &third);
@@ -8034,12 +8042,12 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__partial
    friction [J]. */
 typedef struct dem__partial_result {
     dem__partial_motion e;
-    dem_response impulse; /* at the end without Verlet's own half kicks */
+    dem_response impulse; /* at the end, without Verlet's own half kicks */
     double start, driven;
 } dem__partial_result;
 
-/* Corrects the step in which a contact begins, from history s: force, history and losses. Returns 0 if it does not
-   begin. */
+/* Corrects the step in which a contact begins, from history s: force, history and losses. Returns 0 if the contact does
+   not begin. */
 DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__partial_step *was,
                                        const dem_law *law, int features, dem__partial_result *m) {
     const double half = 0.5 / q->rate;
@@ -8102,7 +8110,7 @@ DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__colu
     return 1;
 }
 
-/* Corrects a partial step of the contact in slot c; stores impulses and shift for the end of the step. */
+/* Corrects a partial step of the contact in slot c. Stores impulse and shift for the end of the step. */
 DEM_INLINE void dem__correct_partial_step(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__partial_step *was,
                                           const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -8134,24 +8142,26 @@ DEM_INLINE void dem__correct_partial_step(dem_world *w, ptrdiff_t c, dem_contact
 }
 
 /* --------------------------------------------------------------------------------------------- >>contacts/kernel.h */
-/* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes
-   contacts, the sums of bodies and the forces on walls. Promises: the same bits for any division among threads. */
+/* Forces of contacts and links, block by block: rows, law, partial steps, sums. Reads bodies, walls, contacts,
+   links; writes contacts, the sums of bodies and the forces on walls. Promises: the same bits for any division among
+   threads. */
 
-/* What one thread needs for a block. It lies in the engine, because a stack may be small (64 kB in WebAssembly). */
+/* The working memory of a thread for a block. It lies in the engine, because a stack may be small (64 kB in
+   WebAssembly). */
 struct dem__work {
     dem__rows rows;
     dem__type_rows types;
     dem__block_rows block;
     dem__row before, was, ended,
-        past[DEM_STATE_MAX]; /* of the step before: force, gap; whether it ended; history at the start */
+        past[DEM_STATE_MAX]; /* of the step before: force, gap, whether the contact ended; history at the start */
     dem__wall_row wall[DEM__BLOCK];
     int walls;
     dem__timer_batch batch;                       /* for tests of pairs */
     int32_t head[DEM__CHUNKS], tail[DEM__CHUNKS]; /* lists of postponed forces for each share: see dem__postponed */
 };
 
-/* Returns the working memory of a thread. It begins with a cache line: otherwise every second vector of a row would lie
-   in two, which costs 4 % of the time of a bed. */
+/* Returns the working memory of a thread. It begins with a cache line. Otherwise every second vector of a row would lie
+   in two lines, which costs 4 % of the time of a bed. */
 enum { DEM__WORK_BYTES = (int)((sizeof(dem__work) + 63) / 64 * 64) };
 DEM_INLINE dem__work *dem__work_of(const dem_world *w, int part) {
     return (dem__work *)(void *)(w->engine->scratch.work + (size_t)part * DEM__WORK_BYTES);
@@ -8176,7 +8186,7 @@ static inline int dem__make_work(dem_world *w) {
 
 typedef void dem__partial_step_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__partial_step *was);
 
-/* Returns whether a contact began or ended in this step, from its forces and the gap before. Computed with bits:
+/* Returns whether a contact began or ended in this step, from its forces and the gap before. It works on bits, because
    branches would keep the loop scalar. */
 DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
     const int64_t idle = before == 0.0;
@@ -8184,7 +8194,7 @@ DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_bef
 }
 
 /* Marks and lists the contacts that began or ended, or that their law has ended, in the block from slot base on.
-   Returns their number. */
+   Returns how many. */
 DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t base, int n, const double *before,
                                      const double *was, const double *ended, const double *force) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -8208,7 +8218,7 @@ DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t bas
 DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k,
                                 int has_friction, int to_i, int to_j) {
     const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
-    double turn_i[3], turn_j[3]; /* all is read before the sums are written, so that they are added as vectors */
+    double turn_i[3], turn_j[3]; /* all sums are read before they are written, so that they are added as vectors */
     for (int a = 0; a < 3; a++)
         turn_i[a] = has_friction ? out[3 + a][k] : 0.0, turn_j[a] = has_friction ? out[6 + a][k] : 0.0;
     if (to_i) {
@@ -8255,8 +8265,8 @@ DEM_INLINE void dem__postpone(dem_world *w, dem__work *x, int32_t entry, int sid
 }
 
 /* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. postpone_from: INT32_MAX, or
-   ranks from it on belong to earlier shares, whose threads must add first; what they get is postponed for
-   dem__add_postponed. */
+   the rank from which on particles belong to earlier shares, whose threads must add first. Forces on these are
+   postponed for dem__add_postponed. */
 DEM_INLINE void dem__gather_forces(dem_world *w, dem__work *x, ptrdiff_t q, ptrdiff_t base, int n, double *const *out,
                                    int has_friction, int32_t postpone_from) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -8287,7 +8297,7 @@ DEM_INLINE void dem__prefetch_particle(const dem_world *w, ptrdiff_t j) {
     DEM__PREFETCH(&p->x);
     DEM__PREFETCH(&p->a);
 }
-/* Prefetches what the kernel reads and sums of body j. For a wall (j < 0) the address is one before the arrays: a
+/* Prefetches what the kernel reads and adds up of body j. For a wall (j < 0) the address lies one before the arrays: a
    prefetch cannot fail. */
 DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum *sum, ptrdiff_t j) {
     const uintptr_t p = (uintptr_t)particle + (uintptr_t)j * sizeof *particle;
@@ -8296,8 +8306,8 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
     DEM__PREFETCH((const void *)((uintptr_t)sum + (uintptr_t)j * sizeof *sum));
 }
 
-/* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would
-   slow the kernel. */
+/* These call the functions for polyhedra on a block. They stand apart because a call through a pointer would slow the
+   kernel down. */
 static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
     w->engine->convex.calls->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
@@ -8309,8 +8319,8 @@ static DEM__NOINLINE void dem__exclude_other(dem_world *w, const dem__chunk *in,
     w->engine->convex.calls->leave_edges(w, in, marked);
 }
 
-/* Gathers the block of n contacts from slot base on, and prefetches the next one, of this chunk or of the one after it.
- */
+/* Gathers the block of n contacts from slot base on, and prefetches the next block, of this chunk or of the one after
+   it. */
 DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t chunk, ptrdiff_t base, int n,
                                   const dem_law *law, double half, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -8338,32 +8348,32 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     if (w->engine->convex.calls) dem__fill_other_rows(w, x, base, n, half);
 }
 
-/* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the
-   sizes only. Conditions on features are constant where the loop is compiled. */
+/* Calls the law for n contacts of a block, or for n links, and stores its results. Links use only the sizes of a
+   contact type. Conditions on features are constants where the loop is compiled. */
 #define DEM__OF_LINKS (1 << 20) /* no enum: C++20 warns where numbers of two enums are combined */
 DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n,
                                const dem__columns *old, const dem__columns *at, const dem_law *law, double h,
                                double rate, int features) {
     const void *user = w->user;
     const int has_friction = (features & DEM_FRICTION) != 0, is_link = (features & DEM__OF_LINKS) != 0;
-    dem__row share; /* in a loop of its own, which is left out for a law that does not use it */
+    dem__row share; /* a loop of its own, which compilers leave out if the law does not use it */
     for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, i[k], j[k]);
     DEM__INDEPENDENT
     for (int k = 0; k < n; k++) {
         dem_contact q;
         dem_response r;
         double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-        memset(&r, 0, sizeof r); /* what a law leaves out is 0 */
+        memset(&r, 0, sizeof r); /* quantities that a law does not set are 0 */
         for (int a = 0; a < law->constants && !is_link; a++) p[a] = x->types.constant[a][k];
         for (int a = 0; a < law->states; a++) s[a] = old->state[a][k];
         if (law->vectors > 0)
-            dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */
+            dem__turn(&x->rows, k, h, s); /* a function: clang does not unroll so long a loop, even for one turn */
         for (int a = 1; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
         for (int a = 0; a < law->history && has_friction && !is_link; a++) x->past[a][k] = s[a];
         dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, is_link ? 0.0 : 1.0, has_friction, &q,
                               &arm_i, &arm_j);
         const double predict =
-            is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop does not vectorise */
+            is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop would not be vectorised */
         q.closing *= x->rows.gap[k] < 0.0 ? predict : 1.0;
         q.mass = is_link ? 0.0 : x->types.mass[k];
         q.share = share[k];
@@ -8381,7 +8391,8 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         }
         dem__put_force(at->out, k, &q, &r, arm_i, arm_j, features);
         if (features & DEM_ENERGY) {
-            r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* mean along a step: k/24 less; predict is 1 - 11 k/24 */
+            /* the mean along a step has k/24 less, and predict is 1 - 11 k/24 */
+            r.normal_power *= 1.0 - (1.0 - predict) / 11.0;
             dem__put_losses(at, old, k, &r, h, x->before[k]);
         }
     }
@@ -8400,7 +8411,7 @@ DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns
     }
 }
 
-/* Corrects the partial steps of a block: those of the last `marked` contacts that its chunk has listed. */
+/* Corrects the partial steps of a block: those of the last `marked` contacts in its chunk's list. */
 DEM_INLINE void dem__correct_partial_steps(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base,
                                            ptrdiff_t marked, const dem__columns *old, const dem__columns *at,
                                            const dem_law *law, dem__partial_step_fn *correct, int features) {
@@ -8420,7 +8431,7 @@ DEM_INLINE void dem__correct_partial_steps(dem_world *w, dem__work *x, const dem
                               &partial.arm_j);
         view.mass = x->types.mass[k];
         view.share =
-            dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law may leave uncomputed */
+            dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law need not compute */
         view.dt = 0.0;
         view.rate = 1.0 / run->dt;
         view.constants = p;
@@ -8435,7 +8446,7 @@ DEM_INLINE void dem__correct_partial_steps(dem_world *w, dem__work *x, const dem
     }
 }
 
-/* Adds up the power of belts: that of the rest of a wall's motion follows from the sums of its forces. */
+/* Adds up the power of belts. The power of the rest of a wall's motion follows from the sums of its forces. */
 static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdiff_t chunk, const double *fx,
                                          const double *fy, const double *fz) {
     for (int q = 0; q < x->walls; q++) {
@@ -8449,8 +8460,8 @@ static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdi
 }
 
 /* Evaluates the contacts of a chunk. A contact reads its own slot, particles and walls, which do not change meanwhile,
-   and writes its own slot; therefore any division among threads gives the same bits. Each block is summed while it is
-   in the cache. */
+   and writes only its own slot. Therefore any division among threads gives the same bits. Each block is summed while it
+   is in the cache. */
 DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law,
                                     dem__partial_step_fn *correct, int features, int32_t postpone_from) {
     const dem__run *run = &w->engine->run;
@@ -8467,7 +8478,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate,
                        features);
         if (w->engine->convex.calls) {
-            const dem__columns same = at; /* the address of `at` itself would keep clang from vectorising the law */
+            const dem__columns same = at; /* with the address of `at` itself, clang would not vectorise the law */
             dem__finish_other_rows(w, x, base, n, &same, 0.5 * h, features);
         }
         if (features & DEM_ENERGY) dem__put_wall_work(x, n, &old, &at, 0.5 * h);
@@ -8514,8 +8525,8 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
 #define DEM_KERNEL(name, law, features)                                                                                \
     DEM__KERNEL_LOOPS(name, law, features)                                                                             \
     static const dem_kernel name = {&(law), features, name##_loop};
-/* A kernel that compilers leave out where nothing calls name(), gcc at -O0 too: it keeps constants that nobody reads,
-   and what they point to, but not those in an inline function. Tables of functions are written so as well. */
+/* A kernel that compilers leave out where nothing calls name(). gcc at -O0 keeps constants that nobody reads, and what
+   they point to, but not those in an inline function. Tables of functions are written in the same way. */
 #define DEM__KERNEL_OF(name, law, features)                                                                            \
     DEM__KERNEL_LOOPS(name, law, features)                                                                             \
     static inline const dem_kernel *name(void) {                                                                       \
@@ -8553,8 +8564,8 @@ DEM_INLINE int64_t dem__other_rank(const dem_world *w, int32_t i, int32_t j) {
     return rank[i] < rank[j] ? rank[j] : rank[i];
 }
 
-/* Returns whether contact a comes before b: by the lower rank of its particles, the last first, then by the other one
-   (walls last), then by element. */
+/* Returns whether contact a comes before b. The last lower rank of the two particles comes first, then the other rank
+   counts (walls last), then the element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int32_t low_a = dem__rank_in_slot(w, a), low_b = dem__rank_in_slot(w, b);
@@ -8586,7 +8597,7 @@ static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
     }
 }
 
-/* Lists the slots of contacts that have ended: of those that the last step marked, or of all. Returns their number. */
+/* Lists the slots of contacts that have ended: those that the last step marked, or all. Returns how many. */
 static inline ptrdiff_t dem__list_ended(dem_world *w, int all) {
     dem__contacts *contacts = &w->engine->contacts;
     ptrdiff_t n = 0;
@@ -8616,8 +8627,8 @@ typedef struct dem__run_of_slots {
     ptrdiff_t first, count;
 } dem__run_of_slots;
 
-/* Moves the contacts in the listed slots, in that order, into runs of slots. This thread moves the arrays first,
-   first + parts, ... */
+/* Moves the contacts in the listed slots, in that order, into runs of slots. This thread moves the arrays first, first
+   + parts, ... */
 static inline void dem__arrange_part(dem_world *w, const dem__run_of_slots *chunk, int chunks, const dem__array *list,
                                      int arrays, int first, int parts) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -8652,7 +8663,7 @@ static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__run_of_slo
     dem__arrangement a;
     a.chunk = chunk, a.list = list, a.chunks = chunks, a.arrays = arrays;
     a.parts = dem__parts_of(
-        w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* each needs an array of scratch memory */
+        w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* each thread needs scratch memory for an array */
     dem__in_parts(w, a.parts, a.parts, dem__arrange_range, &a);
 }
 
@@ -8670,8 +8681,8 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     dem__wake(w, i);
 }
 
-/* Returns the curvature of a wall where a sphere touches it, in slot c, or touched it as the contact
-   began. */
+/* Returns the curvature of the wall where the sphere of the contact in slot c touches it, or touched it when the
+   contact began. */
 static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_wall *wall = &w->wall[-1 - contacts->j[c]];
@@ -8682,7 +8693,8 @@ static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     return touch.curvature;
 }
 
-/* Returns how much stiffer a contact of polyhedra may be than its spring and masses tell: a body turns. */
+/* Returns by what factor a contact of polyhedra may be stiffer than its spring and masses tell, because a body
+   turns. */
 DEM_INLINE double dem__rate_of(const dem_world *w, ptrdiff_t c) {
     const ptrdiff_t j = w->engine->contacts.j[c];
     const dem_convex *s = dem__shape_of(w, w->engine->contacts.i[c]), *other = j >= 0 ? dem__shape_of(w, j) : NULL;
@@ -8690,7 +8702,8 @@ DEM_INLINE double dem__rate_of(const dem_world *w, ptrdiff_t c) {
     return other && other->rate > own ? other->rate : own;
 }
 
-/* Computes the constants of the contact in slot c; shares those of a contact type that has the same. */
+/* Computes the constants of the contact in slot c. Contacts with the same sizes and materials share those of a contact
+   type. */
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
     const dem__run *run = &w->engine->run;
     dem__contacts *contacts = &w->engine->contacts;
@@ -8699,7 +8712,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     const double inertia = dem__inertia(w, i);
     int same =
-        contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more types than fit: none is searched */
+        contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* too many types: none is searched */
     memset(&b, 0, sizeof b);
     memset(&kind, 0, sizeof kind);
     b.def = &w->def;
@@ -8742,7 +8755,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     }
     contacts->type_count =
         DEM__TYPES_MAX +
-        1; /* from now on each contact has its own: to search the types would cost more than it saves */
+        1; /* from here on each contact has its own: a search would cost more than it saves */
     contacts->type[c] = -1;
     for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
     contacts->mass[c] = kind.mass;
@@ -8758,11 +8771,11 @@ DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
     return 1;
 }
 
-/* Moves the contacts that began since the last call, listed by partners, from the end of the last chunk into their
-   chunks, and lists their slots there. */
+/* Moves the contacts that began since the last call from the end of the last chunk into their chunks, and lists their
+   slots there. contacts.slots lists them, sorted by partners. */
 static inline void dem__distribute_begun(dem_world *w, const dem__array *list, int arrays) {
     dem__contacts *contacts = &w->engine->contacts;
-    dem__run_of_slots born[DEM__CHUNKS]; /* of chunks that get any */
+    dem__run_of_slots born[DEM__CHUNKS]; /* for chunks that get any */
     int32_t to[DEM__CHUNKS];
     const int last = contacts->chunk_count - 1;
     ptrdiff_t n = 0;
@@ -8773,7 +8786,7 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
         while (low < contacts->chunk[q].first_rank) q++;
         const ptrdiff_t waiting = runs > 0 && to[runs - 1] == (int32_t)q ? born[runs - 1].count : 0;
         if (q < last && contacts->chunk[q].count + waiting == contacts->chunk[q].capacity)
-            q = last; /* and so are all after it */
+            q = last; /* so do all that follow */
         if (runs == 0 || to[runs - 1] != (int32_t)q) {
             to[runs] = (int32_t)q;
             born[runs].first = contacts->chunk[q].first + contacts->chunk[q].count, born[runs++].count = 0;
@@ -8790,7 +8803,7 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
     }
 }
 
-/* Orders the listed slots of n contacts that begin: by their chunks first, of which each gets few. */
+/* Sorts the listed slots of n contacts that begin: first by chunk, because each chunk gets few. */
 static inline void dem__sort_begun(dem_world *w, ptrdiff_t n) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *chunk = w->engine->pairs.timers.list, *slot = chunk + n, start[DEM__CHUNKS + 1];
@@ -8812,7 +8825,8 @@ static inline void dem__sort_begun(dem_world *w, ptrdiff_t n) {
         start[from + 1]++;
     }
     for (int q = 0; q < chunks; q++) start[q + 1] += start[q];
-    for (ptrdiff_t k = 0; k < n; k++) contacts->slots[start[chunk[k]]++] = slot[k]; /* start: then where a chunk ends */
+    /* start: from here on the end of each chunk */
+    for (ptrdiff_t k = 0; k < n; k++) contacts->slots[start[chunk[k]]++] = slot[k];
     for (int q = 0, from = 0; q < chunks; from = start[q++]) dem__sort(w, contacts->slots + from, start[q] - from);
 }
 
@@ -8876,7 +8890,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     DEM__PREFETCH(&w->touching[i]);
     DEM__PREFETCH(&w->engine->bodies.mass_share[i]);
     DEM__PREFETCH(&w->engine->bodies.activity[i]);
-    if (p < 0 || p >= w->engine->pairs.count) return; /* its list may be gone */
+    if (p < 0 || p >= w->engine->pairs.count) return; /* the list of pairs may be gone */
     dem__prefetch_flight(w, j);
     DEM__PREFETCH(&w->touching[j]);
     DEM__PREFETCH(&w->engine->bodies.mass_share[j]);
@@ -8885,7 +8899,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     DEM__PREFETCH(&w->engine->pairs.timers.due[p]);
 }
 
-/* Ends the contact in slot c. Returns its near pair if its timer is to be set anew, otherwise -1. */
+/* Ends the contact in slot c. Returns its near pair if that needs a new timer, otherwise -1. */
 static inline int32_t dem__end_contact(dem_world *w, int32_t c, int64_t step) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const int32_t near_pair = w->engine->contacts.near[c];
@@ -8902,14 +8916,14 @@ static inline int32_t dem__end_contact(dem_world *w, int32_t c, int64_t step) {
         return w->def.skip & DEM_SKIP_PAIRS ? near_pair : -1;
     }
     dem__unlink_wall_contact(w, i, c, -1);
-    /* a screen's timer was running for its other bars, but not for this one */
+    /* a screen's timer ran for its other bars, but not for this one */
     if (!w->engine->run.needs_lists && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) &&
         dem__needs_test(w, i, -1 - (int)j))
         dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
     return -1;
 }
 
-/* Near pairs whose contacts have ended, and the step at which they are apart. */
+/* Near pairs whose contacts have ended, and the step from which they are apart. */
 typedef struct dem__parted {
     const int32_t *pair;
     int32_t *list; /* pairs and steps */
@@ -8961,13 +8975,13 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     }
 }
 
-/* Slots of contacts that have ended, listed in contacts.slots; the number of the first one of each chunk. */
+/* The listed slots of contacts that have ended; for each chunk, where its slots begin in the list. */
 typedef struct dem__gaps {
     int32_t first[DEM__CHUNKS + 1];
     dem__array list[DEM__ARRAYS_MAX];
     int arrays;
 } dem__gaps;
-/* Fills the gaps in chunks first .. end-1 with contacts from their ends. */
+/* Fills the gaps in chunks first .. end-1 with contacts from the ends of the chunks. */
 static inline void dem__fill_gaps(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem__gaps *gaps = (const dem__gaps *)context;
@@ -8992,7 +9006,7 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     ptrdiff_t next = 0, parted = 0;
     const ptrdiff_t dead = dem__list_ended(w, all);
     if (dead == 0) return;
-    int32_t *pair = w->engine->pairs.cell_of; /* free but for a rebuild */
+    int32_t *pair = w->engine->pairs.cell_of; /* used only by a rebuild */
     for (ptrdiff_t k = dem__prefetch_from(dead, DEM__AHEAD); k < dead; k++) {
         if (k + DEM__AHEAD < dead) dem__prefetch_end(w, contacts->slots[k + DEM__AHEAD]);
         if (k < 0) continue;
@@ -9012,7 +9026,8 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     }
     gaps.first[contacts->chunk_count] = (int32_t)dead;
     gaps.arrays = dem__kept_arrays(w, gaps.list);
-    /* the last chunk may hold contacts of a particle whose others are in another one: it comes afterwards */
+    /* the last chunk may hold contacts of a particle whose other contacts lie in another chunk, so it follows
+       afterwards */
     const int chunks = contacts->chunk_count - 1;
     if (chunks > 0) dem__in_parts(w, dem__parts_of(w, 8 * dead, chunks), chunks, dem__fill_gaps, &gaps);
     dem__fill_gaps(w, chunks, chunks + 1, 0, &gaps);
@@ -9889,8 +9904,8 @@ typedef struct dem__evaluation {
     int has_friction;
 } dem__evaluation;
 
-/* Adds the postponed forces on the particles of shares first .. end-1 to their sums: those of later shares, in their
-   order. */
+/* Adds the postponed forces on the particles of shares first .. end-1 to their sums. They come from later shares, in
+   their order. */
 static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__postponed *all = w->engine->contacts.postponed;
     const int has_friction = ((const dem__evaluation *)context)->has_friction, shares = w->engine->contacts.shares;
@@ -9917,8 +9932,8 @@ static inline void dem__add_postponed(dem_world *w, dem__evaluation *e) {
     dem__in_parts(w, dem__parts_of(w, n / 2, contacts->shares), contacts->shares, dem__add_postponed_range, e);
 }
 
-/* Evaluates the chunks of a share. Its thread may add to particles whose contacts are all in this share or in later
-   ones; the forces on others are postponed. */
+/* Evaluates the chunks of a share. Its thread may add forces to particles whose contacts are all in this share or in
+   later ones. It postpones the forces on others. */
 static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     ((const dem__evaluation *)context)->loop(w, first, end, part);
 }
@@ -9933,7 +9948,7 @@ static inline void dem__make_shares(dem_world *w) {
         contacts->share_from[k] = contacts->chunk[dem__part(chunks, k + 1, contacts->shares) - 1].first_rank;
 }
 
-/* Computes what the contacts present store and dissipate now, for a ledger that begins. */
+/* Computes what the present contacts store and dissipate, for a ledger that begins. */
 static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
     dem__run *run = &w->engine->run;
     run->kernel_dt = 0.0;
@@ -9943,7 +9958,7 @@ static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
     run->only_ledger = 0;
 }
 
-/* Computes the forces of all contacts and their sums. keep: keeps the wrench of each for readers. */
+/* Computes the forces of all contacts and their sums. keep: keeps the force and torque of each for readers. */
 static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int has_friction, int keep) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;
@@ -9978,7 +9993,7 @@ static inline int dem__chunks_for(ptrdiff_t n) {
     return n / DEM__OF_CHUNK < DEM__CHUNKS ? (int)(n / DEM__OF_CHUNK) : DEM__CHUNKS;
 }
 
-/* Returns whether contacts lie by rank, the last first. */
+/* Returns whether contacts lie in the order of ranks, the last rank first. */
 static inline int dem__are_in_order(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     int32_t before = INT32_MAX;
@@ -9991,7 +10006,8 @@ static inline int dem__are_in_order(const dem_world *w) {
     return in_order;
 }
 
-/* Lists the slots of contacts by rank, the last first, otherwise as they were. */
+/* Lists the slots of contacts in the order of ranks, the last rank first; contacts of the same rank keep their
+   order. */
 static inline void dem__list_by_rank(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *place = w->engine->scratch.index, sum = 0;
@@ -10025,7 +10041,7 @@ static inline void dem__cut_chunks(dem_world *w, int chunks, dem__run_of_slots *
     contacts->chunk_count = chunks;
 }
 
-/* Returns whether contacts are to be ordered anew: few always, many seldom, or when chunks have run full. */
+/* Returns whether contacts must be ordered again: a few contacts always, many seldom or when chunks are full. */
 static inline int dem__is_order_due(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int chunks = contacts->chunk_count;
@@ -10033,9 +10049,9 @@ static inline int dem__is_order_due(const dem_world *w) {
            contacts->chunk[chunks - 1].count > 2 * (contacts->count / chunks) + DEM__BLOCK;
 }
 
-/* Orders all contacts by their particles' ranks, the last first, otherwise as they were: neighbours in space are then
-   read one after the other. Many contacts are in chunks of equal size, with room to grow; then ranks are renewed, too.
-   Returns 0 when out of memory. */
+/* Orders all contacts by the ranks of their particles, the last rank first, so that neighbours in space are read one
+   after the other; contacts of the same rank keep their order. Many contacts lie in chunks of equal size, with room to
+   grow; then ranks are renewed, too. Returns 0 when out of memory. */
 static inline int dem__reorder_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t n = contacts->count;
@@ -10058,10 +10074,10 @@ static inline int dem__reorder_contacts(dem_world *w) {
 }
 
 /* ------------------------------------------------------------------------------------------- >>step/spatial_sort.h */
-/* The order of particles in memory. In a run of many contacts particles lie by rank, so that what is near in space is
-   near in memory, whatever the order in which they were added; before the run returns they lie by their numbers again.
-   Reads ranks; moves all that belongs to particles, and the numbers in contacts and lists. Promises: no result depends
-   on it, because sums have the order of contacts, and contacts that of ranks. */
+/* The order of particles in memory. In a run with many contacts particles lie by rank, so that neighbours in space are
+   neighbours in memory, whatever the order in which they were added. Before the run returns they lie by their numbers
+   again. Reads ranks; moves all arrays of particles, and renumbers contacts and lists. Promises: no result depends on
+   it, because sums follow the order of contacts, which follows ranks. */
 
 /* Copies the entries of particles first .. end-1 of an array from where they lie. */
 static inline void dem__take_entries(char *to, const char *base, size_t size, const int32_t *from, ptrdiff_t first,
@@ -10077,7 +10093,7 @@ static inline void dem__take_entries(char *to, const char *base, size_t size, co
     }
 }
 
-/* An array on its way into another order. */
+/* An array that is being reordered. */
 typedef struct dem__move {
     char *base, *scratch;
     size_t size;
@@ -10094,8 +10110,7 @@ static inline void dem__put_back_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
     memcpy(m->base + (size_t)first * m->size, m->scratch + (size_t)first * m->size, (size_t)(end - first) * m->size);
 }
 
-/* Returns whether an array of particles has nothing to move: scratch memory, lists that are made anew, loads that are
-   all 0. */
+/* Returns whether an array of particles needs no move: scratch memory, lists that are rebuilt, loads that are all 0. */
 static inline int dem__stays(const dem_world *w, const void *base) {
     const dem__bodies *bodies = &w->engine->bodies;
     return base == w->engine->scratch.index || base == w->engine->pairs.cell_of ||
@@ -10104,7 +10119,7 @@ static inline int dem__stays(const dem_world *w, const void *base) {
            (!bodies->loads_on && (base == bodies->load || base == bodies->external));
 }
 
-/* Moves all that belongs to particles: place k gets what lies at from[k]. */
+/* Reorders all arrays of particles: place k gets the entry at from[k]. */
 static inline void dem__move_entries(dem_world *w, const int32_t *from) {
     dem__array list[DEM__ARRAYS_MAX];
     dem__timers *t = &w->engine->walls.timers;
@@ -10127,7 +10142,7 @@ static inline void dem__move_entries(dem_world *w, const int32_t *from) {
     if (walls > 0 && !w->engine->run.needs_lists) dem__stop_timers(t, w->count * w->walls, w->count * w->walls);
 }
 
-/* Gives contacts and near pairs the new places of their particles; each keeps which of the two comes first. */
+/* Gives contacts and near pairs the new places of their particles. The order of the two stays. */
 static inline void dem__rename_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const int32_t *to = (const int32_t *)context;
     dem__near *near = w->engine->pairs.near;
@@ -10143,10 +10158,10 @@ static inline void dem__rename_particles(dem_world *w, int32_t *to) {
     }
     if (w->engine->run.needs_lists) return;
     dem__in_parts(w, dem__parts(w, pairs->count / 4), pairs->count, dem__rename_range, to);
-    dem__find_adjacent(w); /* there is room: the pairs are the same */
+    dem__find_adjacent(w); /* cannot fail: there are as many pairs as before */
 }
 
-/* Puts particles into another order in memory. from: pairs.cell_of, the places where they lie. */
+/* Reorders particles in memory. from: pairs.cell_of, the places where they lie. */
 static DEM__NOINLINE void dem__put_in_order(dem_world *w, const int32_t *from) {
     dem__bodies *bodies = &w->engine->bodies;
     int32_t *to = w->engine->scratch.index;
@@ -10157,7 +10172,7 @@ static DEM__NOINLINE void dem__put_in_order(dem_world *w, const int32_t *from) {
     dem__list_active(w);
 }
 
-/* Puts particles into the order of their ranks. */
+/* Sorts particles by rank. */
 static inline void dem__lie_by_rank(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     int32_t *from = w->engine->pairs.cell_of;
@@ -10167,7 +10182,7 @@ static inline void dem__lie_by_rank(dem_world *w) {
     dem__put_in_order(w, from);
 }
 
-/* Puts particles into the order of their numbers. */
+/* Sorts particles by number. */
 static inline void dem__lie_by_number(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     int32_t *from = w->engine->pairs.cell_of;
@@ -10177,8 +10192,8 @@ static inline void dem__lie_by_number(dem_world *w) {
     bodies->by_place = 0;
 }
 
-/* Returns whether only the engine reads particles in a run of this kernel, so that they may lie in any order: nobody's
-   functions are called, and every feature allows it. */
+/* Returns whether particles may lie in any order during a run of this kernel: only the engine reads them, because no
+   functions of the caller are called, and every feature allows it. */
 static inline int dem__may_lie_by_rank(const dem_world *w, const dem_kernel *kernel) {
     for (int k = 0; k < w->engine->features; k++) {
         if (!w->engine->feature[k].sorts) return 0;
@@ -10190,8 +10205,8 @@ static inline int dem__may_lie_by_rank(const dem_world *w, const dem_kernel *ker
            (size_t)w->engine->contacts.capacity * sizeof(dem__correction) >= (size_t)w->count * sizeof(dem_particle);
 }
 
-/* Returns whether particles that follow each other in the order of ranks are apart in memory so often that it pays to
-   move them, for a run of some more steps. */
+/* Returns whether neighbours by rank are so often far apart in memory that it pays to move them, for a run of `steps`
+   more steps. */
 static inline int dem__pays_to_move(const dem_world *w, int64_t steps) {
     const int32_t *by_rank = w->engine->bodies.by_rank;
     ptrdiff_t apart = 0, far = 0;
@@ -10204,7 +10219,7 @@ static inline int dem__pays_to_move(const dem_world *w, int64_t steps) {
     return 4 * far > w->count || (4 * apart > w->count && steps >= 4 * DEM__MOVE_STEPS);
 }
 
-/* Puts particles into the order of their ranks where it pays. steps: left in this run. */
+/* Sorts particles by rank if it pays. steps: left in this run. */
 static inline void dem__order_memory(dem_world *w, const dem_kernel *kernel, int64_t steps) {
     if (dem__may_lie_by_rank(w, kernel) && dem__pays_to_move(w, steps)) dem__lie_by_rank(w);
 }
@@ -10780,17 +10795,17 @@ static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse,
 }
 
 /* ---------------------------------------------------------------------------------------------- >>step/integrate.h */
-/* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies
-   and timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
+/* Motion of particles within a step, and how it changes their bounds. Reads forces, walls, the list; writes bodies and
+   timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
 
-/* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far
-   apart in memory. */
+/* Returns where prefetching ends among active particles first .. end-1. It pays only where active particles are few and
+   so lie far apart in memory. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
 }
 
 /* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out
-   those of rigid bodies; turns: a constant, 0 where spins do not change. */
+   particles of rigid bodies. turns: a constant, 0 where spins do not change. */
 DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid, int turns) {
     const int64_t step = w->step + (h > 0.0);
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
@@ -10808,7 +10823,7 @@ DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdif
         const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
         p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle);
         if (turns) p->spin = dem__sphere_spin_at(w, i, middle);
-        p->origin = w->step; /* for hooks, whose step is the present one */
+        p->origin = w->step; /* for hooks, which see the present step */
         const int inside = (p->x.x >= low.x) & (p->x.x < high.x) & (p->x.y >= low.y) & (p->x.y < high.y) &
                            (p->x.z >= low.z) & (p->x.z < high.z);
         if (!inside && w->engine->run.has_periodic) dem__wrap(w, i);
@@ -10827,12 +10842,13 @@ static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int books =
-        w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
+        w->engine->ledger.on && w->engine->run.has_periodic; /* wraps are booked in one sum, by one thread */
     dem__in_parts(w, books ? 1 : dem__parts(w, n / 2), n,    /* n / 2: little work for each particle */
                   w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range, &h);
 }
 
-/* Returns the deviation of particle i [m/s], whose velocity is known at time t of the bounds [s]. */
+/* Returns the deviation of particle i from its bound [m/s]. t: time of the bounds at which its velocity is known
+   [s]. */
 DEM_INLINE dem_vec dem__deviation(const dem_world *w, ptrdiff_t i, double t) {
     const dem__bound *c = &w->engine->bodies.bound[i];
     return dem__sub(dem__plus(w->particle[i].v, -t, dem__free_fall(w)), dem_vec3(c->ux, c->uy, c->uz));
@@ -10852,18 +10868,18 @@ DEM_INLINE int dem__within_bound(const dem_world *w, ptrdiff_t i, dem_vec d) {
            bodies->shifted[i] < w->engine->pairs.position_tolerance; /* false for NaN */
 }
 
-/* Takes the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for the
-   next step, too. */
+/* Subtracts the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for
+   the next step, too. */
 DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
     const double way = dem__most_change(dt, pull);
     p->tolerance_left__ -= way;
     return p->tolerance_left__ > 0.5 * way; /* false for NaN */
 }
 
-/* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step
-   to its end. Sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
-   scratch.index from `first` on. check: 0, or NaN if a force is not finite; deviating: length of the list; loads, turns:
-   constants, 0 where nothing has a load, and where no spin changes. */
+/* Computes new accelerations of active particles first .. end-1, moves their velocities from the middle of the step to
+   its end, and sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
+   scratch.index from `first` on. check: 0, or NaN if a force is not finite. deviating: length of the list. loads,
+   turns: constants, 0 where nothing has a load, and where no spin changes. */
 DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
                               ptrdiff_t *deviating, int loads, int turns) {
     dem__bodies *bodies = &w->engine->bodies;
@@ -10898,13 +10914,13 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         p->origin = step;
         for (int a = 0; a < (turns ? 6 : 3); a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
-        doubtful[n] = (int32_t)i; /* without a branch, which would be mispredicted */
+        doubtful[n] = (int32_t)i; /* no branch, because it would be mispredicted */
         n += !dem__surely_within(p, dt, pull);
     }
     *check = 0.0 * all;
     *deviating = n;
 }
-/* Does so without loads where there are none: whether there are any is a constant of the loop. */
+/* Calls dem__kick_all with constants, so that the loop without loads or rotation computes neither. */
 DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
                                         ptrdiff_t *deviating) {
     if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, deviating, 1, 1);
@@ -10915,7 +10931,7 @@ DEM__AVX2_CLONE(dem__kick_part,
                 (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *deviating),
                 (w, h, first, end, check, deviating), dem__kick_loaded_or_not(w, h, first, end, check, deviating))
 
-/* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews
+/* Moves those of n particles that leave their tolerances to the front of the list, and returns how many. Renews
    tolerance_left__ of the others. */
 static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
@@ -10930,8 +10946,8 @@ static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *dou
     }
     return deviating;
 }
-/* Marks n particles that move by themselves, and moves those that were not marked before to the front of the list.
-   Returns their number. */
+/* Marks n particles that are not part of a body, and moves those that were not marked before to the front of the list.
+   Returns how many. */
 static inline ptrdiff_t dem__mark_deviating(dem_world *w, int32_t *particle, ptrdiff_t n) {
     int32_t *activity = w->engine->bodies.activity;
     ptrdiff_t marked = 0;
@@ -10955,15 +10971,15 @@ static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     if (!w->engine->bodies.rigid)
         kicked->deviating[part] = dem__mark_deviating(w, w->engine->scratch.index + first, kicked->deviating[part]);
 }
-/* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them.
-   dem__kick_all finds them from sums over particles, which round differently; which bodies are checked depends on what
-   a step skips, and results must not depend on it. */
+/* Computes the accelerations of all loaded bodies without contacts in the same way as dem__check_bounds. dem__kick_all
+   computes them from sums over particles, which round differently. Which bodies are checked depends on what a step
+   skips, and results must not depend on that. */
 static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
     for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         dem__rigid *r = dem__rigid_of(w, i);
         if (!r || r->first != i || w->touching[i] > 0) continue;
-        w->engine->bodies.calls->place(w, r); /* the torque needs the arms that this sets */
+        w->engine->bodies.calls->place(w, r); /* sets the arms that the torque needs */
         w->engine->bodies.calls->fall(w, r);
     }
 }
@@ -10994,13 +11010,13 @@ static inline int dem__kick(dem_world *w, double h) {
             bodies->to_check[bodies->to_check_count++] = particle[k];
         all += kicked.check[q];
     }
-    w->engine->run.turns = dem__may_turn(w); /* what does not turn has no spin rate from now on */
+    w->engine->run.turns = dem__may_turn(w); /* without rotation no particle has a spin rate from here on */
     if (w->engine->bodies.rigid && w->engine->bodies.loads_on) dem__place_loaded_bodies(w);
     return all == 0.0;
 }
 
-/* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the
-   normal velocity of their centre of mass. New bounds rely on it. */
+/* Predicts how an impact that has just begun changes the velocities of i and j by its middle, when both have the normal
+   velocity of their common centre of mass. New bounds rely on it. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
     if (!(closing > 0.0)) return; /* the contact has ended */
     double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
@@ -11058,7 +11074,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     b->v = dem__plus(b->v, -dem__per_mass(w, j), slower);
     dem__expect_impact(w, i, j, n, -dem__dot(v, n));
 }
-/* Returns whether the contact in slot c changes nothing but two spheres whose own contacts are in chunk q. */
+/* Returns whether the contact in slot c changes only two spheres whose own contacts are in chunk q. */
 DEM_INLINE int dem__is_inner(const dem_world *w, ptrdiff_t q, int32_t c) {
     const dem__chunk *in = &w->engine->contacts.chunk[q];
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c], *rank = w->engine->bodies.rank;
@@ -11066,7 +11082,7 @@ DEM_INLINE int dem__is_inner(const dem_world *w, ptrdiff_t q, int32_t c) {
     if (j < 0 || dem__has_body(w, c) || dem__is_fixed(w, i) || dem__is_fixed(w, j)) return 0;
     return rank[i] >= in->first_rank && rank[i] < stop && rank[j] >= in->first_rank && rank[j] < stop;
 }
-/* Prefetches what the correction of the contact in slot c changes. */
+/* Prefetches what the correction of the contact in slot c writes. */
 DEM_INLINE void dem__prefetch_correction(const dem_world *w, int32_t c) {
     dem__prefetch_flight(w, w->engine->contacts.i[c]);
     if (w->engine->contacts.j[c] >= 0) dem__prefetch_flight(w, w->engine->contacts.j[c]);
@@ -11082,14 +11098,14 @@ static inline void dem__correct_inner_range(dem_world *w, ptrdiff_t first, ptrdi
         for (ptrdiff_t k = 0; k < n; k++) {
             if (!contacts->partial[slot[k]] || !dem__is_inner(w, q, slot[k])) continue;
             dem__apply_correction(w, slot[k], *(const int *)friction, 0);
-            contacts->partial[slot[k]] = 2; /* done, but for the marks */
+            contacts->partial[slot[k]] = 2; /* corrected; its particles are still to be marked */
         }
     }
 }
-/* Applies the corrections of contacts that are not within one chunk, and marks the particles of the others. */
+/* Applies the corrections of contacts between chunks, and marks the particles of the others. */
 static inline void dem__correct_others(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
-    int32_t waits[DEM__BLOCK]; /* their memory is on its way */
+    int32_t waits[DEM__BLOCK]; /* contacts whose memory is being fetched */
     int n = 0;
     for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
         for (ptrdiff_t k = 0; k < in->marked; k++) {
@@ -11104,8 +11120,8 @@ static inline void dem__correct_others(dem_world *w, int has_friction) {
     }
     for (int m = 0; m < n; m++) dem__apply_correction(w, waits[m], has_friction, 1);
 }
-/* Applies the corrections of all partial steps: where there are chunks, those within one first, so that threads share
-   them; the shifts of rigid bodies last. */
+/* Applies the corrections of all partial steps. With chunks, those within one chunk come first, so that threads share
+   them. Shifts of rigid bodies come last. */
 static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int chunks = contacts->chunk_count;
@@ -11124,7 +11140,7 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     }
 }
 
-/* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall
+/* What a thread found in its share of to_check: how many particles have new bounds, how many of these need earlier wall
    timers, and whether a flight begins. */
 typedef struct dem__checked {
     ptrdiff_t reset, earlier;
@@ -11146,7 +11162,7 @@ DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
 }
 
 /* Checks particles first .. end-1 of to_check. A particle whose velocity left its tolerance, or whose flight begins,
-   gets a new bound and is listed in scratch.index; the tolerance_left__ of the others is renewed. */
+   gets a new bound and is listed in scratch.index. The others get a new tolerance_left__. */
 static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
@@ -11161,7 +11177,7 @@ static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff
             const dem_particle *p = &w->particle[i];
             const dem_vec deviation = dem__deviation(w, i, t);
             if (w->touching[i] == 0)
-                dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
+                dem__free_acceleration(w, i); /* no contact force, whatever the law of an ended one returned */
             if (w->touching[i] == 0 || !dem__within_bound(w, i, deviation)) {
                 const double shifted = bodies->shifted[i];
                 dem__set_bound(w, i, w->step, p->x, p->v);
@@ -11180,15 +11196,15 @@ static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdif
     dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
 }
 
-/* Takes a particle whose flight has begun from the list of active ones: the last of them takes its place. */
+/* Removes a particle whose flight has begun from the list of active ones. The last of the list takes its place. */
 DEM_INLINE void dem__drop_active(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     const int32_t last = bodies->active[--bodies->active_count], at = bodies->active_at[i];
     bodies->active[at] = last, bodies->active_at[last] = at;
 }
 
-/* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out
-   of the active list. */
+/* Checks the bounds of the marked particles, and sets new bounds and timers. Particles that begin a flight leave the
+   active list. */
 static inline void dem__check_bounds(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const ptrdiff_t n = bodies->to_check_count;
@@ -11215,8 +11231,8 @@ static inline void dem__check_bounds(dem_world *w) {
 }
 
 /* ------------------------------------------------------------------------------------------------- >>step/detect.h */
-/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers.
-   Promises: every contact that begins is found; a step that cannot be finished leaves no trace. */
+/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes new contacts and timers. Promises:
+   every contact that begins is found, and a step that cannot be finished leaves no trace. */
 
 /* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
 static inline int dem__fail(dem_world *w, dem_status status) {
@@ -11240,7 +11256,7 @@ DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdif
     ptrdiff_t n;
     dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
     dem__clear_batch(waits);
-    waits->found = due; /* pairs that are found overwrite pairs that have been tested */
+    waits->found = due; /* the list of pairs found overwrites pairs that have been tested */
     for (ptrdiff_t k = dem__prefetch_from(n, 2 * DEM__AHEAD); k < n; k++) {
         const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
         if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
@@ -11257,7 +11273,7 @@ static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
     dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 0);
 }
 
-/* What tests of a group of pages have found; threads take groups in turn, because what is due lies close together. */
+/* What the tests of a group of pages have found. Threads take groups in turn, because due pairs lie close together. */
 typedef struct dem__tested {
     int32_t *found;
     ptrdiff_t touch;
@@ -11281,7 +11297,7 @@ static inline void dem__test_due_groups(dem_world *w, ptrdiff_t first, ptrdiff_t
     }
 }
 
-/* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
+/* Tests the due pairs. The number of threads follows from how many pairs were due in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__due_tests t;
@@ -11325,8 +11341,8 @@ static inline void dem__detect(dem_world *w, int64_t step) {
     for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
 }
 
-/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail
-   at the same place. */
+/* Fails if a contact begins between two different materials whose pair was never set. Later runs fail at the same place
+   until it is set. */
 static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
@@ -11338,11 +11354,11 @@ static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
         w->status = DEM_PAIR_NOT_SET;
         w->failed_id = w->id[i];
         w->failed_pair[0] = low, w->failed_pair[1] = high;
-        w->engine->run.needs_lists = 1; /* what was found must be found again */
+        w->engine->run.needs_lists = 1; /* the next run must find these contacts again */
     }
 }
 
-/* Undoes what was found in a step that cannot be finished. Returns 0. */
+/* Drops the contacts found in a step that cannot be finished. Returns 0. */
 static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     for (; contacts->begun > 0; contacts->begun--) {
@@ -11363,11 +11379,11 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
 }
 
 /* --------------------------------------------------------------------------------------------------- >>step/step.h */
-/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world
-   can be read, saved and freed. */
+/* A step, and a run of steps. Reads and writes everything through the parts below it. Promises: after a failure the
+   world can be read, saved and freed. */
 
-/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip,
-   and set none if it is 0. */
+/* Tests all pairs and walls once, even those that are skipped. Timers stay as they are: the functions called here set
+   none if def.skip is 0. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
@@ -11382,7 +11398,7 @@ static inline void dem__test_everything(dem_world *w) {
     w->def.skip = skip;
 }
 
-/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a
+/* Ends the contacts that changes by the caller have ended, and rebuilds the list of near pairs. Returns 0 after a
    failure. */
 static inline int dem__prepare_lists(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -11410,8 +11426,8 @@ static inline void dem__prepare_pairs(dem_world *w) {
     }
 }
 
-/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1
-   after a failure. */
+/* Tests everything and begins the contacts found, whose slots are then listed. Returns how many, or -1 after a
+   failure. */
 static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__test_everything(w);
@@ -11432,7 +11448,7 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     return begun;
 }
 
-/* Sets law and features of the run, and computes the constants of contacts anew if these have changed. */
+/* Sets law and features of the run. If they have changed, computes the constants of all contacts again. */
 static inline void dem__set_law(dem_world *w, const dem_law *law, int features) {
     dem__run *run = &w->engine->run;
     if (run->needs_forces || run->features != features || run->law != law) {
@@ -11444,10 +11460,11 @@ static inline void dem__set_law(dem_world *w, const dem_law *law, int features) 
     run->law = law;
 }
 
-/* Computes the forces on everything while no time passes, and so the accelerations. Returns 0 after a failure. */
+/* Computes all forces while no time passes, and from them the accelerations. Returns 0 after a failure. */
 static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdiff_t begun) {
     dem__report_begun(w, kernel->law, begun);
-    dem__advance(w, 0.0); /* before anything that may run out of memory: a world that fails there can be saved */
+    dem__advance(w, 0.0); /* before anything that may run out of memory, so that a world that fails there can be
+                             saved */
     if (!dem__reorder_contacts(w)) return 0;
     DEM__TELL(w, find_forces, (w));
     dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
@@ -11462,14 +11479,14 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     return going;
 }
 
-/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a
+/* Begins a run: lists, contacts that are already present, their forces and the accelerations. Returns 0 after a
    failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
-    run->power = features & DEM_HERTZ ? 2.5 : 2.0; /* for the first search of contacts, too */
+    run->power = features & DEM_HERTZ ? 2.5 : 2.0; /* the first search for contacts needs it, too */
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
-    run->turns = 1; /* in the first step: a run before this one may have left spin rates */
+    run->turns = 1; /* for the first step: an earlier run may have left spin rates */
     w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
     for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k].adds_loads;
     dem__prepare_pairs(w);
@@ -11505,7 +11522,7 @@ static inline void dem__count_step(dem_world *w) {
     w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
 }
 
-/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked
+/* Returns whether the energies of the particles that leave in this step are finite. Nothing checks their velocities
    later. */
 static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -11534,7 +11551,7 @@ static inline int dem__remove_leaving(dem_world *w) {
     return 1;
 }
 
-/* Advances the world by one step. keep: keeps the forces of contacts for readers. Returns 0 after a failure. */
+/* Advances the world by one step. keep: stores the forces of contacts for readers. Returns 0 after a failure. */
 static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
     const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
     const double h = w->engine->run.dt;
@@ -11567,13 +11584,13 @@ static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
     return going;
 }
 
-/* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
+/* Returns whether a kernel computes friction that this run leaves out. Its history then stays zero. */
 static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
     return (kernel->features & ~features & DEM_FRICTION) != 0;
 }
 
-/* Returns whether a law can take over the contacts present. They continue under a law whose states are as many and mean
-   the same; a history that is zero means nothing, and can be dropped or begun. */
+/* Returns whether a law can take over the present contacts. They continue under a law with as many states of the same
+   meaning. A history that is zero means nothing, and can be dropped or begun. */
 static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (contacts->count == 0) return 1;
@@ -11593,7 +11610,7 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     DEM__CHECK(w, status, check_run, (w, kernel));
     if (status != DEM_OK) return status;
     const double narrowest = dem__narrowest(w);
-    /* what has been listed fits */
+    /* spheres that have been listed fit */
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL && w->engine->run.needs_lists; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
@@ -11601,7 +11618,8 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     return DEM_OK;
 }
 
-/* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
+/* Gives contacts the arrays that law, ledger and threads need. Returns 0 when out of memory; then nothing has
+   changed. */
 static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     const int states = contacts->states, constants = contacts->constants;
@@ -11619,12 +11637,12 @@ static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int 
         return 0;
     }
     w->engine->ledger.on |= books;
-    for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not in the block */
+    for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not part of the block */
     return 1;
 }
 
-/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of
-   a dashpot 2 m/gamma. */
+/* Returns the time step over the largest stable one: 2 sqrt(m/k) for a spring, whose contact lasts pi sqrt(m/k), and 2
+   m/gamma for a dashpot. */
 static inline double dem__step_ratio(const dem_world *w, int features) {
     const dem_advice a = dem_advise(w, features, 1.0);
     const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
@@ -11633,7 +11651,7 @@ static inline double dem__step_ratio(const dem_world *w, int features) {
     return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
 }
 
-/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not
+/* Runs a kernel with some of its features. The law's prepare function leaves out friction and rolling that are not
    among them. */
 static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
     dem_world *w = world;
@@ -11645,7 +11663,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
-    w->status = DEM_OK; /* the caller may have mended any other failure */
+    w->status = DEM_OK; /* the caller may have repaired any other failure */
     if (!dem__make_work(w) || !dem__fit_contact_arrays(w, kernel->law, features)) return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     w->engine->contacts.law = dem__law_mark(kernel->law);
@@ -11664,7 +11682,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
         if (w->engine->feature[k].end_run) going = w->engine->feature[k].end_run(w, going);
     }
     w->engine->run.running = 0;
-    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
+    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* the stiffest contact that has begun */
     if (met > w->step_ratio) w->step_ratio = met;
     if (!going) return w->status;
     w->owed = owed - (double)steps * dt;
@@ -11700,8 +11718,8 @@ DEM__KERNEL_OF(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM
 DEM__KERNEL_OF(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
 DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
-    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not
-       name */
+    /* kernels with a ledger always compute friction and rolling; features that the caller did not name have constants
+       of zero */
     switch (features) {
     case DEM_LINEAR: return dem__run_kernel(world, duration, dem__kernel_linear(), features);
     case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_linear_friction(), features);
@@ -20945,18 +20963,17 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
 }
 
 /* ------------------------------------------------------------------------------------------ >>contacts/stiffness.h */
-/* Advice on the stiffness: how deep bodies get into each other at a speed, and how stiff contacts must be for it. A
-   reader. */
+/* Advice on the stiffness: how deep bodies penetrate each other at a speed, and how stiff contacts must be for it. */
 
-#define DEM__DEEP_SPHERE 0.1 /* overlap of a sphere over its radius that is deep */
+#define DEM__DEEP_SPHERE 0.1 /* overlap of a sphere, over its radius, that counts as deep */
 
-/* Returns the overlap from which on a contact of particle i is deep [m]. */
+/* Returns the overlap from which on a contact of particle i counts as deep [m]. */
 DEM_INLINE double dem__deep_overlap(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     return s ? s->radius : DEM__DEEP_SPHERE * w->particle[i].radius;
 }
 
-/* Returns the overlap at which particle i comes to rest that hits, with all of its mass, what has a material [m]. */
+/* Returns the overlap at which particle i comes to rest if its whole mass hits something of a material [m]. */
 static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int material, int features, double speed) {
     const int m = w->material[i];
     const dem_convex *s = dem__shape_of(w, i);
@@ -20965,7 +20982,7 @@ static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int materi
     memset(&b, 0, sizeof b);
     b.def = &w->def, b.features = features, b.material_i = m, b.material_j = material;
     b.pair = m < material ? &w->def.pair[m][material] : &w->def.pair[material][m];
-    const double springs = s ? (double)s->springs : 1.0; /* of which a corner has one */
+    const double springs = s ? (double)s->springs : 1.0; /* a corner has one of them */
     b.radius_i = s ? s->radius : w->particle[i].radius, b.mass = w->particle[i].mass;
     if (!(features & DEM_HERTZ)) return speed * sqrt(springs * b.mass / b.pair->stiffness);
     dem_prepare_hertz(&b, constants);
@@ -20974,8 +20991,8 @@ static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int materi
                                   speed);
 }
 
-/* Sets the advised stiffness, and how deep bodies get with the present one. A pair of bodies, whose mass is less and
-   whose roundings are more, needs no more than the one of them that needs more. */
+/* Sets the advised stiffness, and how deep bodies penetrate with the present one. A pair of bodies has less mass and
+   more rounding, so it needs no more stiffness than the more demanding of the two. */
 static inline void dem__advise_stiffness(const dem_world *w, int features, double speed, dem_advice *a) {
     int present[DEM_MATERIALS_MAX] = {0};
     a->stiffness = a->depth = 0.0;
@@ -20996,7 +21013,7 @@ static inline void dem__advise_stiffness(const dem_world *w, int features, doubl
 }
 
 /* ------------------------------------------------------------------------------------------ >>contacts/time_step.h */
-/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. */
+/* Damping ratio, restitution, duration of a contact, advice on the time step. */
 
 /* Returns half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007), in one form for any damping.
  */
@@ -21046,8 +21063,8 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
     return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
 }
 
-/* Returns the least effective mass of particle i in a contact [kg]. That of a particle of a body is less than the
-   body's mass, because the body turns. */
+/* Returns the least effective mass of particle i in a contact [kg]. For a particle of a body it is less than the body's
+   mass, because the body turns. */
 static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) return w->particle[i].mass;
@@ -21106,7 +21123,7 @@ static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice
     if (damping > 0.0 && b->mass / damping < a->dashpot) a->dashpot = b->mass / damping;
 }
 
-/* Takes the smallest step over all pairs of materials that are present, each with its smallest sphere. */
+/* The smallest step over all pairs of materials that are present, each with its smallest sphere. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed) {
     dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN, 0.0, 0.0};
     dem__present of[DEM_MATERIALS_MAX];
@@ -21141,7 +21158,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
     a.advised = a.contact / 20.0;
     if (0.5 * a.dashpot < a.advised) a.advised = 0.5 * a.dashpot;
     if ((features & DEM_HERTZ) && 0.2 * a.rayleigh < a.advised) a.advised = 0.2 * a.rayleigh;
-    if (w->engine->convex.shapes > 0) a.advised *= 0.4; /* first and last steps of their contacts are not corrected */
+    if (w->engine->convex.shapes > 0) a.advised *= 0.4; /* partial steps of their contacts are not corrected */
     return a;
 }
 #endif

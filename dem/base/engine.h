@@ -228,7 +228,7 @@ typedef struct dem__wall_state {
 } dem__wall_state;
 
 /* Near pairs and the list's life. search/skin.h chooses how long the list may last, search/neighbour_list.h builds
-   it, search/due_tests.h tests the pairs. */
+   it, step/detect.h tests the pairs. */
 typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
     dem__near *near;
@@ -250,10 +250,10 @@ typedef struct dem__pairs {
 } dem__pairs;
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by
-   partners; gaps are filled from its end; now and then all are ordered by rank, the last first. The order of slots depends
-   only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits. search/narrow_phase.h
-   and polyhedra/pairs.h begin them, contacts/kernel.h and contacts/first_and_last_step.h evaluate them,
-   contacts/contacts.h orders and ends them. */
+   partners; gaps are filled from its end; now and then all are sorted by rank, the last first. The order of slots depends
+   only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits.
+   search/narrow_phase.h and polyhedra/pairs.h begin them, contacts/kernel.h and contacts/first_and_last_step.h evaluate
+   them, contacts/contacts.h orders and ends them. */
 typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
@@ -289,7 +289,7 @@ typedef struct dem__contacts {
 } dem__contacts;
 
 /* Links, in the order in which they were made; each is in the lists of its two bodies. links/links.h adds and steps
-   them, contacts/kernel.h evaluates them, particles/detach.h cuts them. */
+   them, contacts/kernel.h evaluates them, removal/remove.h cuts them. */
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
