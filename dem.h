@@ -1823,10 +1823,11 @@ DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2
 /* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
 /* Laws of drag: pure functions of scalars. */
 
-/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], of a particle among others. For Re
-   = density porosity |slip| d/viscosity, d the diameter of the sphere of equal volume, slip the velocity of the gas
-   between the particles minus the particle's. The force is (pi/8) viscosity d (c_D Re) slip, apart from the pressure
-   gradient: finite, and right, at rest. porosity: 0 < .. <= 1. NaN outside: Re < 0, another porosity. */
+/* A law of drag. Returns the drag coefficient times the Reynolds number, c_D Re [-], for a particle among others. Re =
+   density porosity |slip| d/viscosity, where d is the diameter of the sphere of equal volume, and slip the velocity of
+   the gas between the particles minus that of the particle. Apart from the pressure gradient, the force is (pi/8)
+   viscosity d (c_D Re) slip, which is finite and right at rest, too. porosity: 0 < .. <= 1. NaN for Re < 0 or another
+   porosity. */
 typedef double (*dem_drag_fn)(double reynolds, double porosity, const dem_gas *gas);
 
 /* Returns x^power of x > 0. */
@@ -1841,43 +1842,43 @@ DEM_INLINE double dem_di_felice(double reynolds) {
     const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
     return reynolds > 0.0 ? 3.7 - 0.65 * riddle_exp(-0.5 * off * off) : 3.7;
 }
-/* Returns by what other particles raise c_D Re of a single one (Di Felice 1994): porosity^(1 - chi), where both have the
-   superficial slip, and the force counts on the slip between the particles; 1 alone. A law for single particles is
-   multiplied by it. */
+/* Returns the factor by which other particles raise c_D Re of a single one (Di Felice 1994): porosity^(1 - chi), for
+   c_D Re at the superficial slip and a force that acts on the slip between the particles; 1 alone. Multiply a law for
+   single particles by it. */
 DEM_INLINE double dem_hindrance_di_felice(double reynolds, double porosity) {
     if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
     return porosity < 1.0 ? dem__drag_power(porosity, 1.0 - dem_di_felice(reynolds)) : 1.0;
 }
 
-/* Returns c_D Re of single spheres by Schiller & Naumann 1933; beyond Re = 1000 by Newton's 0.44. */
+/* Returns c_D Re of a single sphere by Schiller & Naumann 1933; above Re = 1000 by Newton's 0.44. */
 DEM_INLINE double dem__drag_of_sphere(double reynolds) {
     if (reynolds > 1000.0) return 0.44 * reynolds;
     return reynolds > 0.0 ? 24.0 + 3.6 * dem__drag_power(reynolds, 0.687) : 24.0;
 }
 
-/* Returns c_D Re by Stokes 1851, among others by Di Felice. */
+/* Returns c_D Re by Stokes 1851; among other particles times Di Felice's factor. */
 DEM_INLINE double dem_drag_stokes(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     return 24.0 * dem_hindrance_di_felice(reynolds, porosity);
 }
 
-/* Returns c_D Re by Schiller & Naumann 1933, for spheres, beyond Re = 1000 by Newton's 0.44; among others by Di Felice.
- */
+/* Returns c_D Re of spheres by Schiller & Naumann 1933, above Re = 1000 by Newton's 0.44; among other particles times
+   Di Felice's factor. */
 DEM_INLINE double dem_drag_schiller_naumann(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     const double hindrance = dem_hindrance_di_felice(reynolds, porosity); /* NaN outside the domain */
     return dem__drag_of_sphere(reynolds) * hindrance;
 }
 
-/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among others by Di
-   Felice. */
+/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among other particles
+   times Di Felice's factor. */
 DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, double porosity, const dem_gas *gas) {
     const double alone = gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
     return alone * dem_hindrance_di_felice(reynolds, porosity);
 }
 
-/* Returns c_D Re by Gidaspow 1994, for spheres: below a porosity of 0.8 by Ergun 1952, from there on by Wen & Yu 1966.
-   It jumps there. */
+/* Returns c_D Re of spheres by Gidaspow 1994: below a porosity of 0.8 by Ergun 1952, from 0.8 on by Wen & Yu 1966. It
+   jumps there. */
 DEM_INLINE double dem_drag_gidaspow(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
@@ -1886,13 +1887,14 @@ DEM_INLINE double dem_drag_gidaspow(double reynolds, double porosity, const dem_
     return porosity < 1.0 ? alone * dem__drag_power(porosity, -2.65) : alone;
 }
 
-/* Returns c_D Re by Beetstra, van der Hoef & Kuipers 2007, eq. 16, for spheres: from lattice-Boltzmann simulations with
+/* Returns c_D Re of spheres by Beetstra, van der Hoef & Kuipers 2007, eq. 16, from lattice-Boltzmann simulations with
    porosities of 0.4 and more, Re up to 1000. */
 DEM_INLINE double dem_drag_beetstra(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
     const double solid = 1.0 - porosity, square = porosity * porosity;
-    double force = 10.0 * solid / square + square * (1.0 + 1.5 * sqrt(solid)); /* over 3 pi viscosity d (superficial) */
+    /* divided by 3 pi viscosity d (superficial slip) */
+    double force = 10.0 * solid / square + square * (1.0 + 1.5 * sqrt(solid));
     if (reynolds > 0.0) {
         const double ten = 2.302585092994045684, log_re = riddle_log(reynolds);
         const double sum = 1.0 / porosity + 3.0 * porosity * solid + 8.4 * riddle_exp(-0.343 * log_re);
@@ -1902,9 +1904,9 @@ DEM_INLINE double dem_drag_beetstra(double reynolds, double porosity, const dem_
     return 24.0 * porosity * force;
 }
 
-/* Returns c_D Re by Hill, Koch & Ladd 2001 (Koch & Hill 2001), for spheres: F0 + F3 Re/2, from lattice-Boltzmann
-   simulations with porosities of 0.36 and more, Re up to 240. Their F contains the pressure gradient's part, 1 -
-   porosity of it. In dilute gas it is only right at small Re. */
+/* Returns c_D Re of spheres by Hill, Koch & Ladd 2001 (Koch & Hill 2001): F0 + F3 Re/2, from lattice-Boltzmann
+   simulations with porosities of 0.36 and more, Re up to 240. Their F contains the part of the pressure gradient, 1 -
+   porosity of it. In dilute gas the law is right only at small Re. */
 DEM_INLINE double dem_drag_koch_hill(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
@@ -1933,7 +1935,7 @@ DEM_INLINE dem__gas_frame dem__gas_frame_at(const dem_gas *gas, double time) {
     }
     return f;
 }
-/* Returns v turned by the frame's angle, or with sign -1 turned back. */
+/* Returns v turned by the frame's angle, or turned back with sign -1. */
 DEM_INLINE dem_vec dem__turned(const dem_gas *gas, const dem__gas_frame *f, dem_vec v, double sign) {
     const double along = (1.0 - f->c) * dem__dot(gas->axis, v);
     return dem__plus(dem__plus(dem__scale(f->c, v), sign * f->s, dem__cross(gas->axis, v)), along, gas->axis);
@@ -1992,8 +1994,7 @@ DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, c
     return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
 }
 
-/* Returns the force of a gas on a particle [N]: drag, alone or among others, pressure gradient, buoyancy; 0 beyond the
-   grid. */
+/* Returns the force of a gas on a particle [N]: drag, pressure gradient, buoyancy; 0 beyond the grid. */
 DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
     const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
     const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
@@ -2036,8 +2037,8 @@ DEM_INLINE dem_vec dem__gas_curl(const dem_gas *gas, const dem__gas_cell *cell) 
     return dem_vec3(curl[0], curl[1], curl[2]);
 }
 
-/* Returns the coefficient c of the torque -c (spin - spin of the gas) on a sphere of a particle's volume [N m s]: pi
-   viscosity d^3 up to Re = density d^2 spin/viscosity = 32 (Stokes), beyond that by Dennis, Singh & Ingham 1980; 0
+/* Returns the coefficient c of the torque -c (spin - spin of the gas) on a sphere of the particle's volume [N m s]: pi
+   viscosity d^3 up to Re = density d^2 spin/viscosity = 32 (Stokes), above that by Dennis, Singh & Ingham 1980; 0
    beyond the grid. The gas turns with its frame, and with half the curl of its velocity. *spin: in, of the particle
    [rad/s]; out, relative to the gas. */
 DEM_INLINE double dem__gas_turning(const dem_force_point *at, dem_vec *spin) {
@@ -2051,12 +2052,12 @@ DEM_INLINE double dem__gas_turning(const dem_force_point *at, dem_vec *spin) {
     *spin = dem__plus(*spin, -gas->spin, gas->axis);
     if (gas->velocity) *spin = dem__plus(*spin, -0.5, dem__turned(gas, &f, dem__gas_curl(gas, &cell), 1.0));
     const double reynolds = gas->density * d * d * dem__length(*spin) / gas->viscosity;
-    const double over = (12.9 * sqrt(reynolds) + 128.4) / (64.0 * RIDDLE_PI); /* Stokes's torque */
+    const double over = (12.9 * sqrt(reynolds) + 128.4) / (64.0 * RIDDLE_PI); /* over Stokes's torque */
     return RIDDLE_PI * gas->viscosity * d * d * d * (over > 1.0 ? over : 1.0);
 }
 
-/* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or
-   one of yours. */
+/* Makes the kernel of a force field from a law of drag in a gas: DEM_GAS(name, dem_drag_schiller_naumann), or a law of
+   your own. */
 #define DEM_GAS(name, drag)                                                                                            \
     DEM_INLINE dem_vec name##_force(const dem_force_point *at) {                                                       \
         return dem_gas_force(at, (const dem_gas *)at->user, drag);                                                     \
@@ -3172,10 +3173,10 @@ DEM_API void dem_free(dem_world *world) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>energy/postings.h */
-/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its
+/* All postings to the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its
    sums, but step/step.h sets where they start. */
 
-/* Books the potential energy that a particle gains where it is put back into the periodic box [J]. */
+/* Books the potential energy that a particle gains when it wraps around the periodic box [J]. */
 DEM_INLINE void dem__book_wrap(dem_world *w, double raised) {
     if (w->engine->ledger.on) w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
 }
@@ -3183,7 +3184,7 @@ DEM_INLINE void dem__book_wrap(dem_world *w, double raised) {
 /* Books the potential energy of a particle that is added at rest [J]. */
 DEM_INLINE void dem__book_added(dem_world *w, double potential) { dem__book_wrap(w, potential); }
 
-/* Books the potential energy that a particle gains where the caller changes gravity [J]. */
+/* Books the potential energy that a particle gains when the caller changes gravity [J]. */
 DEM_INLINE void dem__book_gravity(dem_world *w, double raised) { dem__book_wrap(w, raised); }
 
 /* Books a change of a particle's kinetic energy by the caller [J]. */
@@ -3191,7 +3192,7 @@ DEM_INLINE void dem__book_motion(dem_world *w, double change) {
     if (w->engine->ledger.on) w->engine->ledger.sums.added += change;
 }
 
-/* Books the energy of a particle that is removed, and its potential part [J]. */
+/* Books the energy of a particle that is removed, and the potential part of it [J]. */
 DEM_INLINE void dem__book_removed(dem_world *w, double energy, double potential) {
     if (w->engine->ledger.on)
         w->engine->ledger.sums.removed += energy, w->engine->ledger.sums.removed_potential += potential;
@@ -3207,12 +3208,12 @@ DEM_INLINE void dem__book_field_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.field_work += work;
 }
 
-/* Books the work of moving fixed particles on others [J]. */
+/* Books the work that moving fixed particles do on others [J]. */
 DEM_INLINE void dem__book_work_of_fixed(dem_world *w, double work) { w->engine->ledger.sums.external_work += work; }
 
 /* --------------------------------------------------------------------------------------------- >>motion/rotation.h */
-/* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns the body's frame into the
-   lab's; its scalar part comes first. */
+/* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns vectors of the body's frame
+   into the lab's; its scalar part comes first. */
 
 DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
     dem_quaternion q;
@@ -3224,28 +3225,28 @@ DEM_INLINE dem_quaternion dem__opposite_turn(dem_quaternion q) {
     return dem__quaternion(q.w, dem_vec3(-q.x, -q.y, -q.z));
 }
 
-/* Returns the turn b followed by the turn a. */
+/* Returns the rotation b followed by the rotation a. */
 DEM_INLINE dem_quaternion dem__turns(dem_quaternion a, dem_quaternion b) {
     const dem_vec u = dem__vector_part(a), v = dem__vector_part(b);
     return dem__quaternion(a.w * b.w - dem__dot(u, v),
                            dem__add(dem__plus(dem__scale(a.w, v), b.w, u), dem__cross(u, v)));
 }
 
-/* Returns a vector of the body's frame in the lab's. */
+/* Transforms a vector from the body's frame to the lab's. */
 DEM_INLINE dem_vec dem__to_lab(dem_quaternion q, dem_vec v) {
     const dem_vec u = dem__vector_part(q), t = dem__scale(2.0, dem__cross(u, v));
     return dem__add(dem__plus(v, q.w, t), dem__cross(u, t));
 }
-/* Returns a vector of the lab's frame in the body's. */
+/* Transforms a vector from the lab's frame to the body's. */
 DEM_INLINE dem_vec dem__to_body(dem_quaternion q, dem_vec v) { return dem__to_lab(dem__opposite_turn(q), v); }
 
-/* Removes the error of the length by rounding, with one Newton step for the inverse of the length. */
+/* Removes the rounding error of the length by one Newton step for the inverse of the length. */
 DEM_INLINE dem_quaternion dem__kept_unit(dem_quaternion q) {
     const double f = 1.5 - 0.5 * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
     return dem__quaternion(f * q.w, dem__scale(f, dem__vector_part(q)));
 }
 
-/* Scales a quaternion of any length to 1. Returns 0 if it has no direction. */
+/* Scales a quaternion of any length to length 1. Returns 0 if it has no direction. */
 static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
     const double a = fabs(q.w) > fabs(q.x) ? fabs(q.w) : fabs(q.x), b = fabs(q.y) > fabs(q.z) ? fabs(q.y) : fabs(q.z),
                  most = a > b ? a : b;
@@ -3256,8 +3257,9 @@ static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
     return 1;
 }
 
-/* Returns the rotation from the frame of a shape's corners, its principal axes, to that in which it was given: exactly
-   none if both are one, as those of a brick. By the largest of the four numbers, whose square is 1/4 or more. */
+/* Returns the rotation from the principal axes of a shape, the frame of its corners, to the frame in which it was
+   given. It is exactly none if both agree, as for a brick. Computed from the largest of the four components, whose
+   square is 1/4 or more. */
 static inline dem_quaternion dem__turn_of_shape(const dem_convex *s) {
     const dem_vec a = s->axis[0], b = s->axis[1], c = s->axis[2]; /* columns of its matrix */
     const double four[4] = {1.0 + a.x + b.y + c.z, 1.0 + a.x - b.y - c.z, 1.0 - a.x + b.y - c.z, 1.0 - a.x - b.y + c.z};
@@ -3271,8 +3273,8 @@ static inline dem_quaternion dem__turn_of_shape(const dem_convex *s) {
     return dem__unit_turn(q, &q) ? q : none; /* a forged save may hold anything */
 }
 
-/* Directions of a body's own axes in the lab's frame: the matrix of its orientation. It costs fewer operations than a
-   quaternion where several vectors are turned. */
+/* Directions of a body's own axes in the lab's frame: the matrix of its orientation. Turning several vectors with it
+   costs fewer operations than with a quaternion. */
 typedef struct dem__axes {
     dem_vec x, y, z;
 } dem__axes;
@@ -3300,8 +3302,8 @@ DEM_INLINE dem_vec dem__momentum_of(dem_quaternion q, dem_vec moments, dem_vec s
     return dem__out_of(&a, dem_vec3(moments.x * dem__dot(a.x, spin), moments.y * dem__dot(a.y, spin),
                                     moments.z * dem__dot(a.z, spin)));
 }
-/* Returns the spin of an angular momentum, both in the lab's frame: with one moment for all axes, and what the other
-   two change. */
+/* Returns the spin that belongs to an angular momentum, both in the lab's frame: that of a sphere of the first moment,
+   corrected for the other two moments. */
 DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momentum) {
     const dem_vec z = dem__third_axis(q);
     const double first = 1.0 / moments.x;
@@ -3312,7 +3314,7 @@ DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momen
 }
 
 /* Sets the cosine, and the sine over the angle, of an angle whose square is given [rad2]. Below 0.1 rad the series is
-   as accurate, and cheaper. Of a large angle, whole turns are taken off: it is rounded by as much anyway. */
+   as accurate, and cheaper. Whole turns are subtracted from a large angle, which is rounded by as much anyway. */
 DEM_INLINE void dem__cosine_and_sine(double square, double *c, double *s) {
     if (square < 0.01) {
         *s = 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0 - square * (1.0 / 362880.0))));
@@ -3323,13 +3325,13 @@ DEM_INLINE void dem__cosine_and_sine(double square, double *c, double *s) {
                  rest = angle > 1e6 ? angle - turn * floor(angle / turn) : angle;
     *c = riddle_cos(rest), *s = riddle_sin(rest) / angle;
 }
-/* Returns a turn about an axis. half: the unit axis times half the angle [rad]. */
+/* Returns a rotation about an axis. half: the unit axis times half the angle [rad]. */
 DEM_INLINE dem_quaternion dem__turn_by(dem_vec half) {
     double c, s;
     dem__cosine_and_sine(dem__dot(half, half), &c, &s);
     return dem__quaternion(c, dem__scale(s, half));
 }
-/* Return a body that was turned about its own first or third axis. half: half the angle [rad]. */
+/* Return a body rotated about its own first or third axis. half: half the angle [rad]. */
 DEM_INLINE dem_quaternion dem__turned_about_first(dem_quaternion q, double half) {
     double c, s;
     dem__cosine_and_sine(half * half, &c, &s);
@@ -3351,9 +3353,9 @@ DEM_INLINE dem_quaternion dem__turn_top(dem_quaternion q, dem_vec momentum, doub
     return dem__turned_about_third(turned, 0.5 * t * (1.0 / k - 1.0 / i) * dem__dot(dem__third_axis(q), momentum));
 }
 
-/* Rotates a free body with three moments for a time t, to second order: as a symmetric top, and before and after for
-   half of what the first moment differs from the second (symmetric splitting of the kinetic energy; Touma & Wisdom
-   1994). Conserves angular momentum. */
+/* Rotates a free body with three different moments for a time t, to second order: as a symmetric top, and before and
+   after that by half of the effect of the difference between the first two moments (symmetric splitting of the kinetic
+   energy; Touma & Wisdom 1994). Conserves angular momentum. */
 static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     const double rest = 0.25 * t * (1.0 / moments.x - 1.0 / moments.y);
     q = dem__turned_about_first(q, rest * dem__dot(dem__first_axis(q), momentum));
@@ -3361,7 +3363,7 @@ static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum,
     return dem__turned_about_first(q, rest * dem__dot(dem__first_axis(q), momentum));
 }
 
-/* Does the same to sixth order, by nine of these (Kahan & Li 1997, s9odr6a). */
+/* Does the same to sixth order, in nine such steps (Kahan & Li 1997, s9odr6a). */
 static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     static const double part[5] = {0.39216144400731413928, 0.33259913678935943860, -0.70624617255763935981,
                                    0.08221359629355080023, 0.79854399093482996340};
@@ -3377,8 +3379,8 @@ DEM_INLINE double dem__rotation_step(dem_vec momentum, dem_vec moments) {
     return size > 0.0 ? 0.25 * smallest / size : HUGE_VAL;
 }
 
-/* Rotates a free body with three moments for a time of a few steps, in rotation steps of at most a quarter radian. A body that
-   turns by more, as only a forged save may have one, is left as it is. */
+/* Rotates a free body with three different moments for a time of a few steps, in rotation steps of at most a quarter
+   radian. A body that turns too far for it, which only a forged save can hold, is left as it is. */
 static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     const double steps = floor(fabs(t) / dem__rotation_step(momentum, moments)) + 1.0, h = t / steps;
     if (!(steps < 1e5)) return q;
@@ -3387,7 +3389,7 @@ static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, d
 }
 
 /* Rotates a free body for a time t: in closed form if the first two moments are equal, otherwise by splitting. single:
-   a step of a body under torques, to second order, as everything in such a step is. */
+   a step of a body under torques, to second order, like everything in such a step. */
 DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem_vec moments, double t, int single) {
     if (moments.x == moments.y) return dem__turn_top(q, momentum, moments.x, moments.z, t);
     return single ? dem__turn_split(q, momentum, moments, t) : dem__turn_far(q, momentum, moments, t);
@@ -3397,14 +3399,14 @@ DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem
 /* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned
    about one. Reads bodies. Promises: the same bits whenever a state is evaluated.
 
-   A rigid body (dem__rigid) has the orientation, mass and moments. The particles that touch for it (dem_particle) are
-   consecutive in the world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and
-   spin are those of their centres as parts of the body, valid at the origin step and while forces are computed. In
+   A rigid body (dem__rigid) has the orientation, mass and moments. Its particles (dem_particle) touch others; they are
+   consecutive in the world's arrays. Their mass is the body's, and their contacts count for all of them. Their x, v, a
+   and spin are those of their centres as parts of the body, valid at the origin step and while forces are computed. In
    flight use dem__at and its like, never the parabola. */
 
-/* Returns the first of two vectors: the force of a wrench. */
+/* Returns the force of a wrench, its first vector. */
 DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
-/* Returns the second one: the torque of a wrench. */
+/* Returns the torque of a wrench, its second vector. */
 DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
 
 /* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
@@ -3413,7 +3415,7 @@ DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
 }
 
 /* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same
-   for all. */
+   for all particles. */
 DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
 
 /* Returns the time since the origin step of particle i [s]. */
@@ -3448,7 +3450,7 @@ DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
     return own;
 }
 
-/* Returns the acceleration of particle i, or of its rigid body, per force on it [1/kg]; 0 if it is fixed. */
+/* Returns the acceleration of particle i, or of its rigid body, divided by the force on it [1/kg]; 0 if it is fixed. */
 DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) {
     return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
 }
@@ -3457,7 +3459,7 @@ DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, doubl
     return w->engine->bodies.calls->pose(w, r, tau);
 }
 
-/* Return the position and the velocity of a particle of a rigid body at tau after its origin step [s]. */
+/* Return position and velocity of a particle of a rigid body, tau after its origin step [s]. */
 static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
     const dem__pose p = dem__pose_at(w, r, tau);
     return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));
@@ -3467,7 +3469,7 @@ static DEM__NOINLINE dem_vec dem__piece_velocity_at(const dem_world *w, const de
     return dem__add(p.v, dem__cross(p.spin, dem__to_lab(p.turn, w->engine->bodies.offset[i])));
 }
 
-/* Returns the position of a sphere at tau after its origin step [s], on its parabola. */
+/* Returns the position of a sphere on its parabola, tau after its origin step [s]. */
 DEM_INLINE dem_vec dem__sphere_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem_particle *p = &w->particle[i];
     return dem__plus(p->x, tau, dem__plus(p->v, 0.5 * tau, p->a));
@@ -3479,7 +3481,7 @@ DEM_INLINE dem_vec dem__sphere_spin_at(const dem_world *w, ptrdiff_t i, double t
     return dem__plus(w->particle[i].spin, tau, w->spin_rate[i]);
 }
 
-/* Returns the position of any particle at tau after its origin step. */
+/* Returns the position of any particle, tau after its origin step [s]. */
 DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_at(w, r, i, tau) : dem__sphere_at(w, i, tau);
@@ -3488,7 +3490,7 @@ DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau)
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_velocity_at(w, r, i, tau) : dem__sphere_velocity_at(w, i, tau);
 }
-/* Return the position and the velocity of the centre of particle i, or of its rigid body, on its parabola. */
+/* Return position and velocity of the centre of particle i, or of its rigid body, on its parabola. */
 DEM_INLINE dem_vec dem__centre_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)) : dem__sphere_at(w, i, tau);
@@ -3502,8 +3504,8 @@ DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? r->a : w->particle[i].a;
 }
-/* Returns what velocities on the parabola lack [m/s]: in a force field the parabola has the right places at both ends of
-   a flight, but not the right velocities. */
+/* Returns by how much a velocity on the parabola is too small [m/s]. In a force field a parabola has the right
+   positions at both ends of a flight, but not the right velocities. */
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
     dem_vec error = dem_vec3(0.0, 0.0, 0.0);
     for (int k = 0; k < w->engine->features; k++) {
@@ -3522,10 +3524,10 @@ DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
 }
 
 /* ------------------------------------------------------------------------------------------------ >>motion/state.h */
-/* The state of what moves: its origin, energies and accelerations. A particle moves by itself, with its rigid body, or
-   not at all where it is fixed; every question which of these it does is asked in this folder. */
+/* The state of what moves: its origin, energies and accelerations. A particle moves by itself, with its rigid body, or,
+   where it is fixed, not at all. Only this folder asks which of these applies. */
 
-/* Makes the present step the origin of particle i: the state of its parabola becomes the stored one. */
+/* Makes the present step the origin of particle i: it stores the present state of its parabola. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
@@ -3548,7 +3550,7 @@ DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
     p->x = x;
 }
 
-/* Returns the number of rigid bodies present: the array keeps those that are gone until lists are built anew. */
+/* Returns the number of rigid bodies present. The array keeps removed bodies until lists are rebuilt. */
 static inline ptrdiff_t dem__bodies_present(const dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     ptrdiff_t present = 0;
@@ -3596,8 +3598,8 @@ DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     return -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__at(w, i, dem__now(w, i)));
 }
 
-/* Makes the present step the origin where a caller changes particle i between runs. In a force field it takes the most
-   accurate velocity that is known. */
+/* Makes the present step the origin of particle i, which the caller changes between runs. In a force field it gets the
+   most accurate velocity that is known. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     const dem_vec error = dem__velocity_error(w, i, dem__now(w, i));
     dem__set_origin(w, i);
@@ -3623,23 +3625,23 @@ static inline dem__pieces dem__all_particles(const dem_world *w) {
     return all;
 }
 
-/* Begin and end a change of how some particles move, by the caller. */
+/* Begin and end a change by the caller of how some particles move. */
 static inline void dem__begin_change(dem_world *w, dem__pieces of) { DEM__TELL(w, begin_change, (w, of)); }
 static inline void dem__end_change(dem_world *w, dem__pieces of) { DEM__TELL(w, end_change, (w, of)); }
 
-/* Sets what turns forces on particle i into accelerations. */
+/* Sets the factors that turn forces on particle i into accelerations. */
 static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
     dem__sum *sum = &w->engine->bodies.sum[i];
     sum->per_mass = dem__per_mass(w, i);
     sum->per_inertia = 2.5 * sum->per_mass / (w->particle[i].radius * w->particle[i].radius);
 }
 
-/* Sets the share of its mass that a particle has in each of its contacts. */
+/* Sets the share of a particle's mass in each of its contacts. */
 DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
     w->engine->bodies.mass_share[i] = w->touching[i] > 1 && !dem__is_fixed(w, i) ? 1.0 / (double)w->touching[i] : 1.0;
 }
 
-/* Sets the acceleration of particle i without contacts. */
+/* Sets the acceleration that particle i has without contacts. */
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
@@ -3664,12 +3666,12 @@ DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
 /* Returns whether particle i, or any particle of its rigid body, has a load or is fixed. */
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
     const dem__pieces own = dem__pieces_of(w, i);
-    int loaded = dem__is_fixed(w, i); /* does not fall */
+    int loaded = dem__is_fixed(w, i); /* a fixed particle does not fall */
     for (ptrdiff_t k = own.first; k < own.end; k++) loaded |= dem__has_load(w, k);
     return loaded;
 }
 
-/* Makes particle i take steps from now on. */
+/* Makes particle i take steps from here on. */
 DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     if (bodies->activity[i]) return;
@@ -3677,7 +3679,7 @@ DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
     bodies->active_at[i] = (int32_t)bodies->active_count;
     bodies->active[bodies->active_count++] = (int32_t)i;
 }
-/* Makes particle i, or all particles of its rigid body, take steps from now on. */
+/* Makes particle i, or all particles of its rigid body, take steps from here on. */
 DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
     const dem__pieces own = dem__pieces_of(w, i);
     for (ptrdiff_t k = own.first; k < own.end; k++) dem__wake_one(w, k);
@@ -3792,7 +3794,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a];
         if (!fixed) *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
-        load[a] = load[a] == external[a] ? wanted[a] : load[a] + change; /* links add to it */
+        load[a] = load[a] == external[a] ? wanted[a] : load[a] + change; /* links add their own */
         external[a] = wanted[a];
     }
     if (r) w->engine->bodies.calls->place(w, r);
@@ -3817,7 +3819,7 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     r->turn = dem__turns(q, dem__given_frame(w, i, r));
     w->engine->bodies.calls->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
-    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
+    if (!w->touching[i]) dem__free_acceleration(w, i); /* the arms of loads and links have changed */
     dem__end_change(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
@@ -5523,7 +5525,7 @@ DEM_INLINE double dem__sphere_mass(const dem_world *w, int material, double radi
     return RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
 }
 
-/* Returns whether a diameter gives a mass and an inertia that are numbers. */
+/* Returns whether a diameter gives a finite mass and inertia. */
 static inline int dem__is_size(const dem_world *w, int material, double d) {
     return dem__positive(d) && dem__positive(dem__sphere_mass(w, material, 0.5 * d) * d * d);
 }
@@ -5554,7 +5556,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     w->particle[i].origin = w->step;
     w->id[i] = bodies->next_id++;
     bodies->number[i] = (int32_t)(i - bodies->dropped);
-    bodies->rank[i] = bodies->by_rank[i] = (int32_t)i; /* the last one */
+    bodies->rank[i] = bodies->by_rank[i] = (int32_t)i; /* it gets the last rank */
     w->material[i] = material;
     w->group[i] = group;
     w->alive[i] = 1;
@@ -5806,15 +5808,15 @@ DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t
 }
 
 /* --------------------------------------------------------------------------------------------- >>particles/exits.h */
-/* The records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises:
-   the order of records does not depend on the order of tests. */
+/* Records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises: the
+   order of records does not depend on the order of tests. */
 
 /* Returns the diameter of a sphere with a body's mass and the material of its first particle [m]. */
 static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {
     return riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density);
 }
 
-/* Records a particle, or its rigid body, that passes an exit in this step, and marks it to leave at the end of the
+/* Records a particle, or its rigid body, that passes an exit in this step, and marks it for removal at the end of the
    step. */
 static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem__run *run = &w->engine->run;
@@ -5826,8 +5828,8 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
         const dem__pose p = dem__pose_at(w, r, tau);
         i = r->first, x = p.x, v = p.v;
     }
-    if (w->alive[i] < 0) { /* it passed another exit in this step: the one with the smaller index counts, whatever the
-                              order of tests */
+    if (w->alive[i] < 0) { /* it passed another exit in this step: the smaller index counts, whatever the order of
+                              tests */
         ptrdiff_t k = w->passed_count - 1;
         while (w->passed[k].id != w->id[i]) k--;
         if (wall < w->passed[k].exit) w->passed[k].exit = wall;
@@ -5845,7 +5847,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
         w->passed = fresh;
         bodies->passed_capacity = larger;
     }
-    /* in the order of ids, whatever the order of tests in this step */
+    /* sorted by id, whatever the order of tests in this step */
     double time = run->start_time + (double)(w->step + 1 - run->start_step) * run->dt;
     ptrdiff_t at = w->passed_count++;
     w->passed_total++;
@@ -5860,7 +5862,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     p->group = w->group[i];
     p->exit = wall;
     const dem__pieces own = dem__pieces_of(w, i);
-    for (ptrdiff_t k = own.first; k < own.end; k++) w->alive[k] = DEM_LEAVING; /* at the end of the step */
+    for (ptrdiff_t k = own.first; k < own.end; k++) w->alive[k] = DEM_LEAVING; /* removed at the end of the step */
     run->leaving = 1;
 }
 
@@ -6162,18 +6164,18 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>particles/ranks.h */
-/* Ranks: the order of particles by place, in which their contacts lie in memory, so that what is computed together is
-   near together, and threads share few particles. Reads positions; writes ranks. Particles keep their numbers. Promises:
-   the order of the particles present depends only on the history of the scene. */
+/* Ranks: the order of particles in space. Contacts lie in memory in this order, so that what is computed together lies
+   close together, and threads share few particles. Reads positions; writes ranks. Particles keep their numbers.
+   Promises: the order of the particles present depends only on the history of the scene. */
 
-/* Returns the lower rank of the particles of a contact, by which contacts are ordered. */
+/* Returns the lower of the ranks of a contact's particles, by which contacts are sorted. */
 DEM_INLINE int32_t dem__lower_rank(const dem_world *w, int32_t i, int32_t j) {
     const int32_t *rank = w->engine->bodies.rank;
     return j < 0 || rank[i] < rank[j] ? rank[i] : rank[j];
 }
 
-/* Returns the place of a cell on Hilbert's curve through 1024 x 1024 x 1024 cells (Skilling 2004): cells that follow each
-   other on it are neighbours. */
+/* Returns the position of a cell on Hilbert's curve through 1024 x 1024 x 1024 cells (Skilling 2004). Successive cells
+   on the curve are neighbours. */
 static inline uint32_t dem__curve_place(uint32_t x, uint32_t y, uint32_t z) {
     uint32_t at[3] = {x, y, z}, flip = 0, place = 0;
     for (uint32_t bit = 512; bit > 1; bit >>= 1) {
@@ -6193,14 +6195,14 @@ static inline uint32_t dem__curve_place(uint32_t x, uint32_t y, uint32_t z) {
     return place;
 }
 
-/* The cube in which most particles lie: its lower corner [m], and cells a metre. */
+/* The cube in which most particles lie: its lower corner [m], and cells per metre. */
 typedef struct dem__curve_box {
     dem_vec low;
     double per_metre;
 } dem__curve_box;
 
-/* Lays the cube over four standard deviations each way from the mean, within the particles' range: the few outside go
-   into the cells at the border. */
+/* Makes the cube span four standard deviations each way from the mean, within the particles' range. The few particles
+   outside go into the cells at the border. */
 static inline dem__curve_box dem__curve_of(const dem_world *w, const int32_t *by_number) {
     double low[3], high[3], sum[3] = {0.0, 0.0, 0.0}, square[3] = {0.0, 0.0, 0.0}, n = 0.0, longest = 0.0;
     dem__curve_box box;
@@ -6228,13 +6230,13 @@ static inline dem__curve_box dem__curve_of(const dem_world *w, const int32_t *by
     return box;
 }
 
-/* Returns the cell of a coordinate; of no number the first one. */
+/* Returns the cell of a coordinate; the first cell for NaN. */
 DEM_INLINE uint32_t dem__curve_cell(double x, double low, double per_metre) {
     const double at = (x - low) * per_metre;
     return at > 0.0 ? (at < 1023.0 ? (uint32_t)at : 1023u) : 0u;
 }
 
-/* Sets the places of particles first .. end-1 on the curve, in pairs.cell_of: free but for a rebuild. */
+/* Writes the positions of particles first .. end-1 on the curve to pairs.cell_of, which only a rebuild uses. */
 static inline void dem__place_on_curve(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__curve_box *box = (const dem__curve_box *)context;
     (void)part;
@@ -6246,8 +6248,8 @@ static inline void dem__place_on_curve(dem_world *w, ptrdiff_t first, ptrdiff_t 
     }
 }
 
-/* Sorts particles by ten bits of their place, from bit `shift` on; those with the same bits stay as they are. from:
-   NULL for the order of numbers. */
+/* Sorts particles by ten bits of their position on the curve, from bit `shift` on. Those with the same bits keep their
+   order. from: NULL for the order of numbers. */
 static inline void dem__sort_by_place(const int32_t *place, int shift, ptrdiff_t n, const int32_t *from, int32_t *to) {
     int32_t start[1024];
     memset(start, 0, sizeof start);
@@ -6273,7 +6275,8 @@ static DEM__NOINLINE void dem__renew_ranks(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const int32_t *place = w->engine->pairs.cell_of;
     int32_t *other = w->engine->scratch.index;
-    const int32_t *by_number = bodies->by_place ? other : NULL; /* sums, and particles of one cell, follow numbers */
+    /* sums, and particles of one cell, follow the order of numbers */
+    const int32_t *by_number = bodies->by_place ? other : NULL;
     for (ptrdiff_t i = 0; i < w->count && by_number; i++) other[bodies->given[i]] = (int32_t)i;
     dem__curve_box box = dem__curve_of(w, by_number);
     dem__in_parts(w, dem__parts(w, 4 * w->count), w->count, dem__place_on_curve, &box);
@@ -6284,9 +6287,9 @@ static DEM__NOINLINE void dem__renew_ranks(dem_world *w) {
 }
 
 /* -------------------------------------------------------------------------------------------- >>particles/active.h */
-/* Lists of active particles, and arrays without the particles that are gone. */
+/* Lists of active particles, and removal of dropped particles from the arrays. */
 
-/* Lets particles fly that nothing touches or loads any more, after changes by the caller. */
+/* After changes by the caller, begins flights of particles that nothing touches or loads. */
 static inline void dem__release_unloaded(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t i = 0; i < w->count && bodies->loads_on; i++) {
@@ -6311,7 +6314,7 @@ static inline void dem__list_active(dem_world *w) {
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__wall_state *walls = &w->engine->walls;
     dem__timers *t = &walls->timers;
-    if (w->engine->run.needs_lists) return; /* they are built anew */
+    if (w->engine->run.needs_lists) return; /* they are rebuilt */
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls && w->engine->scratch.index[i] >= 0; k++) {
             t->due[w->engine->scratch.index[i] * w->walls + k] = t->due[i * w->walls + k];
@@ -6327,7 +6330,8 @@ DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, p
     }
 }
 
-/* Closes the gaps in the order of particles, and in the ranks where chunks begin: before the arrays are moved. */
+/* Closes the gaps in the order of particles, and in the ranks at which chunks begin. Called before the arrays are
+   moved. */
 static inline void dem__close_ranks(dem_world *w, const int32_t *remap) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *by_rank = w->engine->bodies.by_rank, left = 0;
@@ -6339,7 +6343,7 @@ static inline void dem__close_ranks(dem_world *w, const int32_t *remap) {
     for (; q >= 0; q--) contacts->chunk[q].first_rank = left;
 }
 
-/* Removes dropped particles from the arrays; the others keep their order. */
+/* Removes dropped particles from the arrays. The others keep their order. */
 static inline void dem__compact(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->bodies.dropped) return;
@@ -10474,9 +10478,10 @@ static inline void dem__hash_bodies(uint64_t *hash, const dem_world *w, int32_t 
 }
 
 /* ----------------------------------------------------------------------------------------------- >>ledger/losses.h */
-/* What the ledger books of contacts: energy that they store and dissipate, work of walls, loads and fixed particles. */
+/* What the ledger books for contacts: energy that they store and dissipate, work of walls, loads and fixed
+   particles. */
 
-/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it;
+/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it,
    otherwise as sliding loss, because its tangential spring is released. */
 static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
@@ -10487,7 +10492,7 @@ static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     else sums->sliding_loss += w->engine->contacts.elastic[c];
 }
 
-/* Returns the energy stored in all contacts [J]; 0 while no ledger is kept. */
+/* Returns the energy stored in all contacts [J]; 0 without a ledger. */
 static inline double dem__stored_energy(const dem_world *w) {
     double sum = 0.0;
     if (!w->engine->ledger.counts) return sum;
@@ -10495,7 +10500,7 @@ static inline double dem__stored_energy(const dem_world *w) {
     return sum;
 }
 
-/* Books the work of fixed particle i by its motion in a step, by the trapezoidal rule. */
+/* Books the work that fixed particle i does by its motion in a step, by the trapezoidal rule. */
 static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
@@ -10530,7 +10535,7 @@ static inline void dem__book_losses(dem_world *w) {
 }
 
 /* ----------------------------------------------------------------------------------------------- >>ledger/ledger.h */
-/* The energy ledger as a feature of a world: when it begins, pauses and goes on, its balance, and what a save keeps. */
+/* The energy ledger as a feature of a world: when it begins, pauses and resumes, its balance, and what a save keeps. */
 
 /* Returns the remainder of the energy balance [J]. */
 static inline double dem__ledger_error(const dem_energy_ledger *l) {
@@ -10571,8 +10576,8 @@ static inline int dem__list_contact_arrays_of_ledger(dem_world *w, dem__array *l
     return n;
 }
 
-/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
-   either. */
+/* Begins, pauses or resumes the ledger. Changes during a pause enter no sum. The start is shifted by them, so that they
+   count as no error either. */
 static inline void dem__switch_ledger(dem_world *w, const dem_kernel *kernel) {
     dem__ledger *ledger = &w->engine->ledger;
     const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
@@ -10583,26 +10588,26 @@ static inline void dem__switch_ledger(dem_world *w, const dem_kernel *kernel) {
     if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
 }
 
-/* Opens the books at the first run with a ledger. */
+/* Starts the ledger in the first run that keeps one. */
 static inline void dem__open_ledger(dem_world *w) {
     dem__ledger *ledger = &w->engine->ledger;
     if (!ledger->counts || ledger->started) return;
     ledger->started = 1;
-    memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
+    memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked something */
     DEM__TELL(w, begin_ledger, (w));
     const dem_energy_ledger now = dem_energy(w);
     ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
     ledger->sums.start_potential = now.potential;
 }
 
-/* Book the energy that contacts store by changes of the caller between runs: new contacts, changed constants. */
+/* Book the energy that contacts gain or lose by changes of the caller between runs: new contacts, other constants. */
 static inline void dem__note_stored(dem_world *w) { w->engine->ledger.stored_before = dem__stored_energy(w); }
 static inline void dem__book_stored(dem_world *w) {
     dem__ledger *ledger = &w->engine->ledger;
     if (ledger->started) ledger->sums.added += dem__stored_energy(w) - ledger->stored_before;
 }
 
-/* Contacts that begin have stored nothing. Books are sums in the order of memory, whenever lists were built. */
+/* Contacts that begin have stored nothing. Sums are taken in the order of memory, whenever lists were built. */
 static inline void dem__begin_contact_ledger(dem_world *w, ptrdiff_t begun) {
     dem__contacts *contacts = &w->engine->contacts;
     for (ptrdiff_t k = 0; k < begun; k++) {
@@ -10673,8 +10678,8 @@ static inline dem__feature dem__feature_ledger(void) {
 }
 
 /* ------------------------------------------------------------------------------------------------ >>motion/fixed.h */
-/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
-   every part that turns forces into motion calls dem__is_fixed(). */
+/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Every part that turns forces into
+   motion calls dem__is_fixed(). */
 
 static inline int dem__list_arrays_of_fixed(dem_world *w, dem__array *list) {
     list->address = &w->engine->bodies.fixed, list->size = sizeof *w->engine->bodies.fixed;
@@ -10748,7 +10753,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem__book_added(w, dem__potential(w, i));
     dem__book_motion(w, dem__motion_energy(w, i));
     dem__end_change(w, own);
-    dem__wake(w, i); /* it takes steps, as a particle with a load does */
+    dem__wake(w, i); /* it takes steps, like a particle with a load */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -10785,8 +10790,7 @@ DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, 
     for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
 }
 
-/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle
-   moves. */
+/* Records the impulse of a partial step on a fixed particle, and its work if the particle moves. */
 static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
     const dem_particle *p = &w->particle[i];
     w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
@@ -12108,7 +12112,7 @@ static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, i
 }
 
 /* --------------------------------------------------------------------------------------------- >>measure/getters.h */
-/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. */
+/* Getters: present states, energy, contacts and links, apertures of a screen. They read a const world. */
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
@@ -12188,8 +12192,8 @@ static inline void dem__get_place(const dem_world *w, ptrdiff_t slot, dem_contac
     info->couple = dem__sub(dem_vec3(torque[0][slot], torque[1][slot], torque[2][slot]), dem__cross(arm, info->force));
 }
 
-/* Finds normal and point of the contact in a slot, or of a link (slot -1): from the present positions, but for
-   polyhedra. */
+/* Finds normal and point of the contact in a slot, or of a link (slot -1), from the present positions; polyhedra keep
+   theirs. */
 static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
     const dem_vec x = dem_position(w, info->i);
     const double radius = w->particle[info->i].radius;
@@ -12231,7 +12235,7 @@ DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *
     for (int a = 0; a < world->engine->contacts.states; a++)
         world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
     if (!dem__is_running(world))
-        world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
+        world->engine->run.needs_forces = 1; /* the next run computes them, and books what the states store */
 }
 
 DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
@@ -12266,7 +12270,7 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
         const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
         const dem_vec up = s->axis[2];
         for (int a = 0; a < n;
-             a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
+             a++) { /* a particle is wedged if the line between two contacts lies within both friction cones */
             for (int b = a + 1; b < n; b++) {
                 const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
                 const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)),
@@ -12283,9 +12287,9 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
 }
 
 /* -------------------------------------------------------------------------------------------------- >>links/list.h */
-/* The links of each particle, in lists: a link is in those of both of its bodies. */
+/* The links of each particle, in lists. A link is in the lists of both of its bodies. */
 
-/* Lists the arrays of links. Returns their number. */
+/* Lists the arrays of links. Returns how many. */
 static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     dem__links *links = &w->engine->links;
     int n = 0;
@@ -12305,7 +12309,7 @@ DEM_INLINE int32_t dem__next_link(const dem_world *w, int32_t k, ptrdiff_t i) {
     return links->i[k] == i ? links->next_i[k] : links->next_j[k];
 }
 
-/* Returns the link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
+/* Returns the link of particle i with body j (a wall: -1 - index) at one of its elements, or -1. */
 static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
     const dem__links *links = &w->engine->links;
     int32_t k = links->first_link[i];
@@ -12349,14 +12353,14 @@ static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t 
     *at = replacement >= 0 ? replacement : dem__next_link(w, k, i);
 }
 
-/* Returns the highest slot of a particle's links. The order of its list depends on the history of the scene. */
+/* Returns the highest slot of a particle's links, because the order of its list depends on the history of the scene. */
 static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
     int32_t last = -1;
     for (int32_t k = w->engine->links.first_link[i]; k >= 0; k = dem__next_link(w, k, i)) last = k > last ? k : last;
     return last;
 }
 
-/* Ends link k; the last link takes its slot. Its force acts until links are evaluated next. */
+/* Ends link k; the last link takes its slot. Its force acts until links are evaluated again. */
 static inline void dem__cut_link(dem_world *w, int32_t k) {
     const int32_t i = w->engine->links.i[k], j = w->engine->links.j[k], last = (int32_t)w->engine->links.count - 1;
     dem__report_end(w, w->engine->links.law, k);
@@ -12433,7 +12437,7 @@ DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     }
 }
 
-/* Gathers the block of n links from base on, and prefetches those after it. */
+/* Gathers the block of n links from base on, and prefetches the next block. */
 DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t base, int n, ptrdiff_t end) {
     const dem__links *links = &w->engine->links;
     x->walls = 0;
@@ -12478,7 +12482,7 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
     static const dem_link_kernel name = {&(law), name##_loop};
 
 /* -------------------------------------------------------------------------------------------------- >>links/work.h */
-/* The work of links on particles, which the energy ledger books: their forces are constant between two evaluations. */
+/* The work of links on particles, which the energy ledger books. Their forces are constant between two evaluations. */
 
 /* Returns the number of steps between two evaluations of the links, also for a loaded world without their law. */
 DEM_INLINE int dem__steps_of_links(const dem_world *w) {
@@ -12491,7 +12495,7 @@ DEM_INLINE double dem__since_evaluated(const dem_world *w) {
     return w->engine->run.dt * (double)(w->step - w->engine->links.evaluated_step);
 }
 
-/* Returns the work of the link forces on particle i, which is at x and has a spin, since they were evaluated [J]. */
+/* Returns the work of the link forces on particle i, which is at x and has a spin, since the last evaluation [J]. */
 DEM_INLINE double dem__link_work_until(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem__links *links = &w->engine->links;
@@ -12507,8 +12511,8 @@ static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     return dem__link_work_until(w, i, dem__at(w, i, tau), dem__spin_at(w, i, tau));
 }
 
-/* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from
-   which counting resumes is the one that a particle would have had at the last evaluation. */
+/* Stop and resume counting the work of links on some particles, while a caller changes how they move. Counting resumes
+   from the spin that a particle would have had at the last evaluation. */
 static inline void dem__stop_link_work(dem_world *w, dem__pieces of) {
     for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) dem__book_link_work(w, dem__link_work(w, k));
 }
@@ -12524,8 +12528,7 @@ static inline void dem__resume_link_work(dem_world *w, dem__pieces of) {
     }
 }
 
-/* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been
-   with it. */
+/* Sets the number of steps between two evaluations of the links, and from it the step of the last evaluation. */
 static inline void dem__set_link_steps(dem_world *w) {
     dem__links *links = &w->engine->links;
     if (!links->on) return;
@@ -12616,9 +12619,8 @@ static inline void dem__hash_links(uint64_t *hash, const dem_world *w) {
 }
 
 /* ------------------------------------------------------------------------------------------------- >>links/links.h */
-/* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of
-   links; writes links, the loads and velocities of bodies. dem_set_links adds the feature to a
-   world. */
+/* Links: setting their law, adding one, and their own step. Reads bodies and the law of links; writes links, and the
+   loads and velocities of bodies. dem_set_links adds the feature to a world. */
 
 /* Runs the links' loop on blocks first .. end - 1. */
 static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -12631,13 +12633,14 @@ static inline void dem__evaluate_links(dem_world *w) {
     dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
 }
 
-/* Returns whether particle i has links, or its load contains forces of links. */
+/* Returns whether particle i has links, or its load still contains forces of links. */
 DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
     return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
 }
 
 /* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque
-   is that of the place where it was computed; for a body that takes steps, both are taken at the present place. */
+   belongs to the position where it was computed. For a body that takes steps, both torques are taken at the present
+   position. */
 static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
     const dem__bodies *bodies = &w->engine->bodies;
     dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
@@ -12660,8 +12663,8 @@ static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double hal
     dem__place_pieces(w, r);
 }
 
-/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from
-   their present forces. */
+/* Estimates from the present forces how far links change the velocity of particle i of a rigid body until they are
+   evaluated again [m/s]. */
 static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
     const dem_vec m = r->moments;
     const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
@@ -12671,8 +12674,8 @@ static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *
            (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
 }
 
-/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present
-   forces. */
+/* Estimates from the present forces how far links change the velocity of particle i until they are evaluated again
+   [m/s]. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) return dem__body_link_drift(w, r, i);
@@ -12686,8 +12689,8 @@ DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
     return 0.5 * p->mass * dem__dot(p->v, p->v) + 0.5 * dem__inertia(w, i) * dem__dot(p->spin, p->spin);
 }
 
-/* Makes the present step the origin of a linked particle, books the work of its links until now, and moves its load to
-   the sums. */
+/* Makes the present step the origin of a linked particle, books the work of its links so far, and moves its load to the
+   sums. */
 static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
@@ -12704,8 +12707,8 @@ static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     memcpy(bodies->load[i], bodies->external[i], sizeof bodies->load[i]);
 }
 
-/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at
-   its first linked particle. */
+/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked when
+   its first linked particle is. */
 static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem__sum *sum = &w->engine->bodies.sum[i];
     const double *load = w->engine->bodies.load[i];
@@ -12741,8 +12744,8 @@ static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
     }
 }
 
-/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each
-   evaluation corrects the velocities to the mean of the old force and the new one. */
+/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations. Each
+   evaluation corrects the velocities to the mean of the old and the new force. */
 static inline void dem__step_links(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -12802,7 +12805,8 @@ static inline void dem__add_unlinked(dem_world *w, ptrdiff_t i) {
     w->engine->links.is_loaded[i] = 0;
 }
 
-/* Ends the links of a particle that leaves, from the highest slot on: the order of its list depends on the history. */
+/* Ends the links of a particle that leaves, from the highest slot down, because the order of its list depends on the
+   history. */
 static inline void dem__cut_links_of(dem_world *w, ptrdiff_t i) {
     dem__book_link_work(w, dem__link_work(w, i));
     while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
@@ -12817,7 +12821,7 @@ static inline void dem__renumber_links(dem_world *w, const int32_t *number) {
     }
 }
 
-/* Links without a law: after loading dem_set_links comes first. */
+/* Refuses a run with links that have no law: after loading, dem_set_links must come first. */
 static inline dem_status dem__check_links(const dem_world *w, const dem_kernel *kernel) {
     (void)kernel;
     return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK;
@@ -12825,7 +12829,7 @@ static inline dem_status dem__check_links(const dem_world *w, const dem_kernel *
 
 static inline void dem__begin_link_ledger(dem_world *w) { dem__resume_link_work(w, dem__all_particles(w)); }
 
-/* Finds the links of each particle for a new list, whose skin must be far larger than their reach. */
+/* Finds the links of each particle for a new list. Its skin must be far larger than the reach of links. */
 static inline dem_status dem__relist_links(dem_world *w) {
     const dem__links *links = &w->engine->links;
     if (!(links->near <= 0.01 * w->engine->pairs.skin) && links->count > 0) return DEM_BAD_DEFINITION;
@@ -12893,15 +12897,15 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
         if (status != DEM_OK) return status;
         for (ptrdiff_t i = 0; i < w->count; i++) dem__add_unlinked(w, i);
     }
-    dem__pieces others = dem__all_particles(w); /* whose work is counted with another interval from now on */
-    if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
+    dem__pieces others = dem__all_particles(w); /* from here on their work is counted with another interval */
+    if (links->on && links->interval == interval) others.end = others.first; /* a loaded world gets its law again */
     links->on = 1;
     links->law = law, links->mark = dem__law_mark(law);
     links->loop = kernel->loop;
     links->interval = interval;
     if (links->near != near) w->engine->run.needs_lists = 1;
     links->near = w->engine->pairs.touch_gap = near;
-    if (law->states != links->states) { /* other arrays: dem_add_link allocates them */
+    if (law->states != links->states) { /* other arrays, which dem_add_link allocates */
         dem__release(&w->def.allocator, links->block, links->bytes);
         links->block = NULL;
         links->capacity = 0;
@@ -12940,16 +12944,16 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
 }
 
 /* --------------------------------------------------------------------------------------------------- >>gas/field.h */
-/* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads
-   bodies, the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end,
-   computed at its origin and the same whatever is skipped. */
+/* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step.
+   Reads bodies and the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to
+   its end, computed at its origin, and the same whatever is skipped. */
 
-/* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes of a law. */
+/* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes from a law. */
 enum {
-    DEM__FIND_FLIGHTS,   /* of particles: begins flights now */
-    DEM__RENEW_FLIGHTS,  /* of particles: keeps the flights that the law still gives, begins the others anew */
-    DEM__END_FLIGHTS,    /* of particles: ends flights now; from here on they take steps */
-    DEM__ADD_FIELD_FORCE /* on particles: at the end of the present step, of length h */
+    DEM__FIND_FLIGHTS,   /* begins flights of particles now */
+    DEM__RENEW_FLIGHTS,  /* keeps the flights that the law still gives, and begins the others again */
+    DEM__END_FLIGHTS,    /* ends flights of particles now; from here on they take steps */
+    DEM__ADD_FIELD_FORCE /* adds the force on particles at the end of the present step, of length h */
 };
 typedef struct dem__field_task {
     int task;
@@ -12962,14 +12966,14 @@ DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
 }
 
-/* A rigid body feels the field at its centre and flies as its first particle: only that one has a flight. Returns
+/* A rigid body feels the field at its centre and flies as its first particle: only that particle has a flight. Returns
    whether i is a sphere or such a particle. */
 DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return !r || r->first == i;
 }
 
-/* Returns the radius of particle i, or of the sphere with its body's volume [m]. */
+/* Returns the radius of particle i, or of the sphere with the volume of its body [m]. */
 DEM_INLINE double dem__size_in_field(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? 0.5 * dem__equal_diameter(w, r) : w->particle[i].radius;
@@ -12992,7 +12996,7 @@ static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem
 
 DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
 
-/* Returns what a law gets to know of particle i at x with v. */
+/* Returns what a law is told about particle i at x with velocity v. */
 DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time) {
     dem_force_point at;
     at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
@@ -13004,23 +13008,23 @@ DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem
     return at;
 }
 
-/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
+/* Returns the acceleration of particle i at x with velocity v by the law [m/s2]. */
 DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
                                    dem_vec (*law)(const dem_force_point *)) {
     const dem_force_point at = dem__field_point(w, i, x, v, time);
     return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
 }
 
-/* A law of torque: -c times the spin relative to the field. In: *spin of a particle [rad/s]; out: the relative one.
-   Returns c [N m s]. NULL: there is no torque. */
+/* A law of torque: -c times the spin relative to the field. *spin: in, of a particle [rad/s]; out, relative to the
+   field. Returns c [N m s]. NULL: no torque. */
 typedef double (*dem__turning_fn)(const dem_force_point *at, dem_vec *spin);
 
-/* The torque of a field on a particle: c and the relative spin, the particle's moment of inertia about that. */
+/* The torque of a field on a particle: c, the relative spin, and the particle's moment of inertia about it. */
 typedef struct dem__turning {
     double c, inertia; /* c = 0: none */
     dem_vec spin;
 } dem__turning;
-/* Returns it for particle i, which spins, or its body, at x. */
+/* Returns the torque on particle i at x, which spins, or on its body. */
 DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin, double time,
                                         dem__turning_fn turning) {
     const dem_force_point at = dem__field_point(w, i, x, dem_vec3(0.0, 0.0, 0.0), time);
@@ -13039,8 +13043,8 @@ DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, dem_vec
     return q;
 }
 
-/* Lets the torque act on particle i, or its body, over a time that has passed, at an origin that has just been set.
-   Exact for a sphere of constant c. Returns the energy that it gains [J]. */
+/* Lets the torque act on particle i, or its body, over a past time, at an origin that has just been set. Exact for a
+   sphere if c is constant. Returns the energy gained [J]. */
 DEM_INLINE double dem__apply_drag_torque(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
     dem__rigid *r = dem__rigid_of(w, i);
     const double before = dem__rotational(w, i), y = q->c * passed / q->inertia;
@@ -13053,22 +13057,22 @@ DEM_INLINE double dem__apply_drag_torque(dem_world *w, ptrdiff_t i, double passe
     return dem__rotational(w, i) - before;
 }
 
-/* Returns whether particle i, or its body, has the acceleration of free fall only. */
+/* Returns whether free fall is the only acceleration of particle i, or of its body. */
 DEM_INLINE int dem__falls_freely(const dem_world *w, ptrdiff_t i) {
     return dem__is_zero(dem__sub(dem__centre_pull(w, i), dem__free_fall(w)));
 }
 
 /* Result of one step of a flight. */
 typedef struct dem__flown {
-    dem_vec way;  /* mean gain of velocity: the displacement beyond that at the first velocity, over the time [m/s] */
-    dem_vec gain; /* of velocity, at the end [m/s] */
-    double work;  /* of the field [J] */
-    double error; /* of position [m] */
+    dem_vec way;  /* displacement over time, minus the initial velocity [m/s] */
+    dem_vec gain; /* gain of velocity at the end [m/s] */
+    double work;  /* work of the field [J] */
+    double error; /* error of position [m] */
     int zero;     /* whether the law gave 0 at every stage */
 } dem__flown;
 
-/* Integrates one step of h from x with v at a time: of fifth order, with the error of fourth order (Cash & Karp 1990).
- */
+/* Integrates one step of length h from x with velocity v: of fifth order, with an error estimate of fourth order (Cash
+   & Karp 1990). */
 DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
                                dem_vec (*law)(const dem_force_point *)) {
     enum { STAGES = 6 };
@@ -13107,7 +13111,7 @@ DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_v
     return q;
 }
 
-/* Returns the number of steps of the world in a time [s], at least one, at most as many as a list can last. */
+/* Returns the number of steps of the world in a time [s], at least one, and at most as many as a list can last. */
 DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
     const double n = time * w->engine->pairs.steps_per_second;
     return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
@@ -13115,9 +13119,9 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
 
 #define DEM__SLOWS 5e-3 /* share of its spin that a particle may lose in a flight */
 
-/* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right
-   at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first one, times
-   the time squared. */
+/* Chooses the number of steps of a flight from x with velocity v by its error, and computes the flight. A parabola that
+   is right at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first
+   one, times the time squared. */
 DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, const dem__turning *turn,
                                   dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
@@ -13133,7 +13137,8 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
         const double guess = riddle_cbrt(13.5 * 3.0 * limit / jerk);
         longest = guess < longest ? guess : longest;
     }
-    if (turn->c > 0.0) { /* the spin is that at the beginning of the flight: it must not change much, if it matters */
+    if (turn->c > 0.0) { /* the spin at the beginning counts for the whole flight, so it must not change much if it
+                            matters */
         const double slows = DEM__SLOWS * turn->inertia / turn->c;
         longest = slows < longest && dem__length(turn->spin) * slows > def->accuracy ? slows : longest;
     }
@@ -13150,8 +13155,8 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     }
 }
 
-/* Begins a flight now, after the torque of the one before. Where the law gives 0 and gave 0 before, and there is no
-   torque, the present parabola stays. */
+/* Begins a flight now, after the torque of the one before. The present parabola stays where the law gives 0 as before,
+   and there is no torque. */
 DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
                                  dem__turning_fn turning) {
     dem__field *field = &w->engine->field;
@@ -13175,7 +13180,7 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
 }
 
 /* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0
-   to the end. Then computes the velocity at its end and the work. */
+   to the end. If so, computes the velocity at its end and the work. */
 DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX, origin = w->particle[i].origin;
@@ -13195,7 +13200,7 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
     return 1;
 }
 
-/* Ends the flight of particle i now. Its position is that on the parabola; its velocity is computed anew. */
+/* Ends the flight of particle i now, at its position on the parabola. Its velocity is computed again. */
 DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
                                 dem__turning_fn turning) {
     dem__field *field = &w->engine->field;
@@ -13225,7 +13230,7 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
 }
 
 /* Adds the law's force and torque on particle i, which takes steps, at its position after a step of h and at the
-   velocity predicted for it. The force on a body is added where its forces are summed up. */
+   velocity predicted for it. The force on a body is added where its forces are summed. */
 DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *),
                                      dem__turning_fn turning) {
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -13269,7 +13274,7 @@ DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_ve
 #define DEM_FORCE_FIELD(name, law) DEM__FIELD(name, law, NULL)
 
 /* ------------------------------------------------------------------------------------------------- >>gas/flights.h */
-/* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. */
+/* Flights in a force field within a step: their begin and end, timers, bounds and work; and setting a field. */
 
 /* Runs a task of the kernel for a part of a list of particles. */
 static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -13287,8 +13292,7 @@ static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff
     dem__in_parts(w, dem__parts(w, 4 * n), n, dem__run_field_range, &q);
 }
 
-/* Returns the work of the field along a flight until now [J]: the energy that the particle has gained since its origin.
- */
+/* Returns the work of the field along a flight so far [J]: the energy that the particle has gained since its origin. */
 static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
     const double tau = dem__now(w, i);
     const dem_vec u = dem__drift_at(w, i, 0.0), v = dem__drift_at(w, i, tau), g = dem__free_fall(w);
@@ -13302,14 +13306,15 @@ DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) {
     return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING && dem__leads(w, i);
 }
 
-/* Takes the work of the field on all flights until now as booked: the ledger begins, or flights are known anew. */
+/* Treats the work of the field on all flights so far as booked, because the ledger begins or all flights have been
+   found again. */
 static inline void dem__begin_field_ledger(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (dem__is_flying(w, i)) w->engine->field.booked[i] = dem__flight_gain(w, i);
     }
 }
 
-/* Books the work of the field on all flights until now, or only on those of particles that leave. */
+/* Books the work of the field on all flights so far, or only on those of particles that leave. */
 static inline void dem__book_flights(dem_world *w, int leaving) {
     dem__field *field = &w->engine->field;
     for (ptrdiff_t i = 0; i < w->count && w->engine->ledger.on; i++) {
@@ -13320,8 +13325,8 @@ static inline void dem__book_flights(dem_world *w, int leaving) {
     }
 }
 
-/* Returns how far the velocity of particle k, which flies with i, can be from that of its bound until the end of the
-   flight [m/s]. */
+/* Returns how far the velocity of particle k, which flies with i, can depart from that of its bound until the end of
+   the flight [m/s]. */
 DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const dem__field *field = &w->engine->field;
     const dem__bound *c = &w->engine->bodies.bound[k];
@@ -13338,7 +13343,7 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
     return (most > end ? most : end) + turning_speed;
 }
 
-/* Sets a bound for particle k, which flies with i, that holds for about DEM__FLIGHTS flights like this one. */
+/* Sets a bound for particle k, which flies with i. It holds for about DEM__FLIGHTS flights like this one. */
 static inline void dem__bound_flight(dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const dem__field *field = &w->engine->field;
     const dem__pairs *pairs = &w->engine->pairs;
@@ -13389,8 +13394,8 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
     return w->status == DEM_OK;
 }
 
-/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. A body
-   never has. */
+/* Returns whether particle i, which takes steps, has the acceleration that it has without contacts and without the
+   field. Always 0 for a body. */
 static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
     if (dem__rigid_of(w, i)) return 0;
     const dem_vec a =
@@ -13416,7 +13421,7 @@ static inline int dem__list_flights(dem_world *w) {
     return dem__follow_flights(w, field->timers.list, n);
 }
 
-/* Prepares a run: begins anew the flights that the caller has changed, and those of new particles. Returns 0 after a
+/* Prepares a run: begins the flights of new particles, and again those that the caller has changed. Returns 0 after a
    failure. */
 static inline int dem__prepare_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
@@ -13439,7 +13444,7 @@ static inline int dem__prepare_flights(dem_world *w) {
     return dem__list_flights(w);
 }
 
-/* Continues flights that are over by new ones, before a step. Returns 0 after a failure. */
+/* Begins the next flight where one is over, before a step. Returns 0 after a failure. */
 static inline int dem__continue_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     ptrdiff_t n, flying = 0;
@@ -13476,7 +13481,7 @@ static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
     }
 }
 
-/* Books half of the work of the present forces on the particles that take steps. */
+/* Books half of the work that the present forces do on the particles that take steps. */
 static inline void dem__book_stepping(dem_world *w, double h) {
     for (ptrdiff_t k = 0; k < w->engine->bodies.active_count && w->engine->ledger.on && h > 0.0; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
@@ -13487,7 +13492,7 @@ static inline void dem__book_stepping(dem_world *w, double h) {
 }
 
 /* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the
-   work by the mean of the forces at both ends. */
+   work from the mean of the forces at both ends. */
 static inline void dem__add_field_forces(dem_world *w, double h) {
     dem__field *field = &w->engine->field;
     const dem__bodies *bodies = &w->engine->bodies;
@@ -13499,7 +13504,7 @@ static inline void dem__add_field_forces(dem_world *w, double h) {
     dem__book_stepping(w, h);
 }
 
-/* Begins flights of particles whose last contact is over, after a step. Returns 0 after a failure. */
+/* Begins flights of particles whose last contact has ended, after a step. Returns 0 after a failure. */
 static inline int dem__begin_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     int32_t *list = field->stepping;
@@ -13519,12 +13524,13 @@ static inline int dem__begin_flights(dem_world *w) {
     return dem__follow_flights(w, list, n);
 }
 
-/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at
-   both ends, but not the right velocities; the error at its end shows how the acceleration changes. */
+/* Returns the error of a velocity on the parabola of a flight in a force field [m/s]. The parabola has the right
+   positions at both ends, but not the right velocities. The error at its end shows how the acceleration changes along
+   it. */
 static inline dem_vec dem__velocity_error_in_field(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__field *field = &w->engine->field;
     const dem__rigid *r = dem__rigid_of(w, i);
-    const ptrdiff_t first = r ? r->first : i; /* has the flight */
+    const ptrdiff_t first = r ? r->first : i; /* the flight belongs to the first particle */
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
     if (w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
     const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
@@ -13545,7 +13551,7 @@ static inline void dem__correct_velocity_in_field(dem_world *w, ptrdiff_t i, dem
 
 /* ---- the feature ---- */
 
-/* Lists the arrays of particles in a force field. Returns their number. */
+/* Lists the arrays of particles in a force field. Returns how many. */
 static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
     dem__field *field = &w->engine->field;
     const dem__array arrays[] = {{&field->until, sizeof *field->until},
@@ -13568,13 +13574,13 @@ static inline void dem__add_unflown(dem_world *w, ptrdiff_t i) {
     w->engine->field.force[i] = w->engine->field.torque[i] = dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* A field without a law: after loading dem_set_force_field comes first. */
+/* Refuses a run in a field without a law: after loading, dem_set_force_field must come first. */
 static inline dem_status dem__check_field(const dem_world *w, const dem_kernel *kernel) {
     (void)kernel;
     return w->engine->field.def.kernel ? DEM_OK : DEM_NO_FIELD;
 }
 
-/* Continues flights that are over, so that a caller who changes particles finds none. */
+/* Begins the next flight where one is over, so that a caller who changes particles finds none that is over. */
 static inline int dem__end_run_in_field(dem_world *w, int going) {
     if (going) going = dem__continue_flights(w);
     dem__book_flights(w, 0);
@@ -13646,7 +13652,7 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
     return field;
 }
 
-/* Removes the field: particles in flight fall freely from now on. */
+/* Removes the field. Particles in flight fall freely from here on. */
 static inline void dem__drop_field(dem_world *w) {
     dem__field *field = &w->engine->field;
     for (ptrdiff_t i = 0; i < w->count && field->on; i++) {
@@ -13677,7 +13683,7 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
         if (status != DEM_OK) return status;
         w->engine->field.on = 1;
     }
-    if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are those of the field already */
+    if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are already those of the field */
     w->engine->field.def = *field;
     w->engine->run.needs_lists = 1;
     return DEM_OK;
@@ -14257,7 +14263,7 @@ DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, 
     }
     for (ptrdiff_t k = 0; k < all; k++) {
         const ptrdiff_t at[3] = {k % row, k / row % gas->n[1], k / layer};
-        double room = size; /* volume of the node: half a cell less at a face of the grid */
+        double room = size; /* volume of the node; half a cell less at a face of the grid */
         for (int a = 0; a < 3; a++) room *= at[a] == 0 || at[a] == gas->n[a] - 1 ? 0.5 : 1.0;
         const double left = 1.0 - porosity[k] / room;
         porosity[k] = left > 0.2 ? left : 0.2;
@@ -14280,7 +14286,7 @@ DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengt
 }
 
 /* -------------------------------------------------------------------------------------------- >>measure/branches.h */
-/* The forces between particles and the vectors along which they act: what a stress is made of. */
+/* Forces between particles and the vectors along which they act, from which a stress is computed. */
 
 /* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
 static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
@@ -14289,7 +14295,7 @@ static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
              : dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* Return how many forces act between particles, and one of them: contacts come first, then those of features. */
+/* Return how many forces act between particles, and one of them. Contacts come first, then the forces of features. */
 static inline ptrdiff_t dem__forces(const dem_world *w) {
     ptrdiff_t n = w->engine->contacts.count;
     DEM__ADD_UP(w, n, forces, (w));
@@ -14304,8 +14310,8 @@ static inline dem_contact_info dem__get_force(const dem_world *w, ptrdiff_t k) {
     return f->force(w, k);
 }
 
-/* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's
-   point, to i's centre; of bodies, to their centres of mass. Returns 0 if it carries no force. */
+/* Finds the branch vector of a contact or, from k = contacts on, of a link. It leads from the partner's centre, or the
+   point on a wall, to the centre of i; for bodies, between centres of mass. Returns 0 if it carries no force. */
 static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_contact_info c = dem__get_force(w, k);
@@ -15512,12 +15518,13 @@ static inline double dem__wedge(double b, double c) {
     if (!(b * b + c * c < 1.0)) return 0.0;
     const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c),
                  half = dem__root(1.0 - b * b - c * c);              /* half length of the edge inside */
-    const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc); /* half arcs on the two circles */
+    /* half the angles of the arcs on the two circles */
+    const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc);
     const double sphere = 2.0 * (RIDDLE_PI - b * at_b - c * at_c - dem__acos(-b * c / (rb * rc)));
     return (sphere - b * (rb * rb * at_b - c * half) - c * (rc * rc * at_c - b * half)) / 3.0;
 }
 
-/* Returns the area of the face x = a of dem__corner; arc: the angle of its arc. */
+/* Returns the area of the face x = a of dem__corner. arc: the angle of its arc. */
 static inline double dem__corner_face(double a, double b, double c, double *arc) {
     const double square = 1.0 - a * a, r = sqrt(square);
     *arc = dem__acos(b / r) - (0.5 * RIDDLE_PI - dem__acos(c / r));
@@ -15553,7 +15560,7 @@ DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high) {
     return sum > 0.0 ? sum * radius * radius * radius : 0.0;
 }
 
-/* Returns the common area of two discs of radii q and r whose centres are `apart`. */
+/* Returns the area that two discs of radii q and r have in common, whose centres are `apart`. */
 static inline double dem__discs(double q, double r, double apart) {
     const double smaller = q < r ? q : r;
     if (apart <= fabs(q - r)) return RIDDLE_PI * smaller * smaller;
@@ -15618,7 +15625,7 @@ static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, d
     const double along = dem__dot(d, axis), apart = dem__root(dem__dot(d, d) - along * along);
     if (apart + radius <= r->radius && along >= radius && along <= r->length - radius) return whole;
     if (apart >= r->radius + radius) return 0.0;
-    /* discs across the axis, evenly spaced in the angle, so that the ends of the ball are smooth */
+    /* slices across the axis, evenly spaced in the angle, so that the ends of the ball are smooth */
     const double from = dem__acos(dem__clamp(along / radius, -1.0, 1.0)),
                  to = dem__acos(dem__clamp((along - r->length) / radius, -1.0, 1.0));
     const int slices = 128;
@@ -15667,8 +15674,8 @@ static inline double dem__share_in(const dem_region *r, const dem_wall *inside, 
     return to > from ? to - from : 0.0;
 }
 
-/* Lists the displacements of the periodic images of the box: itself first, then one on either side along each periodic
-   axis. Returns their number. */
+/* Lists the displacements of the images of the periodic box: the box itself first, then one on either side along each
+   periodic axis. Returns how many. */
 static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     int n = 1;
     shift[0] = dem_vec3(0.0, 0.0, 0.0);
@@ -15694,8 +15701,8 @@ static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_
     return 1;
 }
 
-/* Returns the factor of a particle's volume: 1 for a sphere; the particles of a body, which may overlap, share the
-   body's volume. */
+/* Returns the factor of a particle's volume: 1 for a sphere. The particles of a body may overlap; they share the body's
+   volume. */
 static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     double sum = 0.0;
@@ -15715,12 +15722,12 @@ typedef struct dem__measured {
     const dem_region *region;
     dem_wall inside;   /* the tree of a mesh region */
     dem_vec low, high; /* the box around the region */
-    dem_vec shift[27]; /* from a particle to its images in the periodic box, the first 0 */
+    dem_vec shift[27]; /* from a particle to its images in the periodic box; the first is 0 */
     int images;
     double share; /* 1 / volume [1/m3] */
 } dem__measured;
 
-/* Adds the share of a region that particle i and its images fill. */
+/* Adds the volume of particle i and its images in the region, as a share of the region. */
 static inline void dem__add_solid(const dem_world *w, const dem__measured *q, ptrdiff_t i, dem_measure *m) {
     const dem_vec at = dem_position(w, i), low = q->low, high = q->high;
     const double r = w->particle[i].radius, filled = dem__filled(w, i) * q->share;
@@ -15776,7 +15783,7 @@ static inline void dem__measure_fluctuations(const dem_world *w, const dem__meas
     m->granular_temperature *= (m->count > 0 ? 1.0 / m->mass : 0.0) / 3.0;
 }
 
-/* Measures the stress by forces of contacts and links. */
+/* Measures the stress that forces of contacts and links cause. */
 static inline void dem__measure_contacts(const dem_world *w, const dem__measured *q, dem_measure *m) {
     for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
         dem_vec from, to, force;
@@ -15828,7 +15835,7 @@ DEM_INLINE double dem__up_to(double u) {
     return 0.5 + 0.0625 * u * (15.0 - u * u * (10.0 - 3.0 * u * u));
 }
 
-/* Finds the cells of an axis in which a point at v counts, from first to last. Returns 0 if there are none. */
+/* Finds the cells along an axis in which a point at v counts, from first to last. Returns 0 if there are none. */
 static inline int dem__cells_of(const dem_cells *c, int a, double v, int *first, int *last) {
     const double low = dem_axis(c->low, a), high = dem_axis(c->high, a), inverse = c->n[a] / (high - low),
                  reach = c->width[a];
@@ -15850,11 +15857,11 @@ DEM_INLINE double dem__share_of(const dem_cells *c, int a, int k, double v) {
 
 /* What a point adds to the cells around it. */
 typedef struct dem__load {
-    double mass, stress;            /* of a sphere [kg]; weight of a point on a branch */
-    dem_vec velocity, force, along; /* of a sphere; of a branch, and the branch itself */
+    double mass, stress;            /* mass of a sphere [kg]; weight of a point on a branch */
+    dem_vec velocity, force, along; /* velocity of a sphere; force of a branch, and the branch vector */
 } dem__load;
 
-/* Adds what a point carries, and what its images carry, to the cells around them. */
+/* Adds what a point and its images carry to the cells around them. */
 static inline void dem__coarse_grain(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at,
                                      const dem__load *load) {
     dem_vec shift[27];
@@ -15993,8 +16000,8 @@ DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *c
     return DEM_OK;
 }
 
-/* Computes indices of mixing. The variance of a random mixture is that of sampling without replacement: p q (N - n)/(n
-   (N - 1)) for a sample of n out of N. */
+/* Computes mixing indices. The variance of a random mixture is that of sampling without replacement: p q (N - n)/(n (N
+   - 1)) for a sample of n out of N. */
 DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, const double *of_all) {
     const double none = (double)NAN;
     dem_mixing m = {none, none, none, none, none, none};
@@ -16033,10 +16040,10 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
 }
 
 /* ----------------------------------------------------------------------------------------- >>measure/orientation.h */
-/* How bodies lie: order tensor, order parameter. Reads a const world. */
+/* How bodies are oriented: order tensor, order parameter. Reads a const world. */
 
-/* Turns the symmetric matrix m into the diagonal one of its eigenvalues, by Jacobi's rotations; columns of v: their
-   directions. */
+/* Diagonalises the symmetric matrix m by Jacobi's rotations: m becomes the diagonal matrix of its eigenvalues; the
+   columns of v are their directions. */
 static inline void dem__diagonalise(double m[3][3], double v[3][3]) {
     for (int a = 0; a < 9; a++) v[a / 3][a % 3] = a % 4 == 0;
     for (int turns = 0; turns < 60; turns++) {
@@ -16435,7 +16442,7 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
 }
 
 /* ----------------------------------------------------------------------------------------------- >>meshes/follow.h */
-/* Contacts of spheres with meshes: each follows its place from step to step. */
+/* Contacts of spheres with meshes. Each follows its place from step to step. */
 
 DEM_INLINE dem__face_cache dem__face_cache_of(const dem_world *w, ptrdiff_t c) {
     double *const *place = w->engine->contacts.touch;
@@ -16450,7 +16457,7 @@ DEM_INLINE void dem__set_face_cache(dem_world *w, ptrdiff_t c, const dem__face_c
     place[DEM__PLACE_SLACK][c] = f->slack, place[DEM__PLACE_FACE][c] = (double)f->face;
 }
 
-/* Lists the contacts of particle i with wall k in the order of elements. Returns their number, at most DEM__NUMBERS. */
+/* Lists the contacts of particle i with wall k in the order of elements. Returns how many, at most DEM__NUMBERS. */
 DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t *slot) {
     const dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
@@ -16470,8 +16477,8 @@ typedef struct dem__mesh_places {
 } dem__mesh_places;
 
 /* Moves the contacts of particle i with mesh k, in the listed slots, to a step to which the wall has been moved. Each
-   continues at the deepest place whose normal is near its own, or ends. Returns the places; none if the only contact
-   rests on its cache. */
+   continues at the deepest place whose normal is close to its own, or ends. Returns the places; none if the only
+   contact still rests on its cached face. */
 static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step,
                                      dem__mesh_places *at) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -16481,7 +16488,7 @@ static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int
     const double speed =
         dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
     const double radius = w->particle[i].radius, near = w->engine->pairs.touch_gap,
-                 leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
+                 leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact can open in a step */
         deep = leaves > near ? leaves : near;
     dem__face_cache cache = dem__face_cache_of(w, slot[0]);
     double least;
@@ -16522,7 +16529,7 @@ static inline int dem__are_places_left(const dem__mesh_places *at) {
     return 0;
 }
 
-/* Begins contacts of particle i with mesh k at the places that are left, as long as there are free elements. */
+/* Begins contacts of particle i with mesh k at the remaining places, as long as there are free elements. */
 static inline void dem__begin_at_places(dem_world *w, ptrdiff_t i, int k, dem__mesh_places *at) {
     for (int q = 0; q < at->n; q++) {
         int32_t element = 0;
@@ -16534,17 +16541,17 @@ static inline void dem__begin_at_places(dem_world *w, ptrdiff_t i, int k, dem__m
     }
 }
 
-/* Lists the contacts of a particle with a mesh if slot c holds the first of them. Returns their number, otherwise 0. */
+/* Lists the contacts of a particle with a mesh if slot c holds the first of them. Returns how many, otherwise 0. */
 static inline int dem__contacts_at_mesh(const dem_world *w, ptrdiff_t c, int32_t *slot) {
     const int k = -1 - (int)w->engine->contacts.j[c];
     if (k < 0 || !dem__has(&w->wall[k], DEM__TRIANGULATED) || dem__is_convex_contact(w, c))
-        return 0; /* those of a polyhedron follow its points */
+        return 0; /* the contacts of a polyhedron follow its points */
     const int slots = dem__contacts_at(w, w->engine->contacts.i[c], k, slot);
     return slots > 0 && slot[0] == c ? slots : 0;
 }
 
-/* Moves the contacts of chunks first .. end-1. Notes in contacts.partial, which is free before the kernel, where places
-   are left: contacts begin on one thread. */
+/* Moves the contacts of chunks first .. end-1. Marks in contacts.partial, which the kernel has not written yet, where
+   places remain: contacts begin on one thread. */
 static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part;
@@ -16563,8 +16570,8 @@ static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t 
     }
 }
 
-/* Moves contacts with meshes to a step to which the walls have been moved, and begins those at other places of meshes
-   that particles touch already. */
+/* Moves contacts with meshes to a step to which the walls have been moved, and begins contacts at other places of
+   meshes that particles already touch. */
 static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
