@@ -11746,25 +11746,25 @@ DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) 
 }
 
 /* ------------------------------------------------------------------------------------------------ >>bodies/rigid.h */
-/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in
-   base/engine.h). Reads the sums of forces on their particles; writes bodies and their particles. Promises: a sphere's
-   motion is untouched; each body is moved by one thread, so that bits do not depend on threads.
+/* Motion of rigid bodies, and the table of functions that the engine calls for them (dem__body_calls in base/engine.h).
+   Reads the sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is
+   untouched; each body is moved by one thread, so bits do not depend on threads.
 
-   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle
-   of a body that has one lies at its centre of mass; its radius is that of the sphere that the search for contacts
-   uses. The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about
-   the particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present
-   step is in `turn`; in the search for contacts, in dem__pose_at(w, r, tau). */
+   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. If a body has a
+   single particle, that lies at the centre of mass; its radius is that of the sphere that the search for contacts uses.
+   The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about the
+   particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present step
+   is in `turn`; during the search for contacts, in dem__pose_at(w, r, tau). */
 
-/* Returns whether a body rotates freely with three moments: such a rotation is integrated in rotation steps, of a quarter
-   radian at most. */
+/* Returns whether a body rotates freely with three different moments. Such a rotation is integrated in rotation steps,
+   of a quarter radian at most. */
 DEM_INLINE int dem__rotates_in_steps(const dem__rigid *r) {
     return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
 }
 
 #define DEM__ROTATION_STEPS_MAX 1e7 /* of a flight between two lists */
-/* Returns the orientation of such a body at tau: whole rotation steps from the origin, then the rest. Begins with the rotation steps
-   that are known. */
+/* Returns the orientation of such a body at tau: whole rotation steps from the origin, then the rest. Starts from the
+   rotation steps that are stored. */
 static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
     const double rotation_step = dem__rotation_step(r->momentum, r->moments), whole = floor(tau / rotation_step);
     dem_quaternion q = r->turn;
@@ -11776,7 +11776,7 @@ static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau
     return dem__turn_nine(q, r->momentum, r->moments, tau - whole * rotation_step);
 }
 
-/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins.
+/* Stores how far the rotations of flights are integrated, so that later calls need not start at their origins.
    DEM_TOO_FAST: a body turns by a hundred radians in a step. */
 static inline void dem__keep_rotations(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
@@ -11797,7 +11797,7 @@ static inline void dem__keep_rotations(dem_world *w) {
     }
 }
 
-/* Returns the orientation of a rigid body at tau after its origin step [s]. */
+/* Returns the orientation of a rigid body, tau after its origin step [s]. */
 DEM_INLINE dem_quaternion dem__turn_at(const dem_world *w, const dem__rigid *r, double tau) {
     const int single = tau <= 1.5 * w->engine->run.dt;
     if (tau == 0.0) return r->turn;
@@ -11805,7 +11805,7 @@ DEM_INLINE dem_quaternion dem__turn_at(const dem_world *w, const dem__rigid *r, 
     return dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, single);
 }
 
-/* Returns the state of a rigid body at tau after its origin step [s]. */
+/* Returns the state of a rigid body, tau after its origin step [s]. */
 static inline dem__pose dem__find_pose(const dem_world *w, const dem__rigid *r, double tau) {
     dem__pose p;
     p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
@@ -11815,8 +11815,8 @@ static inline dem__pose dem__find_pose(const dem_world *w, const dem__rigid *r, 
     return p;
 }
 
-/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it.
- */
+/* Places the particles of a body from its state at the origin step, with their velocity, spin and acceleration as parts
+   of it. */
 static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__axes axes = dem__axes_of(r->turn);
@@ -11847,7 +11847,7 @@ static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec vel
     dem__place_pieces(w, r);
 }
 
-/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which
+/* Wraps a body around the periodic box. Where gravity has a component along the box, it gains potential energy, which
    is booked. */
 DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
     const dem_vec x = dem__in_box(w, r->x);
@@ -11857,11 +11857,11 @@ DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
 }
 
 /* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle.
-   Those of its particles, which kernels read, are computed with the mean of the arms at both ends. */
+   The velocities of its particles, which kernels read, follow from the mean of the arms at both ends. */
 DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
     dem__bodies *bodies = &w->engine->bodies;
     const double middle = tau - 0.5 * h;
-    const int steps = tau <= h; /* else its flight ends in this step */
+    const int steps = tau <= h; /* otherwise its flight ends in this step */
     const dem_quaternion end = dem__turn_at(w, r, tau);
     const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__turn_at(w, r, tau - h);
     const dem__axes axes = dem__axes_of(end);
@@ -11884,7 +11884,7 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     }
 }
 
-/* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
+/* Sums the force on a body's particles and the torque about its centre: by contacts, by loads, or both. */
 DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force,
                                  dem_vec *torque) {
     const dem__bodies *bodies = &w->engine->bodies;
@@ -11961,14 +11961,15 @@ static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_
         bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
 }
 
-/* Returns the greatest speed in flight of what is an arm [m] from a body's centre, relative to it [m/s]. */
+/* Returns the greatest speed in flight of a point that is an arm [m] away from a body's centre, relative to it
+   [m/s]. */
 static inline double dem__turning_speed(const dem__rigid *r, double arm) {
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
                  least = i_min < r->moments.y ? i_min : r->moments.y;
     if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
-    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the
-                                                                              axis of least inertia */
+    /* with all of the rotational energy about the axis of least inertia */
+    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least);
 }
 
 /* Moves the bodies whose first particles are among the active ones first .. end-1. */
@@ -11982,7 +11983,7 @@ DEM_INLINE void dem__advance_some_bodies(dem_world *w, double h, ptrdiff_t first
 }
 DEM__AVX2_CLONE(dem__advance_bodies, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
                 dem__advance_some_bodies(w, h, first, end))
-/* Moves their velocities to the end of the step. */
+/* Moves the velocities of these bodies to the end of the step. */
 DEM_INLINE void dem__kick_some_bodies(dem_world *w, double half, ptrdiff_t first, ptrdiff_t end) {
     for (ptrdiff_t k = first; k < end; k++) {
         const int32_t i = w->engine->bodies.active[k];
@@ -12033,7 +12034,7 @@ DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
     return r ? r->v : w->particle[i].v;
 }
 
-/* Applies the impulses of a correction where a rigid body takes part. */
+/* Applies the impulses of a correction in which a rigid body takes part. */
 static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -12048,8 +12049,8 @@ static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_fric
 }
 
 /* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
-   angular momentum about the common centre, which comes from the velocities of the centres of mass; two opposite
-   impulses at the particles restore it. */
+   angular momentum of the centres of mass about the common centre. Two opposite impulses at the particles restore
+   it. */
 static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -12091,8 +12092,8 @@ static inline int dem__grow_bodies(dem_world *w, ptrdiff_t n) {
     return 1;
 }
 
-/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by
-   rounding. Turns the frame accordingly; order: the old axis of each new one. */
+/* Sorts moments as the exact rotation needs: the two that differ least come first, and become equal if they differ only
+   by rounding. Turns the frame accordingly. order: the old axis of each new one. */
 static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
     const double m[3] = {moments->x, moments->y, moments->z};
     int third = 2;
@@ -12100,7 +12101,7 @@ static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, i
         if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
     }
     for (int k = 0; k < 3; k++)
-        order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
+        order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a rotation about (1, 1, 1) */
     const double turns = (double)((third + 1) % 3);
     if (turns > 0.0) {
         const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
@@ -13691,10 +13692,10 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
 
 /* ------------------------------------------------------------------------------------------------ >>bodies/union.h */
 /* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is
-   cut along latitudes about z. On a latitude other balls cover arcs; between them the integrals of products of the
-   normal's components are closed forms. Between the latitudes at which an arc begins or ends they are smooth but for
-   square roots at both ends, which a substitution takes away, so that Gauss's rule with 16 points finds them to
-   rounding. */
+   cut along latitudes about z. On a latitude other balls cover arcs. Between the arcs, the integrals of products of the
+   normal's components are closed forms. Between latitudes at which an arc begins or ends, they are smooth functions of
+   the latitude but for square roots at both ends. A substitution removes these, so that Gauss's rule with 16 points is
+   exact to rounding. */
 
 /* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
 typedef struct dem__content {
@@ -13714,11 +13715,11 @@ typedef struct dem__cover {
     double h, across, angle; /* across, angle: length and angle of d about z */
 } dem__cover;
 
-/* Rims of m caps meet in at most 6 m - 12 exposed places, each cap has two ends; where many meet in one place, rounding
-   may find some more. A latitude that finds no room is only a kink, which zones that are halved find, too. */
+/* Rims of m caps meet in at most 6 m - 12 exposed places, and each cap has two ends. Where many meet in one place,
+   rounding may find some more. A latitude that does not fit is only a kink, which halving a zone resolves, too. */
 enum { DEM__CAPS = DEM_CLUMP_MAX, DEM__LATITUDES = 10 * DEM__CAPS };
 
-/* Lists what others cover of ball i. Returns their number. */
+/* Lists what others cover of ball i. Returns how many do. */
 static inline int dem__find_caps(int n, const dem_vec *centre, const double *radius, int i, dem__cover *cap) {
     int m = 0;
     for (int j = 0; j < n; j++) {
@@ -13732,7 +13733,7 @@ static inline int dem__find_caps(int n, const dem_vec *centre, const double *rad
     return m;
 }
 
-/* Returns whether a direction is covered by another cap than a and b, by more than rounding. */
+/* Returns whether a cap other than a and b covers a direction, by more than rounding. */
 static inline int dem__is_covered(int m, const dem__cover *cap, dem_vec n, int a, int b) {
     for (int k = 0; k < m; k++) {
         if (k != a && k != b && dem__dot(n, cap[k].d) > cap[k].h + 1e-11 * dem__length(cap[k].d)) return 1;
@@ -13750,8 +13751,8 @@ static inline int dem__insert_latitude(double *t, int count, double z) {
     return count + 1;
 }
 
-/* Lists the latitudes, from -1 to 1, at which the exposed part changes its kind: where the rim of a cap is highest and
-   lowest, and where two rims meet. */
+/* Lists the latitudes, from -1 to 1, at which the exposed arcs change their number: where the rim of a cap is highest
+   or lowest, and where two rims meet. */
 static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
     int count = 2;
     t[0] = -1.0, t[1] = 1.0;
@@ -13845,7 +13846,7 @@ static inline void dem__add_latitude(dem__exposed *e, double weight, double t, i
     }
 }
 
-/* A part of the latitudes t = middle + half sin(pi/2 s) between two of them, from one s to another. */
+/* A range of the latitudes t = middle + half sin(pi/2 s) between two of them, from one s to another. */
 typedef struct dem__zone {
     double middle, half, from, to;
 } dem__zone;
@@ -13875,10 +13876,10 @@ static inline void dem__add_exposed(dem__exposed *e, const dem__exposed *of) {
     }
 }
 
-/* Integrates over a zone; halves it where its integrals change by that: a rim ends close beyond it. */
+/* Integrates over a zone. Halves it if that changes its integrals, because a rim then ends just beyond it. */
 enum { DEM__HALVINGS = 12 };
 static inline void dem__expose_zone(dem__exposed *e, dem__zone z, int m, const dem__cover *cap) {
-    dem__zone left[DEM__HALVINGS + 1]; /* to be done, each half as wide as the one before */
+    dem__zone left[DEM__HALVINGS + 1]; /* zones left, each half as wide as the one before */
     int todo = 0;
     left[todo++] = z;
     while (todo > 0) {
@@ -13895,7 +13896,7 @@ static inline void dem__expose_zone(dem__exposed *e, dem__zone z, int m, const d
     }
 }
 
-/* Integrates over what is exposed of a ball. */
+/* Integrates over the exposed part of a ball. */
 static inline void dem__expose(int m, const dem__cover *cap, dem__exposed *e) {
     double t[DEM__LATITUDES];
     const int count = dem__find_latitudes(m, cap, t);
@@ -13906,7 +13907,7 @@ static inline void dem__expose(int m, const dem__cover *cap, dem__exposed *e) {
     }
 }
 
-/* Adds what the exposed surface of a ball at c encloses with the origin. */
+/* Adds the content that the exposed surface of a ball at c encloses with the origin. */
 static inline void dem__add_enclosed(dem__content *to, const dem__exposed *e, dem_vec c, double r) {
     const double centre[3] = {c.x, c.y, c.z};
     double zero = r * e->zero, one[3], first[3], second[3][3]; /* of (x n) times 1, n, n n; then of x, x x */
@@ -13930,7 +13931,7 @@ static inline void dem__add_enclosed(dem__content *to, const dem__exposed *e, de
         to->second[p] += 0.2 * area * second[p][p], to->second[3 + p] += 0.2 * area * second[p][(p + 1) % 3];
 }
 
-/* Adds a content that was found about another origin. */
+/* Adds a content that was computed about another origin. */
 static inline void dem__add_shifted(dem__content *to, const dem__content *of, dem_vec origin) {
     const double o[3] = {origin.x, origin.y, origin.z}, f[3] = {of->first.x, of->first.y, of->first.z};
     to->volume += of->volume;
@@ -13942,10 +13943,10 @@ static inline void dem__add_shifted(dem__content *to, const dem__content *of, de
     }
 }
 
-/* Adds the union of balls. Those that hang together are integrated about one of them, so that nothing is lost however
-   far apart others are. */
+/* Adds the union of balls. Connected balls are integrated about one of them, so that no digits are lost however far
+   apart others are. */
 static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
-    int of[DEM_CLUMP_MAX]; /* the first ball of those that hang together */
+    int of[DEM_CLUMP_MAX]; /* the first of the balls connected with it */
     dem__cover cap[DEM__CAPS];
     dem__exposed e;
     dem__content own;
@@ -13971,7 +13972,7 @@ static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre,
 }
 
 /* ------------------------------------------------------------------------------------------ >>bodies/clump_shape.h */
-/* Mass properties of bodies made of spheres. Promises: what dem_make_clump says. */
+/* Mass properties of bodies made of spheres, as dem_make_clump promises them. */
 
 static inline void dem__add_content(dem__content *c, double weight, double volume, dem_vec at, dem_vec spread) {
     const double v = weight * volume;
@@ -13982,13 +13983,13 @@ static inline void dem__add_content(dem__content *c, double weight, double volum
     c->second[3] += v * at.x * at.y, c->second[4] += v * at.y * at.z, c->second[5] += v * at.z * at.x;
 }
 
-/* Adds a sphere, exactly: r^2/5 is its mean square along an axis. */
+/* Adds a sphere, exactly: its mean square along an axis is r^2/5. */
 static inline void dem__add_ball(dem__content *c, double weight, dem_vec at, double r) {
     const double spread = 0.2 * r * r;
     dem__add_content(c, weight, 4.0 / 3.0 * RIDDLE_PI * r * r * r, at, dem_vec3(spread, spread, spread));
 }
 
-/* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if
+/* Returns the first position on a line beyond x at which a sphere begins or ends, or two surfaces meet; HUGE_VAL if
    there is none. */
 static inline double dem__next_end(int n, const double *at, const double *radius, double x) {
     double next = HUGE_VAL;
@@ -14006,8 +14007,8 @@ static inline double dem__next_end(int n, const double *at, const double *radius
 }
 
 /* Adds spheres whose centres lie on a line from `from` along the unit vector u: a body of revolution. Its squared
-   radius is the greatest of parabolas in x. Between the places where another one becomes the greatest, the integrands
-   are polynomials, which Gauss's rule with five points integrates exactly. */
+   radius is the greatest of several parabolas in x. Between the positions where another one becomes the greatest, the
+   integrands are polynomials, which Gauss's rule with five points integrates exactly. */
 static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from,
                                        dem_vec u) {
     static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309,
@@ -14049,7 +14050,7 @@ static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
                      apo = a[p][o], aro = a[r][o];
         a[p][p] = app - tangent * a[p][r], a[r][r] = arr + tangent * a[p][r], a[p][r] = a[r][p] = 0.0;
         a[p][o] = a[o][p] = c * apo - s * aro, a[r][o] = a[o][r] = s * apo + c * aro;
-        /* new axes: e_p' = c e_p - s e_r, e_r' = s e_p + c e_r: a turn about e_o by -angle */
+        /* new axes: e_p' = c e_p - s e_r, e_r' = s e_p + c e_r: a rotation about e_o by -angle */
         const double half_c = sqrt(0.5 * (1.0 + c)), half_s = -0.5 * s / half_c;
         q = dem__turns(
             q, dem__quaternion(half_c, dem_vec3(o == 0 ? half_s : 0.0, o == 1 ? half_s : 0.0, o == 2 ? half_s : 0.0)));
@@ -14058,7 +14059,7 @@ static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
     return dem_vec3(a[0][0], a[1][1], a[2][2]);
 }
 
-/* Makes moments equal that differ by less than their accuracy: then free rotation is exact. */
+/* Makes moments equal that differ by less than their accuracy, because free rotation is then exact. */
 static inline void dem__merge_moments(dem_vec *moments, double known) {
     double *m[3] = {&moments->x, &moments->y, &moments->z};
     for (int k = 0; k < 3; k++) {
@@ -14069,7 +14070,7 @@ static inline void dem__merge_moments(dem_vec *moments, double known) {
         moments->x = moments->y = moments->z = (moments->x + moments->y + moments->z) / 3.0;
 }
 
-/* Returns whether all centres lie on a line; u: its direction; at: where they are on it, from the first centre. */
+/* Returns whether all centres lie on a line. u: its direction; at: their positions on it, from the first centre. */
 static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, dem_vec *u, double *at) {
     double most = 0.0;
     *u = dem_vec3(1.0, 0.0, 0.0);
@@ -14086,7 +14087,7 @@ static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, 
     return 1;
 }
 
-/* Removes spheres that lie within another, which touch nothing. Returns the number of the rest, in their order. */
+/* Removes spheres inside another one, which touch nothing. Returns how many remain, in their order. */
 static inline int dem__drop_inner(int n, dem_vec *centre, double *radius) {
     int kept = 0;
     for (int k = 0; k < n; k++) {
@@ -14118,7 +14119,7 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
         size = extent > size ? extent : size;
     }
     const dem_vec from =
-        c.centre[0]; /* moments about a point inside, with lengths over the size: no number is too large */
+        c.centre[0]; /* moments about a point inside, with lengths over the size, so that no number overflows */
     for (int k = 0; k < n; k++) c.centre[k] = dem__scale(1.0 / size, dem__sub(c.centre[k], from)), c.radius[k] /= size;
     c.spheres = dem__drop_inner(n, c.centre, c.radius);
     const int line = dem__are_on_a_line(c.spheres, c.centre, 1.0, &u, at);
@@ -14426,7 +14427,7 @@ static inline void dem__hash_rigids(uint64_t *hash, const dem_world *w) {
 }
 
 /* -------------------------------------------------------------------------------------------------- >>bodies/add.h */
-/* Rigid bodies as a feature of a world, and adding one. */
+/* Rigid bodies as a feature of a world, and how to add one. */
 
 static inline int dem__list_arrays_of_bodies(dem_world *w, dem__array *list) {
     dem__bodies *bodies = &w->engine->bodies;
@@ -14483,7 +14484,7 @@ typedef struct dem__body_def {
     dem_vec moments;       /* about the principal axes [kg m2] */
     dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
     dem_quaternion turn;   /* from that frame to the lab's axes */
-    ptrdiff_t pieces;      /* number of its particles */
+    ptrdiff_t pieces;      /* of each particle, from the centre of mass along the principal axes [m] */
     const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
     const double *radius;  /* [m] */
     int material, group;
@@ -14491,7 +14492,7 @@ typedef struct dem__body_def {
 
 /* Makes room for n more bodies with `pieces` particles in all. Returns 0 when out of memory. */
 static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
-    return dem__take_feature(w, dem__feature_bodies()) == DEM_OK && /* first: it frees the bodies */
+    return dem__take_feature(w, dem__feature_bodies()) == DEM_OK && /* comes first: it frees the bodies */
            dem__grow_bodies(w, n) && dem__reserve_particles(w, pieces);
 }
 
@@ -14549,7 +14550,7 @@ static inline double dem__clump_reach(const dem_clump *c) {
     return reach;
 }
 
-/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius:
+/* Returns the definition of a body with a clump's shape, `scale` times as large, made of a material. offset and radius:
    [spheres], filled here. */
 static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material,
                                             dem_vec *offset, double *radius) {
@@ -16643,7 +16644,7 @@ DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec hig
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/save.h */
 /* Shapes in a saved world: their fields, and whether loaded ones are sound. */
 
-#define DEM__SHAPE_OPTIONAL 2 /* fields at the end of the list that a save may lack */
+#define DEM__SHAPE_OPTIONAL 2 /* fields at the end of the list that a save need not have */
 
 static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     const size_t s = sizeof *c;
@@ -16675,15 +16676,16 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
 }
 
 /* ------------------------------------------------------------------------------------------- >>polyhedra/springs.h */
-/* What a shape tells of its contacts: among how many corners a face shares the spring of a pair, and how fast contacts
-   are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a face or a corner alone. */
+/* What a shape tells about its contacts: among how many corners a face shares the spring of a pair, and how fast
+   contacts are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a single face or
+   corner. */
 
-/* A contact's stiffness over k/m, for motion along its normal and for turns about the three axes. */
+/* A contact's stiffness over k/m, for motion along its normal and for rotations about the three axes. */
 typedef struct dem__modes {
     double of[4][4];
 } dem__modes;
 
-/* Adds the spring of a point, w its part. u: how fast the point moves along the normal by each motion. */
+/* Adds the spring of a point with part w. u: how fast the point moves along the normal by each motion. */
 static inline void dem__add_spring(dem__modes *m, double w, const double *u) {
     for (int k = 0; k < 16; k++) m->of[k / 4][k % 4] += w * u[k / 4] * u[k % 4];
 }
@@ -16704,8 +16706,8 @@ static inline double dem__highest_rate(const dem__modes *modes) {
     return scale * trace;
 }
 
-/* Returns the rate of a corner alone, in the direction in which it is highest: along each direction it moves by itself
-   and by turns about the axes. */
+/* Returns the rate of a single corner, in the direction in which it is highest: along each direction the corner moves
+   with the body, and by rotations about the axes. */
 static inline double dem__rate_of_corner(const dem_convex *s, dem_vec r) {
     dem__modes m;
     memset(&m, 0, sizeof m);
@@ -16752,15 +16754,15 @@ static inline void dem__find_springs(dem_convex *s) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/shape.h */
-/* Convex polyhedra: faces from corners, mass properties, erosion. Promises: what is accepted is closed and convex,
-   and its tables agree with each other. */
+/* Convex polyhedra: faces from corners, mass properties, erosion. Promises: an accepted shape is closed and convex, and
+   its tables agree with each other. */
 
-/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough.
- */
+/* Corners closer than this to a plane, over the size of the whole, lie in it. The single precision of files is
+   enough. */
 #define DEM__FLAT 1e-6
 #define DEM__NO_CORE "its core is no polyhedron: a smaller rounding leaves one"
 
-/* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
+/* The hull of a set of points: the planes with all other points behind them, and the points in each plane. */
 typedef struct dem__hull {
     int faces;
     uint32_t holds[DEM_FACES_MAX];
@@ -16779,8 +16781,8 @@ static inline double dem__half_size(const double *x, int n) {
     return size;
 }
 
-/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns
-   0 if there are too many. */
+/* Adds a plane unless one has the same points; of the two, the one from the larger triangle stays. Returns 0 if there
+   are too many. */
 static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
     int f = 0;
     while (f < hull->faces && hull->holds[f] != holds) f++;
@@ -16825,8 +16827,8 @@ static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double
     return 1;
 }
 
-/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no
-   polygon. */
+/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they do not
+   form a polygon. */
 static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
     const dem_vec normal = dem__point(hull->plane[f]);
     const int begin = count;
@@ -16850,8 +16852,8 @@ static inline int dem__go_round(const dem__hull *hull, int f, const double *x, i
     return count - begin == total && total > 2 ? count : 0;
 }
 
-/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is
-   not that of a ball. */
+/* Finds the edges from the corners of faces. Returns 0 if an edge does not have two faces or is too short, or the
+   surface is not that of a ball. */
 static inline int dem__find_edges(dem_convex *s, double shortest) {
     s->edges = 0;
     for (int f = 0; f < s->faces; f++) {
@@ -16921,8 +16923,8 @@ static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
     }
 }
 
-/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left
-   as it is. */
+/* Diagonalises a symmetric matrix (Jacobi). axis[k][a]: component a of principal axis k. A diagonal matrix is left as
+   it is. */
 static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
     const double size = m[0][0] + m[1][1] + m[2][2];
     for (int p = 0; p < 3; p++) {
@@ -16970,7 +16972,8 @@ static inline const char *dem__set_moments(dem_convex *s, const dem__moments *bu
     return NULL;
 }
 
-/* Sets them; moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what is wrong. */
+/* Does so from the faces. Moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what
+   is wrong. */
 static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     dem__moments bulk;
     dem_vec c;
@@ -16984,8 +16987,8 @@ static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     return NULL;
 }
 
-/* Finds the point where three planes meet that have moved inwards. Returns their determinant, without sign; 0 if that
-   is below `least`. */
+/* Finds the point where three planes meet after they have moved inwards. Returns the absolute value of their
+   determinant; 0 if that is below `least`. */
 static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, double least,
                                dem_vec *at) {
     const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
@@ -16998,8 +17001,8 @@ static inline double dem__meet(const double *p, const double *q, const double *r
     return fabs(det);
 }
 
-/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there
-   are too many. */
+/* Adds a corner of the core unless it is there; of two equal corners the better determined one stays. Returns 0 if
+   there are too many. */
 static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
     int k = 0;
     while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
@@ -17032,7 +17035,7 @@ static inline int dem__erode(const dem_convex *s, dem_convex *core, double radiu
     return 1;
 }
 
-/* Returns the smallest distance of a face from the corner opposite to it. */
+/* Returns the smallest distance between a face and the corner opposite to it. */
 static inline double dem__least_width(const dem_convex *s) {
     double least = HUGE_VAL;
     for (int f = 0; f < s->faces; f++) {
@@ -17047,7 +17050,7 @@ static inline double dem__least_width(const dem_convex *s) {
 }
 
 /* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths
-   to the last bit, because its distances are computed from these. */
+   to the last bit, because distances are computed from these. */
 static inline void dem__find_box(dem_convex *s) {
     const double *h = s->corner[0];
     s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
@@ -17061,7 +17064,7 @@ static inline void dem__find_box(dem_convex *s) {
     }
 }
 
-/* Turns corners and planes of a shape: column k of the rotation is where its axis k lies. */
+/* Turns corners and planes of a shape. Its axes become x, y and z, the columns of the rotation. */
 static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec z) {
     if (x.x == 1.0 && y.y == 1.0 && z.z == 1.0) return;
     for (int k = 0; k < s->corners + s->faces; k++) {
@@ -17070,12 +17073,12 @@ static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec 
         v[0] = at.x, v[1] = at.y, v[2] = at.z;
     }
 }
-/* Turns them from the principal axes to the frame in which the shape was given. */
+/* Turns corners and planes from the principal axes to the frame in which the shape was given. */
 static inline void dem__turn_to_given(dem_convex *s) {
     dem__turn_shape(s, s->axis[0], s->axis[1], s->axis[2]);
     s->along_axes = 0;
 }
-/* Turns them to the principal axes. A box has its corners at the half lengths again, to the last bit. */
+/* Turns corners and planes to the principal axes. The corners of a box then equal the half lengths to the last bit. */
 static inline void dem__turn_to_axes(dem_convex *s) {
     const dem_vec *a = s->axis;
     if (!s->along_axes)
@@ -17107,8 +17110,8 @@ static inline void dem__finish_shape(dem_convex *core) {
     dem__turn_to_given(core);
 }
 
-/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. is_large: whether that is that its
-   core has too many corners. */
+/* Makes the shape from corners relative to their middle. Returns NULL, or what is wrong. is_large: set if its core has
+   too many corners. */
 static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding, int *is_large) {
     dem_convex core;
     const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
@@ -17129,9 +17132,9 @@ static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double 
 }
 
 /* ------------------------------------------------------------------------------------------ >>polyhedra/distance.h */
-/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Promises: a separation that is returned
-   is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge)
-   and a triangle (3 corners, 3 edges, 2 faces) are cores like any other. */
+/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Promises: a separation never exceeds the
+   true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a triangle (3
+   corners, 3 edges, 2 faces) are cores like any other. */
 
 DEM_INLINE dem_vec dem__from_core_frame(const dem__placed *p, dem_vec v) {
     return dem__add(dem__scale(v.x, p->axis[0]), dem__plus(dem__scale(v.y, p->axis[1]), v.z, p->axis[2]));
@@ -17154,7 +17157,7 @@ DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
     return best;
 }
 
-/* A simplex of corners of the difference of two cores: the corners of each, their places, and their weights in the
+/* A simplex of corners of the difference of two cores: the corners of each, their positions, and their weights in the
    nearest point. */
 typedef struct dem__simplex {
     int n;
@@ -17171,7 +17174,7 @@ DEM_INLINE void dem__keep_corners(dem__simplex *s, int n, const int *kept, const
     s->n = n;
 }
 
-/* Returns the point of segment i, j of a simplex that is nearest to the origin, and keeps the corners between which it
+/* Returns the point of segment i, j of a simplex that is nearest to the origin. Keeps the corners between which it
    lies. */
 static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
     const dem_vec p = s->at[i], u = dem__sub(s->at[j], p);
@@ -17195,7 +17198,7 @@ static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
     const double d3 = -dem__dot(ab, s->at[j]), d4 = -dem__dot(ac, s->at[j]), d5 = -dem__dot(ab, s->at[k]),
                  d6 = -dem__dot(ac, s->at[k]);
     const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, all = va + vb + vc;
-    if (!(all > 0.0) || vc <= 0.0 || vb <= 0.0 || va <= 0.0) { /* on the border: the nearest of three segments */
+    if (!(all > 0.0) || vc <= 0.0 || vb <= 0.0 || va <= 0.0) { /* on the border: the nearest point of three segments */
         const int pair[3][2] = {{i, j}, {i, k}, {j, k}};
         dem__simplex best = *s;
         dem_vec least = a;
@@ -17243,9 +17246,8 @@ static inline dem_vec dem__near_simplex(dem__simplex *s) {
 /* Distance of two cores. */
 typedef struct dem__gap_of_cores {
     dem_vec normal;      /* from b to a, a unit vector */
-    double separation;   /* of the two cores along it: their distance, or a lower limit of it; less than 0 where they
-                            overlap */
-    dem_vec at_a, at_b;  /* the points nearest to each other, where they do not overlap */
+    double separation;   /* their distance along it, or a lower limit of it; negative where they overlap */
+    dem_vec at_a, at_b;  /* the points nearest to each other, if they do not overlap */
     int overlap, rounds; /* whether they overlap; number of iterations */
 } dem__gap_of_cores;
 
@@ -17256,7 +17258,7 @@ DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem
     s->at[k] = dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j));
 }
 
-/* Begins with the corners of the last test, or with those that face each other. */
+/* Starts with the corners of the last test, or with those that face each other. */
 static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                       const dem__placed *pb, const dem__nearest_cache *cache) {
     s->n = 0;
@@ -17273,24 +17275,23 @@ DEM_INLINE double dem__reach_along(const dem_convex *s, const dem__placed *p, de
     if (s->is_box) return fabs(u.x) * s->half.x + fabs(u.y) * s->half.y + fabs(u.z) * s->half.z;
     return dem__dot(u, dem__point(s->corner[dem__farthest(s, u)]));
 }
-/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value
-   says nothing: they may be apart in another direction. */
+/* Returns a lower limit of the distance of two cores [m]: the distance along n, a unit vector from b to a. A negative
+   value says nothing, because they may be apart in another direction. */
 DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                    const dem__placed *pb, dem_vec n) {
     if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) return -HUGE_VAL;
     return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) -
            dem__reach_along(b, pb, n);
 }
-/* Two boxes, seen from the first one: where the other one's centre is not, but whence it is seen (from b to a), and its
-   axes. */
+/* Two boxes in the frame of the first one: the vector from the centre of b to that of a, and the axes of b. */
 typedef struct dem__two_boxes {
     const dem_convex *a, *b;
     double from[3], turn[3][3],
-        size[3][3]; /* along a's axes; turn[i][m]: cosine of a's axis i and b's axis m; size: without sign */
+        size[3][3]; /* along a's axes; turn[i][m]: cosine between a's axis i and b's axis m; size: its absolute value */
 } dem__two_boxes;
 
 /* Finds the axis k < 3 of a, or k - 3 of b, along which two boxes are farthest apart. Returns how far, as
-   dem__apart_along; along: k, and the component of the distance along it. */
+   dem__apart_along does. along: component of the distance along the axis. */
 static inline double dem__apart_along_faces(const dem__two_boxes *q, int *k, double *along) {
     double most = -HUGE_VAL;
     for (int n = 0; n < 6; n++) {
@@ -17324,8 +17325,8 @@ static inline double dem__apart_along_edges(const dem__two_boxes *q, int *k, dou
 }
 
 /* Looks for a direction along which two boxes are farther apart than `enough`, a unit vector from b to a, among the
-   normals of faces, then the products of edges (separating axes). Returns how far, as dem__apart_along; if it is not
-   enough, the direction is not set. */
+   normals of faces, then the products of edges (separating axes). Returns how far, as dem__apart_along does. If that is
+   not enough, the direction is not set. */
 static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                      const dem__placed *pb, double enough, dem_vec *normal) {
     dem__two_boxes q;
@@ -17386,13 +17387,13 @@ static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *
     }
 }
 
-/* A direction is good enough to find the points of two cores if they are as far apart along it as this share of the
+/* A direction is good enough to find the points of two cores if their distance along it is at least this share of the
    radii. */
 #define DEM__GOOD_AXIS 0.9
 
 /* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart
-   than `enough`, or certainly nearer and apart along a good direction. cache: of this pair, read and written, or NULL.
-   */
+   than `enough`, or certainly nearer and apart along a good direction. cache: of this pair, read and written, or
+   NULL. */
 static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
                                  double enough, dem__nearest_cache *cache, dem__gap_of_cores *gap) {
     dem__simplex s;
@@ -17425,7 +17426,7 @@ static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, con
     else dem__nearest_points(&s, a, pa, b, pb, gap);
 }
 
-/* Makes a core of a segment, or of a triangle. Its centre is the first corner; its axes are the world's. */
+/* Makes a core from a segment, or a triangle. Its centre is the first corner; its axes are the world's. */
 static inline void dem__segment_core(dem_convex *s, dem__placed *p, dem_vec from, dem_vec to, double radius) {
     const dem_vec u = dem__sub(to, from);
     memset(s, 0, sizeof *s);
@@ -17448,7 +17449,7 @@ static inline void dem__triangle_core(dem_convex *s, dem__placed *p, dem_vec a, 
     }
     s->face_start[1] = 3, s->face_start[2] = 6;
 }
-/* Makes a core of a point: the centre of a sphere. */
+/* Makes a core from a point: the centre of a sphere. */
 static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, double radius) {
     dem__segment_core(s, p, x, x, radius);
     s->corners = 1, s->edges = 0;
@@ -17456,24 +17457,24 @@ static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, dou
 
 /* -------------------------------------------------------------------------------------------- >>polyhedra/points.h */
 /* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Promises: a
-   point depends on its own two features alone; weight times overlap along the normals is the gradient of a potential
-   (of a linear law), and continuous in the motion. */
+   point depends only on its own two features; weight times overlap along the normals is the gradient of a potential (of
+   a linear law), and continuous in the motion. */
 
 enum {
     DEM__POINTS_MAX = 256
-}; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
+}; /* greatest number of points of a pair, enough for a plate on 60 wires; further points are left out */
 #define DEM__WINDOW                                                                                                    \
     1.000001 /* features are tested up to this multiple of the radii, so that rounding of directions does not decide   \
               */
 
-/* Sets what a point has that is a corner: its whole law. */
+/* Completes the point of a corner, which has its whole law. */
 DEM_INLINE void dem__count_point(dem__convex_point *p, double gap) {
     p->taken = 0;
     p->gap = gap, p->weight = p->count = p->spring = 1.0;
 }
 
-/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`,
-   any larger value without a direction. */
+/* Returns the signed distance of a point p from a box, in its frame. n: the direction away from it. Beyond `enough`,
+   returns any larger value without a direction. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec *n) {
     const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
     const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
@@ -17490,7 +17491,7 @@ DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec 
     return dem_axis(out, k);
 }
 
-/* Returns whether the foot of a point p lies within face f. */
+/* Returns whether the projection of a point p on face f lies within it. */
 DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     const dem_vec n = dem__point(s->plane[f]);
     for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
@@ -17501,8 +17502,8 @@ DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     return 1;
 }
 
-/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. Beyond `enough`,
-   any larger value. */
+/* Returns the signed distance of a point p from a core that is not a box. n: the direction away from it. Beyond
+   `enough`, returns any larger value. */
 static inline double dem__from_near_faces(const dem_convex *s, dem_vec p, double enough, dem_vec *n) {
     int top = -1;
     double highest = -HUGE_VAL, least = HUGE_VAL;
@@ -17536,8 +17537,8 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
     return dem__from_near_faces(s, p, HUGE_VAL, n);
 }
 
-/* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger
-   value. */
+/* Returns the signed distance of a point p from a core. n: the direction away from it. Beyond `enough`, returns any
+   larger value. */
 DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
     const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);
@@ -17546,15 +17547,15 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
     return distance;
 }
 
-/* An edge in the world: where it begins, its direction, its length; in each of its two faces the direction away from
-   it; the sum of their normals. */
+/* An edge in the world: where it begins, its direction and length; in each of its two faces the direction away from it;
+   the sum of their normals. */
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
     double length, middle,
-        half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
-    int number, ends; /* ends: bits of the ends that are corners, which have points of their own */
-    int sided;        /* of a wall's edge: whether it is touched only from the side of `outward` */
-    double deep;      /* of a wall's edge: how much deeper than the radii it may be in the core [m] */
+        half; /* [m]; of the part near the other core: its middle, along the edge, and half its length */
+    int number, ends; /* ends: bits of the ends that are corners, which have their own points */
+    int sided;        /* edge of a wall: whether it is touched only from the side of `outward` */
+    double deep;      /* edge of a wall: how much deeper than the radii it may be in the core [m] */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -17581,7 +17582,7 @@ DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, do
 DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
     side->n = 0, side->limit = low, side->sign = sign;
     for (int k = 0; k < side->shape->corners;
-         k++) { /* without branches, as is all that follows: they could not be predicted */
+         k++) { /* without branches here and below: they could not be predicted */
         side->corner[side->n] = (uint8_t)k;
         side->n += side->is_near[k] = sign * side->height[k] < low;
     }
@@ -17602,7 +17603,7 @@ DEM_INLINE int dem__is_near_edge(const dem__side *side, int e) {
     return side->is_near[side->shape->edge[e][0]] | side->is_near[side->shape->edge[e][1]];
 }
 
-/* Places edge e in the world. apart: the cores do not overlap, and the directions in its faces are not needed. */
+/* Places edge e in the world. apart: the cores do not overlap, and the directions in its faces are not used. */
 static inline void dem__place_edge(const dem__side *side, int e, int apart, dem__placed_edge *p) {
     const dem_convex *s = side->shape;
     const int from = s->edge[e][0], to = s->edge[e][1];
@@ -17627,8 +17628,7 @@ static inline void dem__place_edge(const dem__side *side, int e, int apart, dem_
     if (dem__dot(p->outward, p->outward) < 1e-6) p->outward = dem__scale(-1.0, p->in[0]); /* the rim of a sheet */
 }
 
-/* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals.
- */
+/* Returns how far the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals. */
 DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
     double lean = 0.0;
     for (int f = 0; f < 2; f++) {
@@ -17657,7 +17657,7 @@ DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *
 }
 
 /* Finds where two edges cross: s along p, the unit vector from q to p, and the signed distance. Returns 0 if they do
-   not cross. apart: the cores do not overlap, so that nearest points tell the direction. */
+   not cross. apart: the cores do not overlap, so the nearest points give the direction. */
 static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s,
                                      dem_vec *normal, double *distance) {
     const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
@@ -17665,7 +17665,7 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
     const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), s_square = c * on_q - on_p,
                  t_square = on_q - c * on_p;
-    const double wide = DEM__WINDOW * square; /* most do not cross, which is seen without a division */
+    const double wide = DEM__WINDOW * square; /* most do not cross, which shows without a division */
     if (!((s_square > 0.0) & (s_square < p->length * wide) & (t_square > 0.0) & (t_square < q->length * wide)))
         return 0;
     const double t = t_square / square;
@@ -17682,17 +17682,18 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     return apart || *distance > 0.0 || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
 }
 
-/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the
-   crossing counts only beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1
-   - (D_i/D)^2) k/2. It is 0 with slope 0 where the crossing reaches an end, and that corner's own point continues.
-   Forces are its gradient: D at the crossing and D_i at the ends, with weights. The point of the crossing gets `key`,
-   those of the ends the next four. */
+/* Finds the points where edge p of a crosses edge q of b. Returns how many. The overlap D at the crossing has energy
+   only beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2)
+   k/2. It is 0 with slope 0 where the crossing reaches an end, where the point of that corner takes over. Forces are
+   its gradient: D at the crossing and D_i at the ends, with weights. The point of the crossing gets `key`, those of the
+   ends the next four. */
 static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart,
                                    int32_t key, dem__convex_point *out) {
     double s, distance, rest[4], left = 1.0, share[4];
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
-    if (!(overlap > 0.0) || !(overlap < 2.0 * radii + q->deep)) return 0; /* deeper: on far sides of the cores */
+    /* deeper: they lie on far sides of the cores */
+    if (!(overlap > 0.0) || !(overlap < 2.0 * radii + q->deep)) return 0;
     int n = 1;
     out->key = key, out->taken = 0;
     out->gap = -overlap;
@@ -17730,8 +17731,8 @@ DEM_INLINE int dem__passes_box(const dem__side *box, dem_vec x, double distance)
     return passes;
 }
 
-/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0,
-   a and b have changed places. */
+/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if it is
+   above 0, a and b are exchanged. */
 static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out,
                                           int n) {
     const double radii = a->shape->radius + b->shape->radius;
@@ -17744,7 +17745,7 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
         if (!(distance < radii)) continue;
         p->key = key + k, p->at = x;
         dem__count_point(p, distance - radii);
-        if (key > 0) { /* a and b have changed places */
+        if (key > 0) { /* a and b are exchanged */
             p->at = dem__plus(x, -distance, p->normal);
             p->normal = dem__scale(-1.0, p->normal);
         }
@@ -17753,9 +17754,9 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
     return n;
 }
 
-/* Returns which sides of a box the near part of edge e of another core comes near to: bits 2 k and 2 k + 1 for the
-   lower and the upper side across axis k; 0 if it is not near to two sides that meet, where an edge of the box could
-   be. seen: the core's place in the box's frame. */
+/* Returns to which sides of a box the near part of edge e of another core comes close: bits 2 k and 2 k + 1 for the
+   lower and the upper side across axis k. Returns 0 if these are not two sides that meet in an edge. seen: the core's
+   place in the box's frame. */
 DEM_INLINE unsigned dem__sides_near(const dem__side *side, const dem__placed *seen, int e, const dem_convex *box,
                                     double radii) {
     const uint8_t *end = side->shape->edge[e];
@@ -17788,8 +17789,8 @@ DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
 typedef struct dem__edge_list {
     int n;
     uint8_t number[DEM_EDGES_MAX];
-    uint8_t sides[DEM_EDGES_MAX]; /* of a box: those at which an edge lies; or those of the other box that it is not
-                                     near to */
+    uint8_t sides[DEM_EDGES_MAX]; /* of a box: the sides that meet at an edge; otherwise the sides of the other box that
+                                     it is not close to */
 } dem__edge_list;
 
 /* Lists the edges that end at a near corner. */
@@ -17800,7 +17801,7 @@ static inline void dem__list_near_edges(const dem__side *side, dem__edge_list *l
         list->n += dem__is_near_edge(side, e);
     }
 }
-/* Finds the sides of a box at which its edges lie. */
+/* Finds the sides of a box that meet at its edges. */
 static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) {
     for (int m = 0; m < list->n; m++) {
         const uint8_t *end = side->shape->edge[list->number[m]];
@@ -17809,7 +17810,7 @@ static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) 
                              : 0;
     }
 }
-/* Keeps the edges of a list that can cross one of the other core. */
+/* Keeps the edges of a list that can cross an edge of the other core. */
 static inline void dem__keep_edges(const dem__side *side, const dem__side *other, double radii, dem__edge_list *list) {
     const dem__placed *frame = other->place;
     dem__placed seen;
@@ -17826,14 +17827,15 @@ static inline void dem__keep_edges(const dem__side *side, const dem__side *other
     list->n = kept;
 }
 
-/* Appends the points where edges cross to a list of n. Returns the new number. The core with fewer near edges is looked
-   at first: if none of these can cross one of the other core, nothing else is done. Edges are placed as soon as they
-   are needed. */
+/* Appends the points where edges cross to a list of n. Returns the new number. Begins with the core that has fewer near
+   edges: if none of these can cross an edge of the other core, nothing else is done. Edges are placed when they are
+   needed. */
 static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out,
                                         int n) {
     const double radii = a->shape->radius + b->shape->radius, window = DEM__WINDOW * radii;
     uint8_t is_placed[DEM_EDGES_MAX], other[DEM_EDGES_MAX];
-    dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of a, and all of b: a second table would make the frame too large */
+    dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of a, and all of b: a second table would make the stack frame too
+                                                large */
     dem__edge_list of_a, of_b;
     dem__list_near_edges(a, &of_a), dem__list_near_edges(b, &of_b);
     const int a_first = of_a.n <= of_b.n;
@@ -17859,8 +17861,8 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
     return n;
 }
 
-/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. Returns
-   their number. If a core is a point, only its own corner counts; otherwise it would be counted twice. */
+/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, sorted by key. Returns how
+   many. If a core is a point, only its own corner counts; otherwise it would be counted twice. */
 static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                    const dem__placed *pb, dem_vec normal, dem__convex_point *out) {
     dem__side sa, sb;
@@ -17879,11 +17881,11 @@ static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, c
 }
 
 /* -------------------------------------------------------------------------------------------- >>polyhedra/behind.h */
-/* Polyhedra that a thin sheet cuts: which of their points are behind it, and how deep. A sheet has no inside, a body
-   has: the side of its centre is in front. Reads a wall, a shape and its place. Promises: overlap and normal of a point
-   that passes the sheet are continuous; nothing is computed here unless a core is cut. */
+/* Polyhedra that a thin sheet cuts: which of their points are behind it, and how deep. A sheet has no inside, so the
+   side of the body's centre counts as the front. Reads a wall, a shape and its place. Promises: overlap and normal of a
+   point that passes the sheet are continuous; nothing is computed here unless a core is cut. */
 
-/* Returns the place at which the line from p to q passes through triangle k of a tree, 0 .. 1; above 1: none. */
+/* Returns where the line from p to q passes through triangle k of a tree, 0 .. 1; above 1: nowhere. */
 static inline double dem__passes_at(const dem__tree *t, int32_t k, dem_vec p, dem_vec q) {
     const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]],
                   c = t->vertex[t->corner[3 * k + 2]];
@@ -17896,9 +17898,9 @@ static inline double dem__passes_at(const dem__tree *t, int32_t k, dem_vec p, de
     return passes ? from / (from - to) : HUGE_VAL;
 }
 
-/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
-   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
-   in another direction. */
+/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: the
+   distance along the normal of the triangle, or of a face of the core. A value that is not above 0 says nothing,
+   because they may be apart in another direction. */
 static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
                                               int32_t k, double enough) {
     const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
@@ -17943,7 +17945,7 @@ static inline int dem__may_cut(const dem_wall *wall, const dem_convex *s, const 
     return 0;
 }
 
-/* Finds the first triangle through which the line from p to q passes. Returns its number, -1: none; at: where. */
+/* Finds the first triangle through which the line from p to q passes. Returns its index, -1: none. at: where. */
 static inline int32_t dem__first_passed(const dem__tree *t, dem_vec p, dem_vec q, dem_vec *at) {
     const dem_vec u = dem__sub(q, p), middle = dem__plus(p, 0.5, u);
     const double half = 0.5 * dem__length(u);
@@ -17968,21 +17970,21 @@ static inline int32_t dem__first_passed(const dem__tree *t, dem_vec p, dem_vec q
 /* A place behind a sheet, in the mesh's frame. */
 typedef struct dem__behind {
     const dem__tree *tree;
-    dem_vec centre, x, at; /* of the body; the place; where the line between them passes the sheet first */
-    int32_t first, best;   /* triangle there; triangle that is nearest */
-    double distance;       /* to the nearest [m] */
+    dem_vec centre, x, at; /* the body's centre; the place; where the line between them first passes the sheet */
+    int32_t first, best;   /* the triangle there; the nearest triangle */
+    double distance;       /* to the nearest triangle [m] */
     dem_vec normal;        /* from the nearest triangle to the front */
 } dem__behind;
 
-/* Returns the normal of a triangle that points to the centre's side, or 0 if the place is on that side. */
+/* Returns the normal of a triangle on the side of the centre, or 0 if the place is on that side, too. */
 static inline dem_vec dem__front_of(const dem__behind *q, int32_t k) {
     const dem_vec n = q->tree->normal[k], a = q->tree->vertex[q->tree->corner[3 * k]];
     const double centre = dem__dot(n, dem__sub(q->centre, a)), x = dem__dot(n, dem__sub(q->x, a));
     return dem__scale(centre > 0.0 && x < 0.0 ? 1.0 : centre < 0.0 && x > 0.0 ? -1.0 : 0.0, n);
 }
 
-/* Takes triangle k if it is the nearest one behind which the place is. One that is as good as parallel to the first one
-   and behind that is the far side of a plate, which does not count. */
+/* Takes triangle k if the place is behind it, and no triangle taken before is nearer. A triangle behind the first one
+   and as good as parallel to it is the far side of a plate, which does not count. */
 static inline void dem__try_behind(dem__behind *q, int32_t k) {
     const dem_vec front = dem__front_of(q, k), a = q->tree->vertex[q->tree->corner[3 * k]];
     double distance;
@@ -17995,10 +17997,10 @@ static inline void dem__try_behind(dem__behind *q, int32_t k) {
     const dem_vec up = inside || !(distance > 0.0) ? front : dem__scale(-1.0 / distance, v);
     q->distance = distance, q->best = k, q->normal = up;
     if (dem__dot(up, front) > DEM__SMOOTH) return;
-    q->normal = front; /* beyond a rim: behind its plane */
+    q->normal = front; /* beyond a rim it is behind the plane */
 }
 
-/* Finds how deep a place is behind a mesh, seen from a body's centre. Returns 0 if it is not. */
+/* Finds how deep a place is behind a mesh, seen from a body's centre. Returns 0 if it is not behind it. */
 static inline int dem__find_behind(const dem_wall *wall, dem_vec centre, dem_vec x, dem__touch *out) {
     dem__behind q;
     q.tree = wall->tree, q.distance = HUGE_VAL;
@@ -18026,7 +18028,7 @@ static inline int dem__find_behind(const dem_wall *wall, dem_vec centre, dem_vec
     return 1;
 }
 
-/* Returns whether a curved sheet may cut a core: an edge passes through it. */
+/* Returns whether a curved sheet may cut a core, because an edge of the core passes through it. */
 static DEM__NOINLINE int dem__sheet_cuts(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
     dem_vec corner[DEM_CORNERS_MAX];
     for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
@@ -18037,13 +18039,13 @@ static DEM__NOINLINE int dem__sheet_cuts(const dem_wall *w, const dem_convex *s,
 }
 
 /* ---------------------------------------------------------------------------------------- >>polyhedra/mesh_edges.h */
-/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. The
-   table is made once for each mesh, in a world with polyhedra. */
+/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. The table is made once for each
+   mesh, in a world with polyhedra. */
 
 #define DEM__FLAT_EDGE                                                                                                 \
-    1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
+    1e-3 /* edges: sine of the angle between two triangles up to which they are flat; corners: the same for two edges */
 
-/* Finds the first vertex at the same place for each vertex. */
+/* For each vertex, finds the first vertex at the same place. */
 static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keyed *items) {
     for (int32_t v = 0; v < t->vertices; v++) {
         const double x[3] = {t->vertex[v].x + 0.0, t->vertex[v].y + 0.0, t->vertex[v].z + 0.0}; /* no -0 */
@@ -18101,7 +18103,7 @@ static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edg
     }
 }
 
-/* Finds the sharp corners: ends of sharp edges, except where only two of these meet in one line. */
+/* Finds the sharp corners: ends of sharp edges, unless just two sharp edges meet there in one line. */
 static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same,
                                           dem__keyed *items) {
     ptrdiff_t n = 0;
@@ -18159,7 +18161,7 @@ static inline int dem__make_mesh_edges(const dem_allocator *a, dem__tree *t) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/walls.h */
-/* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own
+/* Contacts of a polyhedron with a wall. Its corners are spheres, its edges capsules, and its faces touch the wall's own
    corners. Reads a wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a
    potential, as between polyhedra. */
 
@@ -18172,12 +18174,12 @@ typedef struct dem__at_wall {
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
     int edges;  /* length of the list; 0 until edges are needed */
-    int is_cut; /* whether a sheet may cut the core: only then corners can be behind it */
+    int is_cut; /* whether a sheet may cut the core: only then can corners be behind it */
     int n;
     dem__convex_point *out;
 } dem__at_wall;
 
-/* Returns the key of a corner at an element of a wall, by its number, or at a place of a mesh, by the direction of its
+/* Returns the key of a corner: at an element of a wall by its index, at a place of a mesh by the direction of its
    normal in the wall's frame. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
     if (dem__has_elements(wall)) return corner + DEM__ELEMENT_KEYS * (touch->element + DEM__ELEMENTS_FROM);
@@ -18199,7 +18201,7 @@ DEM_INLINE int32_t dem__element_of_key(const dem_wall *wall, int32_t key) {
     return dem__has_elements(wall) ? key / DEM__ELEMENT_KEYS - DEM__ELEMENTS_FROM : 0;
 }
 
-/* Lists the edges of the polyhedron unless that is done. */
+/* Lists the edges of the polyhedron unless they are listed. */
 static inline void dem__list_edges(dem__at_wall *q) {
     dem__side side;
     if (q->edges > 0) return;
@@ -18233,7 +18235,7 @@ static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_e
     return 0;
 }
 
-/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
+/* Returns whether a part of the line from p to q, given in the core's frame, lies in the core. */
 static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
     double low = 0.0, high = 1.0;
     for (int f = 0; f < s->faces; f++) {
@@ -18246,8 +18248,8 @@ static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q
     return low < high;
 }
 
-/* Finds the direction in which an edge of a wall, which is in the core, is nearest to its surface, among those at which
-   edges of the core cross it. Returns 0 if there is none. */
+/* For an edge of a wall inside the core, finds the direction in which it is nearest to the core's surface, among those
+   at which edges of the core cross it. Returns 0 if there is none. */
 static DEM__NOINLINE int dem__find_way_out(const dem__at_wall *q, const dem__placed_edge *e, dem_vec *way) {
     double nearest = HUGE_VAL, s, distance;
     dem_vec n;
@@ -18258,8 +18260,8 @@ static DEM__NOINLINE int dem__find_way_out(const dem__at_wall *q, const dem__pla
     return nearest < HUGE_VAL;
 }
 
-/* Adds the points of all edges of the polyhedron at an edge of a wall. Where this is in the core, edges of the core
-   tell the side, and only those count through which it came. */
+/* Adds the points of all edges of the polyhedron at an edge of a wall. If that edge is in the core, edges of the core
+   tell its side, and only those count through which it entered. */
 static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_edge *of) {
     dem__at_wall *q = (dem__at_wall *)(void *)v;
     dem__placed_edge e;
@@ -18296,8 +18298,8 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
     q->n++;
 }
 
-/* Finds the touches of a sphere of the rounding at x with a sheet that may cut the core. Behind the sheet its overlap
-   counts on, along the normal to the front. Returns their number. */
+/* Finds where a sphere of the rounding at x touches a sheet that may cut the core. Behind the sheet its overlap goes on
+   growing, along the normal to the front. Returns how many touches there are. */
 static DEM__NOINLINE int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double limit, dem__touch *touch) {
     const dem_wall *wall = q->wall;
     dem__touch behind;
@@ -18312,7 +18314,7 @@ static DEM__NOINLINE int dem__touch_cutting(const dem__at_wall *q, dem_vec x, do
     }
     if (!is_behind) return found;
     behind.gap -= q->shape->radius;
-    for (int m = 0; m < found; m++) { /* other surfaces stay, this one's far side does not */
+    for (int m = 0; m < found; m++) { /* touches of other surfaces stay, those of this one's far side do not */
         if (dem__dot(touch[m].normal, behind.normal) > -0.5 && dem__dot(touch[m].normal, behind.normal) < 0.5)
             touch[kept++] = touch[m];
     }
@@ -18372,7 +18374,7 @@ static inline double dem__nearest_between(const dem__at_wall *q, const dem__plac
 }
 
 /* Finds the places at which an edge touches a sheet between its ends, by steps along it: long ones where no contact is
-   possible, otherwise short ones. Returns their number. */
+   possible, otherwise short ones. Returns how many. */
 static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
     const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
     dem__touch was = dem__touch_sheet_along(q, e, 0.0);
@@ -18390,7 +18392,7 @@ static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_ed
     return n;
 }
 
-/* Adds the point of an edge at t with a sheet, and the points of the edge's ends, with weights as for crossing edges. */
+/* Adds the point of an edge at t with a sheet, and the points of the edge's ends, weighted as for crossing edges. */
 static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
     double share[2], rest[2], left = 1.0;
@@ -18426,13 +18428,13 @@ static inline void dem__touch_sheet_with_edges(dem__at_wall *q) {
     }
 }
 
-/* How corners of a polyhedron tell its gap to a wall. */
+/* How the corners of a polyhedron tell its gap to a wall. */
 DEM_INLINE int dem__corners_at(const dem_wall *wall) {
     return wall->kind__->corners ? wall->kind__->corners(wall) : DEM__CORNERS_SOME;
 }
 
-/* Finds the points of a polyhedron at a wall, both at the end of the step; the sphere around it touches the wall.
-   Returns their number; may_cut: whether a sheet may cut its core. */
+/* Finds the points of a polyhedron at a wall, both at the end of the step. The sphere around it touches the wall.
+   Returns how many. may_cut: whether a sheet may cut its core. */
 static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
                                              dem__convex_point *out, int *may_cut) {
     dem__at_wall q;
@@ -18450,7 +18452,7 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     return q.n;
 }
 
-/* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: of the core. */
+/* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: the core's. */
 static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
     const dem__tree *t = wall->tree;
     const dem__placed core = dem__in_frame(wall, place);
@@ -18515,7 +18517,7 @@ static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s,
     }
     return 0;
 }
-/* Looks for the axis of a bar that passes through a core. */
+/* Looks for a bar's axis that passes through a core. */
 typedef struct dem__axis_visitor {
     dem__edge_visitor visitor;
     const dem_convex *shape;
@@ -18531,8 +18533,8 @@ static inline void dem__look_at_axis(dem__edge_visitor *v, const dem__wall_edge 
     q->found = dem__core_holds_line(q->shape, dem__into_core(q->place, e->from), dem__into_core(q->place, e->to));
 }
 
-/* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners
-   touch nothing. */
+/* Returns whether a core has passed into a sheet, a mesh, a cone, or the axis of a bar. Beyond them its corners touch
+   nothing. */
 static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
     dem_vec corner[DEM_CORNERS_MAX];
     if (dem__has_elements(w)) {
@@ -18571,7 +18573,7 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
    The dashpot acts on the mass that the resultant of the springs meets, with the stiffness that they have. So the
    restitution, at the point where the resultant acts, is that of the pair. */
 
-/* Returns the overlap to the power of the energy, or of the force, from its square. */
+/* Returns an overlap to the power of the energy, or of the force. square: of the overlap. */
 DEM_INLINE double dem__energy_at(double square, double power) {
     return power > 2.0 ? square * sqrt(sqrt(square)) : square;
 }
@@ -18584,8 +18586,7 @@ DEM_INLINE void dem__divide_point(dem__convex_point *p, int springs) {
     p->weight /= (double)springs, p->count /= (double)springs;
 }
 
-/* The number of springs that the points of a pair are to be divided by, and its slope, from c: 1 up to 2, c/2 from 2.5
-   on. */
+/* The number by which the springs of a pair's points are divided, and its slope, from c: 1 up to 2, c/2 from 2.5 on. */
 typedef struct dem__division {
     double by, slope;
 } dem__division;
@@ -18597,17 +18598,18 @@ DEM_INLINE dem__division dem__divide(double c) {
     return d;
 }
 
-/* What a pair's springs have together: its energy over k/p, and whether they are no more than the parts of its points in
+/* The springs of a pair together: their energy over k/p, and whether they are no more than the parts of its points in
    the law, as where only corners touch. */
 typedef struct dem__springs {
     double energy;
     int are_parts;
 } dem__springs;
 
-/* Sets the parts of a pair's n points in its law and the factors of their springs. */
+/* Sets the parts of a pair's n points in its law, and the factors of their springs. */
 static inline dem__springs dem__share_points(dem__convex_point *p, int n, double power) {
     const double half = 0.5 * power;
-    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0, head = 1.0; /* head: t of an end's crossing */
+    /* head: t of the crossing to which an end belongs */
+    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0, head = 1.0;
     dem__springs of = {0.0, 1};
     for (int k = 0; k < n; k++) most = p[k].gap * p[k].gap > most ? p[k].gap * p[k].gap : most;
     for (int k = 0; k < n; k++) {
@@ -18630,7 +18632,8 @@ static inline dem__springs dem__share_points(dem__convex_point *p, int n, double
     return of;
 }
 
-/* Sums of a pair: its energy over k/p; over the stiffness the forces of the law by the parts, and of the springs. */
+/* Sums of a pair: its energy over k/p; divided by the stiffness, the forces of the law by the parts, and those of the
+   springs. */
 typedef struct dem__shared {
     double energy, parts, springs, whole; /* whole: sum of the parts */
     dem_vec normal, on_i, on_j;           /* the forces by the parts, and their moments about the centres */
@@ -18646,8 +18649,8 @@ DEM_INLINE double dem__per_turning(const dem_world *w, ptrdiff_t i, dem_vec mome
     return s->volume * sum / w->particle[i].mass;
 }
 
-/* Returns the factor of the closing speed that makes the pair's dashpot that of the resultant: the law's own is that of
-   the whole masses and of the pair's spring. */
+/* Returns the factor of the closing speed with which the pair's dashpot becomes that of the resultant. The law's own
+   dashpot is that of the whole masses and of the pair's spring. */
 static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, const dem__shared *s,
                                      double power) {
     const double length = dem__length(s->normal), least = 0.5 * s->parts; /* normals may face each other */
@@ -18658,12 +18661,12 @@ static inline double dem__damping_of(const dem_world *w, const dem__convex_pair 
         whole += dem__is_fixed(w, pair->j) ? 0.0 : 1.0 / w->particle[pair->j].mass;
         turning += dem__per_turning(w, pair->j, dem__scale(per, s->on_j));
     }
-    const double stiffness = s->energy / dem__energy_at(depth * depth, power); /* over that of the pair */
+    const double stiffness = s->energy / dem__energy_at(depth * depth, power); /* over the stiffness of the pair */
     return whole > 0.0 ? sqrt(stiffness * whole / (whole + turning)) / s->whole : 1.0;
 }
 
-/* Sets the pull of a pair, and each point's part in it, and removes ends. raise: of the parts, so that friction, which
-   they limit, counts on the whole force. Returns the number of points left. */
+/* Sets the pull of a pair and each point's part in it, and removes ends. raise: factor of the parts, so that friction,
+   which they limit, sees the whole force. Returns how many points are left. */
 static DEM__NOINLINE int dem__set_pull(dem__convex_pair *pair, dem_vec apart, double power, double parts, double raise,
                                        dem__convex_point *p, int n) {
     int kept = 0;
@@ -18683,7 +18686,7 @@ static DEM__NOINLINE int dem__set_pull(dem__convex_pair *pair, dem_vec apart, do
     return kept;
 }
 
-/* Completes the n points of a pair. apart: from the centre of j to that of i. Returns the number of points left. */
+/* Completes the n points of a pair. apart: from the centre of j to that of i. Returns how many points are left. */
 static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__springs of,
                                      dem__convex_point *p, int n) {
     const double power = w->engine->run.power;
@@ -18707,11 +18710,11 @@ static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair,
 }
 
 /* ------------------------------------------------------------------------------------------- >>polyhedra/entered.h */
-/* Two cores that are in each other: they are pushed apart along the direction of least overlap. Reads shapes, places
-   and the points of a pair; adds one point and lowers the weights of the others. Promises: forces stay the gradient of a
-   potential (of a linear law); nothing changes where cores begin to overlap; deep cores have one way only, apart. */
+/* Two overlapping cores are pushed apart along the direction of least overlap. Reads shapes, places and the points of a
+   pair; adds one point and lowers the weights of the others. Promises: forces stay the gradient of a potential (of a
+   linear law); nothing jumps where cores begin to overlap; deep cores can only move apart. */
 
-#define DEM__DEEP 1.0 /* overlap of cores over the radii of the roundings from which on nothing else acts */
+#define DEM__DEEP 1.0 /* overlap of cores, over the radii of the roundings, from which on only this point acts */
 
 /* The corners of a core that are farthest along a direction: how many, their mean, and two of them. */
 typedef struct dem__farthest_part {
@@ -18732,7 +18735,7 @@ static inline dem__farthest_part dem__find_part(const dem_convex *s, const dem__
     return part;
 }
 
-/* Returns the point at which two cores touch that have moved apart along n: of a's part. */
+/* Returns the point, on a, at which two cores touch once they have moved apart along n. */
 static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem__farthest_part *b) {
     if (a->n == 2 && b->n == 2) {
         const dem_vec u = dem__sub(a->end[1], a->end[0]), v = dem__sub(b->end[1], b->end[0]),
@@ -18744,9 +18747,9 @@ static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem_
     return a->n <= b->n ? a->mean : b->mean;
 }
 
-/* Adds the point at which two overlapping cores are pushed apart to the n points of a pair. With U, the energy of these
-   over k/p, and that of the point, V = (radii + depth)^p, the energy of the pair is (1 - s) U + s V, where s goes from 0
-   to 1 with the depth. Forces are its gradient. Returns the number of points. power: p. */
+/* Adds to the n points of a pair the one at which two overlapping cores are pushed apart. With U, the energy of the
+   other points over k/p, and V = (radii + depth)^p, that of the new one, the energy of the pair is (1 - s) U + s V,
+   where s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. power: p. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                          const dem__placed *pb, const dem__gap_of_cores *gap, double power,
                                          dem__springs *springs, dem__convex_point *out, int n) {
@@ -18771,15 +18774,15 @@ static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed 
 }
 
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/skip.h */
-/* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that cannot touch for some steps. Reads bodies and
-   walls; writes pairs. Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that
-   time. */
+/* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that are not tested for some steps. Reads bodies
+   and walls; writes pairs. Promises: a pair is skipped only while both bodies stay in flight and cannot touch in
+   that time. */
 
-/* Returns whether particle i still is in the flight that began at a step. */
+/* Returns whether particle i is still in the flight that began at a step. */
 DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
     return w->engine->bodies.activity[i] == DEM__FLYING && w->particle[i].origin == origin;
 }
-/* Returns whether a pair cannot touch at a step. */
+/* Returns whether a pair is skipped at a step, because it cannot touch. */
 DEM_INLINE int dem__is_skipped(const dem_world *w, const dem__convex_pair *p, int64_t step) {
     if (p->skip_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
     if (p->j >= 0) return dem__flies_on(w, p->j, p->origin[1]);
@@ -18787,7 +18790,7 @@ DEM_INLINE int dem__is_skipped(const dem_world *w, const dem__convex_pair *p, in
     return wall->speed_bound <= p->speed && wall->spin_bound <= p->spin;
 }
 
-/* Lets a pair be idle for some steps from a step on. */
+/* Skips a pair for some steps, from a step on. */
 DEM_INLINE void dem__skip_until(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
     p->skip_until = step + steps;
     p->origin[0] = w->particle[p->i].origin;
@@ -18798,12 +18801,12 @@ DEM_INLINE void dem__skip_until(const dem_world *w, dem__convex_pair *p, int64_t
 DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
     return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
 }
-/* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
+/* Returns the greatest speed of particle i relative to the centre of its clump, from its rotation [m/s]. */
 DEM_INLINE double dem__turning_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
     return r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
 }
-/* Returns how fast the surface of particle i, or a clump's sphere, moves relative to the centre of its body, at most
+/* Returns the greatest speed of the surface of particle i, or of a clump's sphere, relative to the centre of its body
    [m/s]. */
 DEM_INLINE double dem__surface_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
@@ -18813,7 +18816,7 @@ DEM_INLINE double dem__surface_speed_of(const dem_world *w, ptrdiff_t i) {
 DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
     return (double)(step - w->particle[i].origin) * w->engine->run.dt;
 }
-/* Returns the centre of particle i at a step. That of a polyhedron that flies needs no orientation; others have been
+/* Returns the centre of particle i at a step. A polyhedron in flight needs no orientation for it; others have been
    placed. */
 DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step) {
     const double tau = dem__flown_until(w, i, step);
@@ -18821,21 +18824,22 @@ DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step)
     return w->engine->bodies.activity[i] == DEM__FLYING ? dem__centre_at(w, i, tau) : w->engine->convex.place[i].x;
 }
 
-/* Returns whether two particles may be left alone: both fly. */
+/* Returns whether a pair may be skipped: both particles are in flight. */
 DEM_INLINE int dem__may_skip(const dem_world *w, const dem__convex_pair *p) {
     return (w->def.skip & DEM_SKIP_PAIRS) && dem__is_in_flight(w, p->i) && dem__is_in_flight(w, p->j);
 }
-/* Returns the velocity of particle i relative to j, of their centres [m/s]. */
+/* Returns the velocity of the centre of particle i relative to that of j [m/s]. */
 DEM_INLINE dem_vec dem__drift_between(const dem_world *w, const dem__convex_pair *p, int64_t step) {
     return dem__sub(dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)),
                     dem__drift_at(w, p->j, dem__flown_until(w, p->j, step)));
 }
-/* Returns how fast their relative velocity changes [m/s2]. */
+/* Returns how fast this velocity changes [m/s2]. */
 DEM_INLINE double dem__pull_between(const dem_world *w, const dem__convex_pair *p) {
     return dem__length(dem__sub(dem__centre_pull(w, p->i), dem__centre_pull(w, p->j)));
 }
 
-/* Finds whether the spheres around two particles touch at a step. If not, and both fly, the pair is left alone. */
+/* Finds whether the spheres around two particles touch at a step. If they do not, and both particles are in flight,
+   skips the pair. */
 static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p, int64_t step) {
     const double slack = 2.0 * w->engine->pairs.position_tolerance;
     const double reach = w->particle[p->i].radius + w->particle[p->j].radius + slack;
@@ -18848,8 +18852,8 @@ static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p,
                     dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
 }
 
-/* Returns a lower limit of the distance to the images of j that are not the nearest one of i, which is at d from j [m].
- */
+/* Returns a lower limit of the distance between i and all images of j but the nearest one [m]. d: from that one to
+   i. */
 DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
@@ -18859,8 +18863,8 @@ DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
     return least;
 }
 
-/* Leaves two particles alone, if both fly, that do not touch although the spheres around them do. d: from j to i; gap:
-   between their surfaces along n, a direction from j to i, in which nothing of them is nearer. */
+/* Skips two particles in flight that do not touch although the spheres around them do. d: from j to i; gap: between
+   their surfaces along n, a direction from j to i, in which nothing of them is nearer. */
 static inline void dem__skip_pair(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d, double gap,
                                   dem_vec n) {
     const double slack = 2.0 * w->engine->pairs.position_tolerance;
@@ -18878,9 +18882,9 @@ static inline void dem__skip_pair(const dem_world *w, dem__convex_pair *p, int64
 /* How a particle moves in the frame of a wall. */
 typedef struct dem__approach {
     double speed, pull; /* speed now [m/s]; limit of its change [m/s2] */
-    int most;           /* number of steps for which they hold */
+    int most;           /* number of steps for which these hold */
 } dem__approach;
-/* Returns this for a particle at x with velocity v and acceleration a. */
+/* Returns how a particle at x with velocity v and acceleration a moves relative to a wall. */
 static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall *wall, dem_vec x, dem_vec v,
                                              dem_vec a) {
     const double turn = DEM__RETEST_STEPS * w->engine->run.dt;
@@ -18889,12 +18893,12 @@ static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall 
     if (!(wall->spin_bound > 0.0)) return q;
     q.most = DEM__RETEST_STEPS;
     if (wall->asked.drive == DEM_KINEMATIC && wall->speed_bound == 0.0 &&
-        wall->spin_bound * turn < 0.02) { /* it turns evenly */
+        wall->spin_bound * turn < 0.02) { /* it turns uniformly */
         const dem_vec arm = dem__sub(x, wall->asked.spin_centre), spin = dem__scale(wall->spin, wall->spin_axis);
         const double bound = wall->spin_bound;
         q.speed = dem__length(dem__sub(v, dem__cross(spin, arm)));
         q.pull = 1.05 * (q.pull + bound * (bound * dem__length(arm) +
-                                           2.02 * q.speed)); /* with what they gain meanwhile, 5 % at most */
+                                           2.02 * q.speed)); /* includes what they gain meanwhile, 5 % at most */
         return q;
     }
     const double out = turn * (q.speed + turn * q.pull); /* as in dem__test_wall */
@@ -18902,13 +18906,13 @@ static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall 
     return q;
 }
 
-/* Returns whether particle i may be left alone at walls. */
+/* Returns whether walls may be skipped for particle i. */
 DEM_INLINE int dem__may_skip_wall(const dem_world *w, ptrdiff_t i) {
     return (w->def.skip & DEM_SKIP_SPACE) && dem__is_in_flight(w, i);
 }
 
-/* Leaves a particle at x alone that flies and has a gap to a wall. reach: of what turns with it, 0 for the sphere
-   around it [m]. */
+/* Skips a wall for a particle in flight at x, which has a gap to it. reach: of the parts that rotate with the particle;
+   0 for the sphere around it [m]. */
 static inline void dem__skip_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap,
                                   double reach) {
     const dem_wall *wall = &w->wall[-1 - p->j];
@@ -18928,8 +18932,8 @@ static inline void dem__skip_wall(const dem_world *w, dem__convex_pair *p, int64
     p->is_close = 0;
 }
 
-/* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If not, and it flies, it
-   is left alone. */
+/* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If it does not, and the
+   particle is in flight, skips the wall. */
 static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step) {
     const int may_rest = dem__may_skip_wall(w, p->i);
     const dem_vec x = dem__in_box(w, dem__centre_in(w, p->i, step));
@@ -18951,10 +18955,10 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/pairs.h */
-/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin
-   and end. Reads bodies, walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact
-   depends on its own pair and step alone, never on earlier tests or on threads. A contact of pair q has near = -2 - q.
-   */
+/* Contacts of polyhedra: which pairs may have contacts, their points in a step, and the contacts that follow these
+   points, begin and end. Reads bodies, walls and the list of near pairs; writes pairs, contacts and their places.
+   Promises: a contact depends only on its pair and step, never on earlier tests or on threads. A contact of pair q has
+   near = -2 - q. */
 
 /* Places a polyhedron at a step. */
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
@@ -18966,7 +18970,7 @@ static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step
     place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn),
     place->axis[2] = dem__third_axis(turn);
 }
-/* Places those among particles first .. end-1 that take steps. */
+/* Places the particles among first .. end-1 that take steps. */
 static inline void dem__place_active(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     (void)part;
     for (ptrdiff_t i = first; i < end; i++) {
@@ -18974,7 +18978,7 @@ static inline void dem__place_active(dem_world *w, ptrdiff_t first, ptrdiff_t en
             dem__place_polyhedron(w, i, *(const int64_t *)context);
     }
 }
-/* Places those among particles first .. end-1 that fly and are marked in scratch.index. */
+/* Places the particles among first .. end-1 that are in flight and marked in scratch.index. */
 static inline void dem__place_flying(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     (void)part;
     for (ptrdiff_t i = first; i < end; i++) {
@@ -18989,7 +18993,7 @@ static inline void dem__place_flying(dem_world *w, ptrdiff_t first, ptrdiff_t en
 static inline void dem__find_close(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const int64_t step = *(const int64_t *)context;
     (void)part;
-    for (ptrdiff_t k = first; k < end; k++) { /* by number: there may be no pairs, and no array */
+    for (ptrdiff_t k = first; k < end; k++) { /* by index: without pairs there is no array */
         dem__convex_pair *p = &w->engine->convex.pair[k];
         if (dem__is_skipped(w, p, step)) continue;
         p->is_close = p->count = 0, p->skip_until = 0;
@@ -19006,7 +19010,7 @@ static inline void dem__place_close(dem_world *w, int64_t step) {
     int32_t *marked = w->engine->scratch.index;
     dem__in_parts(w, parts, w->count, dem__place_active, &step);
     dem__in_parts(w, dem__parts(w, convex->pairs), convex->pairs, dem__find_close, &step);
-    if (w->engine->bodies.active_count == w->count - w->engine->bodies.dropped) return; /* none flies */
+    if (w->engine->bodies.active_count == w->count - w->engine->bodies.dropped) return; /* none is in flight */
     for (ptrdiff_t i = 0; i < w->count; i++) marked[i] = 0;
     for (ptrdiff_t k = 0; k < convex->pairs; k++) {
         const dem__convex_pair *p = &convex->pair[k];
@@ -19019,8 +19023,8 @@ static inline void dem__place_close(dem_world *w, int64_t step) {
 
 /* ---- points ---- */
 
-/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch: then
-   only its gap and normal are set. sphere_first: the sphere is a, the polyhedron b. */
+/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch; then
+   only gap and normal are set. sphere_first: the sphere is a, the polyhedron b. */
 static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius,
                                         int sphere_first, dem__convex_point *out) {
     dem_vec n;
@@ -19034,7 +19038,7 @@ static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *
     return 1;
 }
 
-/* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
+/* Finds the points of two particles; `at` is relative to the centre of i. Returns how many. */
 static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
                                       int64_t *overlaps) {
     const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
@@ -19051,13 +19055,13 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
         const double radius = particle[a ? p->j : p->i].radius;
         const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
                         : dem__points_of_sphere(b, &pb, d, radius, 1, out);
-        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
+        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* the sphere's centre is in the core */
         if (n == 0) dem__skip_pair(w, p, step, d, out->gap, out->normal);
         return dem__finish_points(w, p, d, dem__share_points(out, n, w->engine->run.power), out, n);
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
-    /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are
+    /* A direction only decides which features are tested. That of an earlier step serves as long as the cores are
        nearly as far apart along it. */
     double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
     if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
@@ -19081,8 +19085,8 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     return n;
 }
 
-/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. cuts: one more if the
-   wall cuts the core. */
+/* Finds the points of a particle at a wall, both at the end of the step. Returns how many. cuts: 1 more if the wall
+   cuts the core. */
 static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
                                       int64_t *cuts) {
     const dem_wall *wall = &w->wall[-1 - p->j];
@@ -19106,7 +19110,7 @@ typedef struct dem__convex_look {
     ptrdiff_t share;
     int full[DEM__PARTS_MAX];
 } dem__convex_look;
-/* Finds the points of pairs first .. end-1 at a step. look->full: this part has no room for them. */
+/* Finds the points of pairs first .. end-1 at a step. look->full: they do not fit into this part. */
 static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__convex_look *look = (dem__convex_look *)context;
     dem__convex_state *convex = &w->engine->convex;
@@ -19127,7 +19131,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
     }
 }
 
-/* Makes room for `wanted` points; their contents are lost. Returns 0 when out of memory. */
+/* Makes room for `wanted` points, which loses their contents. Returns 0 when out of memory. */
 static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
@@ -19172,7 +19176,7 @@ DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_poin
     place[DEM__PLACE_DAMPING][c] = p->damping, place[DEM__PLACE_PULL][c] = p->pull;
 }
 
-/* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall,
+/* Sets the place where the contact in slot c begins: also the normal one step before, and the curvature of a wall,
    which the contact keeps. */
 static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -19190,8 +19194,8 @@ static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__co
     dem__set_place_vec(w, DEM__PLACE_BEFORE, c, p->normal);
 }
 
-/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap
-   above 0, and so ends. */
+/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact that has lost its point gets a
+   gap above 0, and so ends. */
 static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part, (void)context;
@@ -19251,7 +19255,7 @@ static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32
     return low < (j < 0 ? convex->pairs : convex->of_particles) && p->i == i && p->j == j ? low : -1;
 }
 
-/* Lists the pairs, or with pair == NULL counts them. Returns their number. */
+/* Lists the pairs, or with pair == NULL counts them. Returns how many. */
 static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pair *pair, ptrdiff_t *of_particles) {
     ptrdiff_t n = 0;
     dem__convex_pair p;
@@ -19275,8 +19279,8 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     return n;
 }
 
-/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory.
- */
+/* Lists the pairs again, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of
+   memory. */
 static inline int dem__list_convex_pairs(dem_world *w) {
     dem__convex_state *convex = &w->engine->convex;
     dem__contacts *contacts = &w->engine->contacts;
@@ -19299,18 +19303,18 @@ static inline int dem__list_convex_pairs(dem_world *w) {
         if (!dem__shape_of(w, i) && (j < 0 || !dem__shape_of(w, j))) continue;
         const ptrdiff_t q = dem__convex_pair_of(w, i, j);
         contacts->near[c] = (int32_t)(-2 - q);
-        if (q < 0) contacts->ended[c] = 1; /* cannot happen: they touch */
+        if (q < 0) contacts->ended[c] = 1; /* cannot happen, because they touch */
     }
     return 1;
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/block.h */
-/* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about
-   the centres of the bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are
-   left as they are. */
+/* Contacts of polyhedra in a block of the kernel. They are contacts of spheres about their points, with torques about
+   the centres of the bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres
+   stay as they are. */
 
-/* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre.
- */
+/* Computes the velocity in the middle of a step, and the acceleration, of the point of a body at `arm` from its
+   centre. */
 DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
     const dem_particle *p = &w->particle[i];
     const dem_vec round = dem__cross(p->spin, arm);
@@ -19318,14 +19322,14 @@ DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, 
     *a = dem__add(p->a, dem__add(dem__cross(w->spin_rate[i], arm), dem__cross(p->spin, round)));
 }
 
-/* Returns the arm at the other body, from that at i, the distance of the bodies and the row's normal and gap. */
+/* Returns the arm at the other body, from the arm at i, the distance of the bodies and the row's normal and gap. */
 DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, int k, dem_vec arm) {
     const double reach = t->sum[k] + b->gap[k];
     return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k],
                     arm.z + b->dz[k] - reach * b->nz[k]);
 }
 
-/* Returns a vector whose part along n is larger by a factor 1 + more. */
+/* Returns a vector whose component along n is larger by a factor 1 + more. */
 DEM_INLINE dem_vec dem__speed_up(dem_vec v, dem_vec n, double more) { return dem__plus(v, more * dem__dot(v, n), n); }
 
 /* Calls the law of the run for the springs of row k alone, with these states. */
@@ -19342,8 +19346,8 @@ static inline void dem__spring_of(const dem_world *w, const dem__type_rows *t, i
     law->force(&q, s, r);
 }
 
-/* Fits the stored friction of the contact in slot c to the change of its weight: a larger weight leaves the force as it
-   is, a smaller one the displacement. So the change takes energy and never gives any. Finds how much. */
+/* Adapts the stored friction of the contact in slot c to a change of its weight. A larger weight leaves the force as it
+   is, a smaller one the displacement, so the change takes energy and never gives any. Finds how much. */
 static inline void dem__fit_friction(const dem_world *w, const dem__type_rows *t, int k, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_law *law = w->engine->run.law;
@@ -19405,7 +19409,7 @@ static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b
     }
 }
 
-/* Adds to row k its part of what the springs of its pair exert beyond their parts in the law. */
+/* Adds to row k its part of the force by which the springs of its pair exceed the sum of their parts in the law. */
 static inline void dem__pull(const dem_world *w, const dem__type_rows *t, ptrdiff_t c, double *const *out, int k) {
     const double part = w->engine->contacts.touch[DEM__PLACE_PULL][c],
                  *pull = w->engine->convex.pair[-2 - w->engine->contacts.near[c]].pull;
@@ -19425,7 +19429,7 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
         const ptrdiff_t c = base + k;
         if (!dem__is_convex_contact(w, c)) continue;
         const double weight = contacts->touch[DEM__PLACE_WEIGHT][c],
-                     power = weight / contacts->touch[DEM__PLACE_DAMPING][c]; /* of its true speed */
+                     power = weight / contacts->touch[DEM__PLACE_DAMPING][c]; /* from the true speed */
         const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
         for (int a = 0; a < 9; a++) out[a][k] *= weight;
         const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f),
@@ -19433,8 +19437,8 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
         for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
         if (!w->engine->run.only_ledger) dem__pull(w, t, c, out, k);
         if (!(features & DEM_ENERGY)) continue;
-        /* losses by powers are means of the power before, which has its weight, and of the power now; without a force,
-           the energy of the spring is lost */
+        /* losses are means of the power before, which has its weight, and of the power now; without a force, the energy
+           of the spring is lost */
         if (fabs(before[k]) + fabs(at->force[k]) == 0.0) at->loss[0][k] -= (weight - 1.0) * at->elastic[k];
         else at->loss[0][k] += (power - 1.0) * half * at->power[0][k];
         at->loss[2][k] += (weight - 1.0) * half * at->power[1][k];
@@ -19444,8 +19448,8 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
     }
 }
 
-/* Excludes polyhedra from the correction of partial steps, among the last `marked` contacts that a chunk has listed: the
-   mass at a corner is not the pair's. */
+/* Excludes polyhedra from the correction of partial steps, among the last `marked` contacts in a chunk's list: the mass
+   at a corner is not the pair's. */
 static inline void dem__exclude_convex(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     dem__contacts *contacts = &w->engine->contacts;
     for (ptrdiff_t m = in->marked - marked; m < in->marked; m++) {
@@ -19454,7 +19458,7 @@ static inline void dem__exclude_convex(dem_world *w, const dem__chunk *in, ptrdi
     }
 }
 
-/* Sets what a law needs of a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
+/* Sets what a law needs for a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
 static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const double per_i = dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
@@ -19466,17 +19470,18 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
 
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/hull.h */
 /* The convex hull of any number of points, in triangles (Barber, Dobkin & Huhdanpaa 1996, farthest points first). Reads
-   points; allocates a builder. Promises: sides are decided exactly for coordinates that are rounded to 2^-50 of the
-   size, so that points in one plane or line, or given twice, make a closed surface like any others. */
+   points; allocates a builder. Promises: sides are decided exactly for coordinates rounded to 2^-50 of the size, so
+   that points in one plane or line, or given twice, still make a closed surface. */
 
 #define DEM__HULL_MAX 65536 /* corners of a hull, at most */
 
 /* A triangle of a hull, counterclockwise from outside. */
 typedef struct dem__hull_face {
     int32_t corner[3], beside[3]; /* beside[k]: the triangle across the edge from corner k to the next one */
-    int32_t first, farthest;      /* of a list of points in front of it, or -1; of these the farthest one */
-    int32_t next, queued; /* of a list of triangles with such points, or of unused ones; whether in the former */
-    int32_t alive, seen;  /* seen: number of the point that saw it last */
+    int32_t first, farthest;      /* first of the list of points in front of it, or -1; the farthest of them */
+    int32_t next, queued; /* next of the triangles with such points, or of the unused ones; whether it is queued among
+                             the former */
+    int32_t alive, seen;  /* seen: index of the last point that saw it */
     dem_vec normal;       /* unit vector */
     double height;        /* of the farthest point, in units of the builder */
 } dem__hull_face;
@@ -19485,20 +19490,21 @@ typedef struct dem__hull_face {
 typedef struct dem__hull_builder {
     dem_allocator allocator;
     ptrdiff_t n;
-    double *x;             /* [n][3]: points about their middle, whole numbers up to 2^50 */
+    double *x;             /* [n][3]: points relative to their middle, whole numbers up to 2^50 */
     double unit;           /* of x [m] */
     int32_t *next;         /* [n]: lists of points */
     int32_t *begins;       /* [n]: the new triangle whose rim begins at a corner */
     dem__hull_face *facet; /* [capacity] */
-    int32_t *list, *rim;   /* [capacity], [capacity][3]: triangles that a point sees; around them: from, to, triangle */
+    int32_t *list, *rim;   /* [capacity], [capacity][3]: triangles that a point sees; the rim around them: from, to,
+                              triangle */
     int32_t facets, capacity, unused, queue;
-    int32_t corners; /* that were added; not all need be corners in the end */
-    int farthest;    /* whether the farthest point of all comes next, and triangles need no queue */
+    int32_t corners; /* points added; not all of them are corners in the end */
+    int farthest;    /* whether the farthest point of all comes next; then triangles need no queue */
     void *block;
     size_t bytes;
 } dem__hull_builder;
 
-/* Splits a b into p, the rounded product, and e, the rest (Dekker 1971). */
+/* Splits a b into the rounded product p and the rest e (Dekker 1971). */
 DEM_INLINE void dem__two_product(double a, double b, double *p, double *e) {
     const double factor = 134217729.0, u = factor * a, v = factor * b;
     const double high = u - (u - a), low = a - high, top = v - (v - b), rest = b - top;
@@ -19573,7 +19579,7 @@ static inline void dem__end_hull(dem__hull_builder *b) {
     b->block = NULL;
 }
 
-/* Sets the points: x [n][3], about the middle of the box around them, rounded. */
+/* Sets the points x [n][3], relative to the middle of their bounding box, rounded. */
 static inline void dem__set_points(dem__hull_builder *b, const double *x) {
     double low[3], high[3], size = 0.0;
     int exponent = 0;
@@ -19592,7 +19598,7 @@ static inline void dem__set_points(dem__hull_builder *b, const double *x) {
     }
 }
 
-/* Takes an unused triangle with these corners. Returns its number, -1 if there is none. */
+/* Returns the index of an unused triangle, which gets these corners; -1 if there is none. */
 static inline int32_t dem__new_facet(dem__hull_builder *b, int32_t i, int32_t j, int32_t k) {
     int32_t f = b->unused;
     if (f >= 0) b->unused = b->facet[f].next;
@@ -19608,7 +19614,7 @@ static inline int32_t dem__new_facet(dem__hull_builder *b, int32_t i, int32_t j,
     return f;
 }
 
-/* Gives point p to triangle f if it is in front of it. Returns whether it is. */
+/* Assigns point p to triangle f if it is in front of it. Returns whether it is. */
 static inline int dem__give_point(dem__hull_builder *b, int32_t p, int32_t f) {
     dem__hull_face *facet = &b->facet[f];
     if (!dem__sees(b, p, f)) return 0;
@@ -19619,7 +19625,7 @@ static inline int dem__give_point(dem__hull_builder *b, int32_t p, int32_t f) {
     return 1;
 }
 
-/* Finds four points that are far from each other. Returns 0 if all are in one plane, up to `flat` [m]. */
+/* Finds four points that are far apart. Returns 0 if all points lie in one plane, up to `flat` [m]. */
 static inline int dem__first_four(const dem__hull_builder *b, double flat, int32_t *four) {
     const int32_t n = (int32_t)b->n;
     double most[3] = {0.0, 0.0, 0.0};
@@ -19647,14 +19653,14 @@ static inline int dem__first_four(const dem__hull_builder *b, double flat, int32
     return area > 0.0 && most[2] > flat / b->unit * area && most[1] > flat / b->unit * most[0];
 }
 
-/* Lets triangles wait that have points in front of them. */
+/* Queues a triangle that has points in front of it. */
 DEM_INLINE void dem__queue_facet(dem__hull_builder *b, int32_t f) {
     dem__hull_face *facet = &b->facet[f];
     if (b->farthest || facet->first < 0 || facet->queued) return;
     facet->queued = 1, facet->next = b->queue, b->queue = f;
 }
 
-/* Makes the first four triangles, and gives the points to them. Returns 0 if all points are in one plane. */
+/* Makes the first four triangles, and assigns the points to them. Returns 0 if all points lie in one plane. */
 static inline int dem__first_facets(dem__hull_builder *b, double flat) {
     int32_t four[4];
     if (!dem__first_four(b, flat, four)) return 0;
@@ -19677,7 +19683,7 @@ static inline int dem__first_facets(dem__hull_builder *b, double flat) {
     return 1;
 }
 
-/* Finds the triangles that point p sees, from f on, and the rim around them. Returns the length of the rim. */
+/* Finds the triangles that point p sees, starting at f, and the rim around them. Returns the length of the rim. */
 static inline int32_t dem__find_seen(dem__hull_builder *b, int32_t p, int32_t f, int32_t *seen) {
     int32_t rim = 0;
     *seen = 1;
@@ -19698,19 +19704,19 @@ static inline int32_t dem__find_seen(dem__hull_builder *b, int32_t p, int32_t f,
     return rim;
 }
 
-/* Adds point p, which triangle f sees, to the hull. Returns 0 if there is no room for it. */
+/* Adds point p, which triangle f sees, to the hull. Returns 0 if it does not fit. */
 static inline int dem__add_hull_point(dem__hull_builder *b, int32_t p, int32_t f) {
     int32_t seen;
     const int32_t rim = dem__find_seen(b, p, f, &seen);
     int32_t points = -1;
-    for (int32_t m = 0; m < seen; m++) { /* points of triangles that go */
+    for (int32_t m = 0; m < seen; m++) { /* points of removed triangles */
         dem__hull_face *facet = &b->facet[b->list[m]];
         for (int32_t q = facet->first, next; q >= 0; q = next) {
             next = b->next[q];
             if (q != p) b->next[q] = points, points = q;
         }
         facet->first = -1, facet->alive = 0;
-        if (facet->queued) continue; /* it is used again when its turn has come */
+        if (facet->queued) continue; /* the queue returns it later */
         facet->next = b->unused, b->unused = b->list[m];
     }
     for (int32_t m = 0; m < rim; m++) {
@@ -19737,8 +19743,8 @@ static inline int dem__add_hull_point(dem__hull_builder *b, int32_t p, int32_t f
     return 1;
 }
 
-/* Takes a triangle that has points in front of it: the next one, or that with the farthest one of all.
-   Returns -1 if there is none. */
+/* Takes a triangle that has points in front of it: the next one, or the one with the farthest point of all. Returns -1
+   if there is none. */
 static inline int32_t dem__next_facet(dem__hull_builder *b) {
     int32_t best = -1;
     while (!b->farthest && b->queue >= 0) {
@@ -19755,7 +19761,7 @@ static inline int32_t dem__next_facet(dem__hull_builder *b) {
     return best;
 }
 
-/* Finds the point that is highest above a triangle of the hull, and that triangle. Returns how high [units]. */
+/* Finds the point that is highest above a triangle of the hull, and that triangle. Returns the height [units]. */
 static inline double dem__highest_point(const dem__hull_builder *b, int32_t *point, int32_t *f) {
     double most = 0.0;
     for (int32_t g = 0; g < b->facets; g++) {
@@ -19769,14 +19775,14 @@ static inline double dem__highest_point(const dem__hull_builder *b, int32_t *poi
     return most;
 }
 
-/* Builds the hull of at most `most` of the points [n][3] [m], farthest ones first, until all others are nearer to it
-   than `tolerance` [m]. Returns 0 if they are in one plane, up to that. */
+/* Builds the hull of at most `most` of the points [n][3] [m], farthest ones first, until all others are closer to it
+   than `tolerance` [m]. Returns 0 if the points lie in one plane, up to that. */
 static inline int dem__build_few(dem__hull_builder *b, const double *x, int most, double tolerance) {
     int32_t point = 0, f = 0;
     b->facets = b->corners = 0, b->unused = b->queue = -1, b->farthest = 1;
     dem__set_points(b, x);
     if (!dem__first_facets(b, tolerance)) return 0;
-    for (int32_t k = 0; k < b->facets; k++) b->facet[k].first = -1; /* lists are not needed */
+    for (int32_t k = 0; k < b->facets; k++) b->facet[k].first = -1; /* these lists are not used */
     while (b->corners < most && dem__highest_point(b, &point, &f) * b->unit > tolerance) {
         if (!dem__add_hull_point(b, point, f)) return 0;
     }
@@ -19784,8 +19790,8 @@ static inline int dem__build_few(dem__hull_builder *b, const double *x, int most
 }
 
 enum { DEM__HULL_OK, DEM__HULL_FLAT, DEM__HULL_LARGE };
-/* Builds the hull of points x [n][3] [m], finite and not all the same, or of their farthest ones: of at most `most`
-   corners, and none nearer to it than `tolerance` [m]. flat: thickness below which it is none [m]. */
+/* Builds the hull of points x [n][3] [m], finite and not all the same. It has at most `most` corners; points closer to
+   it than `tolerance` [m] do not become corners. flat: thickness below which there is no hull [m]. */
 static inline int dem__build_hull(dem__hull_builder *b, const double *x, int32_t most, double tolerance, double flat) {
     b->farthest = most < DEM__HULL_MAX || tolerance > 0.0;
     b->facets = b->corners = 0, b->unused = b->queue = -1;
@@ -19799,7 +19805,7 @@ static inline int dem__build_hull(dem__hull_builder *b, const double *x, int32_t
     }
 }
 
-/* Returns how far the farthest point is from the hull of farthest ones, at most [m]. */
+/* Returns an upper limit of the distance between the hull and the points left out [m]. */
 static inline double dem__left_out(const dem__hull_builder *b) {
     double most = 0.0;
     for (int32_t f = 0; f < b->facets; f++)
@@ -19809,12 +19815,12 @@ static inline double dem__left_out(const dem__hull_builder *b) {
 
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/core.h */
 /* The core of a hull of many corners: eroded by the radius of the rounding, and reduced to as many corners as a shape
-   may have. Reads a hull; makes a shape. Promises: faces that a face of the core lies in stay where they are; the
-   deviation that is told is the Hausdorff distance from the eroded hull, to rounding. */
+   may have. Reads a hull; makes a shape. Promises: faces on which a face of the core lies stay where they are; the
+   deviation reported is the Hausdorff distance from the eroded hull, up to rounding. */
 
-#define DEM__ERODED_MAX 1000 /* corners of a hull that are eroded; of more corners, the farthest ones */
+#define DEM__ERODED_MAX 1000 /* corners of a hull that are eroded at most: the farthest ones of more */
 
-/* Corners of a core before it is reduced, the planes of the hull, and by how much the core is behind them. */
+/* Corners of a core before its reduction, the planes of the hull, and how far the core is behind them. */
 typedef struct dem__cloud {
     ptrdiff_t points, planes;
     double *point;      /* [points][3] [m] */
@@ -19833,8 +19839,8 @@ static inline dem_vec dem__farthest_of(const double *point, ptrdiff_t n, dem_vec
     return dem__point(point + 3 * best);
 }
 
-/* Returns the distance of x from the hull of n points (Gilbert, Johnson & Keerthi 1988), 0 within it, to 1e-6 of
-   itself or `tiny`. */
+/* Returns the distance of x from the hull of n points (Gilbert, Johnson & Keerthi 1988), to a relative error of 1e-6 or
+   to `tiny`; 0 inside. */
 static inline double dem__from_cloud(const double *point, ptrdiff_t n, dem_vec x, double tiny) {
     dem__simplex s;
     double low = 0.0;
@@ -19855,7 +19861,7 @@ static inline double dem__from_cloud(const double *point, ptrdiff_t n, dem_vec x
 
 /* ---- faces of a hull ---- */
 
-/* Adds the plane of triangle f with its normal n, and gives it to all triangles around f that lie in it. */
+/* Adds the plane of triangle f with its normal n, and assigns it to all adjoining triangles that lie in it. */
 static inline void dem__spread_plane(const dem__hull_builder *b, const double *y, double flat, int32_t f, dem_vec n,
                                      dem__cloud *hull, int32_t *number) {
     const double offset = dem__dot(n, dem__point(y + 3 * b->facet[f].corner[0]));
@@ -19876,8 +19882,8 @@ static inline void dem__spread_plane(const dem__hull_builder *b, const double *y
     hull->planes++;
 }
 
-/* Finds the planes of a hull's faces: of triangles in one plane, up to `flat`, that of a large one. y: its points.
-   number: of a triangle's plane, or -1. */
+/* Finds the planes of a hull's faces. Triangles in one plane, up to `flat`, get that of a large one. y: the hull's
+   points. number: index of a triangle's plane, or -1. */
 static inline void dem__find_planes(const dem__hull_builder *b, const double *y, double flat, dem__cloud *hull,
                                     int32_t *number) {
     double largest = 0.0;
@@ -19903,7 +19909,7 @@ static inline void dem__find_planes(const dem__hull_builder *b, const double *y,
     }
 }
 
-/* Returns the smallest distance of a face from the point opposite to it. */
+/* Returns the smallest distance between a face and the point opposite to it. */
 static inline double dem__least_width_of(const dem__cloud *hull, const double *y, ptrdiff_t n) {
     double least = HUGE_VAL;
     for (ptrdiff_t f = 0; f < hull->planes; f++) {
@@ -19914,8 +19920,8 @@ static inline double dem__least_width_of(const dem__cloud *hull, const double *y
     return least;
 }
 
-/* Finds a point far within planes that have moved inwards. Returns its least depth [m]; if not above 0, there is none.
- */
+/* Finds a point far inside planes that have moved inwards. Returns its least depth [m]; there is none if that is not
+   above 0. */
 static inline double dem__inner_point(const dem__cloud *hull, dem_vec *point) {
     dem_vec x = dem_vec3(0.0, 0.0, 0.0);
     double best = -HUGE_VAL, step = 0.0;
@@ -19936,7 +19942,7 @@ static inline double dem__inner_point(const dem__cloud *hull, dem_vec *point) {
 
 /* ---- erosion ---- */
 
-/* Finds the corners of the core: triangles of the hull of the dual points of its planes. dual: a builder for these;
+/* Finds the corners of the core: triangles of the hull of the dual points of its planes. dual: a builder for them;
    work: [planes][3]. Returns 0 if nothing is left. */
 static inline int dem__erode_planes(dem__hull_builder *dual, double flat, double *work, dem__cloud *core) {
     double(*plane)[4] = core->plane;
@@ -19968,13 +19974,13 @@ static inline int dem__erode_planes(dem__hull_builder *dual, double flat, double
 /* The hull of a few corners of a core. */
 typedef struct dem__few {
     int corners, facets;
-    int32_t from[DEM_CORNERS_MAX]; /* their numbers among the points */
+    int32_t from[DEM_CORNERS_MAX]; /* their indices among the points */
     uint8_t facet[DEM_FACES_MAX][3];
     dem_vec normal[DEM_FACES_MAX];
     double behind[DEM_FACES_MAX]; /* how far the core is in front of a facet [m] */
 } dem__few;
 
-/* Gets it from a builder. */
+/* Copies the hull from a builder. */
 static inline void dem__get_few(const dem__hull_builder *b, const dem__cloud *core, dem__few *few) {
     few->corners = few->facets = 0;
     for (int32_t f = 0; f < b->facets; f++) {
@@ -20003,8 +20009,8 @@ static inline dem_vec dem__solve_three(double (*m)[3], dem_vec b) {
     return dem__scale(1.0 / dem__dot(r, st), dem__plus(dem__plus(dem__scale(b.x, st), b.y, tr), b.z, rs));
 }
 
-/* Returns how a corner of the few moves so that its facets move outwards by a share of the way to the core that they
-   are behind. Facets that lie in a face of the core stay. flat: [m] */
+/* Returns how a corner of the reduced hull moves so that its facets move outwards by a share of their distance from the
+   core. Facets that lie in a face of the core stay. flat: [m] */
 static inline dem_vec dem__way_out(const dem__few *few, int corner, double part, double flat) {
     double m[3][3] = {{1e-3, 0, 0}, {0, 1e-3, 0}, {0, 0, 1e-3}};
     dem_vec b = dem_vec3(0.0, 0.0, 0.0), kept[3];
@@ -20028,7 +20034,7 @@ static inline dem_vec dem__way_out(const dem__few *few, int corner, double part,
     return way;
 }
 
-/* Returns the Hausdorff distance of the hull of a shape's corners from a core. Stops at `enough`. */
+/* Returns the Hausdorff distance between the hull of a shape's corners and a core. Stops at `enough`. */
 static inline double dem__deviation_from(const dem_convex *s, const dem__cloud *core, double enough, double tiny) {
     double most = 0.0;
     for (int k = 0; k < s->corners && most < enough; k++) {
@@ -20042,15 +20048,15 @@ static inline double dem__deviation_from(const dem_convex *s, const dem__cloud *
     return most;
 }
 
-/* Takes a trial if it is a polyhedron, and nearer to the core than the best one. */
+/* Takes a trial if it is a polyhedron, and closer to the core than the best one so far. */
 static inline void dem__try_core(const dem__cloud *core, double flat, dem_convex *trial, dem_convex *best) {
     if (dem__find_surface(trial, 0.1 * flat) != NULL) return;
     trial->deviation = dem__deviation_from(trial, core, best->deviation, 0.01 * flat);
     if (trial->deviation < best->deviation) *best = *trial;
 }
 
-/* Makes a core of at most `most` corners: farthest points, moved outwards by several shares, of which the
-   best one is taken. s: in, the numbers of the shape but those of its core. Returns 0 if none is a polyhedron. */
+/* Makes a core of at most `most` corners: the farthest points, moved outwards by several shares, of which the best one
+   is taken. s: in, the shape without its core. Returns 0 if no trial is a polyhedron. */
 static inline int dem__reduce(dem__hull_builder *b, const dem__cloud *core, int most, double flat, dem_convex *s) {
     dem__few few;
     dem_convex trial = *s;
@@ -20072,14 +20078,14 @@ static inline int dem__reduce(dem__hull_builder *b, const dem__cloud *core, int 
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/make.h */
 /* Making convex polyhedra: from corners, from a mesh, from the hull of any points. */
 
-/* What a hull is made with. */
+/* Working memory for making a shape from a hull. */
 typedef struct dem__hull_work {
     dem_allocator allocator;
-    dem__hull_builder given, far, dual, few; /* of the points; of their hull's corners; of its planes; of the core */
+    dem__hull_builder given, far, dual, few; /* hulls of the points; of its corners; of its planes; of the core */
     void *block;
     size_t bytes;
     double *y;              /* [corners][3]: of the hull, about its centroid, along its principal axes [m] */
-    int32_t *number, *from; /* of a triangle's plane; of a corner among the points */
+    int32_t *number, *from; /* index of a triangle's plane; of a corner among the points */
     double *work;
     dem__cloud core;
     ptrdiff_t corners;
@@ -20138,7 +20144,7 @@ static inline const char *dem__measure_hull(dem__hull_work *h, dem_convex *s, pt
     }
     for (ptrdiff_t k = 0; k < n; k++) h->corners += is_used[k];
     const double *one = x + 3 * h->given.facet[0].corner[0];
-    const dem_vec middle = dem__point(one); /* any corner is near enough */
+    const dem_vec middle = dem__point(one); /* any corner will do */
     dem__integrate_hull(&h->given, x, middle, &bulk);
     const char *reason = dem__set_moments(s, &bulk, middle, &c);
     if (reason) return reason;
@@ -20155,7 +20161,7 @@ static inline const char *dem__measure_hull(dem__hull_work *h, dem_convex *s, pt
     return NULL;
 }
 
-/* Marks the corners of the hull at which three faces or more meet. Returns their number. */
+/* Marks the corners of the hull at which three or more faces meet. Returns how many. */
 static inline ptrdiff_t dem__mark_corners(dem__hull_work *h) {
     ptrdiff_t marked = 0;
     for (int32_t k = 0; k < (int32_t)h->corners; k++) {
@@ -20173,7 +20179,7 @@ static inline ptrdiff_t dem__mark_corners(dem__hull_work *h) {
     return marked;
 }
 
-/* Makes the shape of the marked corners exactly. Returns whether it has one. */
+/* Makes the exact shape of the marked corners. Returns whether that works. */
 static inline int dem__make_exactly(const dem__hull_work *h, const double *x, double rounding, dem_convex *s) {
     dem_convex t;
     dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
@@ -20307,7 +20313,7 @@ DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rou
 
 #define DEM__CONVEX_MESH_MAX 4000 /* triangles of a mesh that is checked edge by edge */
 
-/* Returns whether every edge of a mesh has one other triangle, which runs along it the other way. */
+/* Returns whether each edge of a mesh belongs to exactly one other triangle, in the opposite direction. */
 static inline int dem__is_closed(const dem_mesh *mesh) {
     for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
         const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];
@@ -20364,7 +20370,8 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
 
 enum { DEM__TABLET_SIDES = 16, DEM__GRAVEL_MAX = 300 };
 
-/* Adds a ring of n points about the z axis, turned by a share of a side. Returns the new number of points. */
+/* Adds a ring of n points about the z axis, turned by `share` of the angle between two points. Returns the new number
+   of points. */
 static inline int dem__add_ring(double (*x)[3], int at, int n, double radius, double height, double share) {
     for (int k = 0; k < n; k++) {
         const double angle = 2.0 * RIDDLE_PI * ((double)k + share) / (double)n;
@@ -20373,7 +20380,7 @@ static inline int dem__add_ring(double (*x)[3], int at, int n, double radius, do
     return at + n;
 }
 
-/* Makes a hull of n points that is scaled to a volume. flat: along x and y alone. */
+/* Makes a hull of n points and scales it to a volume. flat: along x and y alone. */
 static inline dem_status dem__make_of_volume(dem_convex *shape, int n, double (*x)[3], double volume, int flat,
                                              double rounding, const char **reason) {
     dem_status status = dem_make_hull(shape, n, x[0], rounding, 0.0, NULL, reason);
@@ -20397,7 +20404,7 @@ DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double he
     const double volume = RIDDLE_PI * (r * r * band + cap / 3.0 * (3.0 * r * r + cap * cap));
     int n = dem__add_ring(x, 0, sides, r, 0.5 * (is_flat ? height : band), 0.0);
     if (is_flat || band > 1e-3 * height) n = dem__add_ring(x, n, sides, r, -0.5 * (is_flat ? height : band), 0.0);
-    for (int k = 0; k < 12 && !is_flat; k++) { /* rings and a pole on each cap, which is a part of a ball */
+    for (int k = 0; k < 12 && !is_flat; k++) { /* rings and a pole on each cap of a ball */
         static const int of_ring[6] = {16, 16, 12, 8, 5, 1};
         static const double place[6] = {0.95, 0.8, 0.6, 0.4, 0.2, 0.0};
         const double ball = 0.5 * (r * r + cap * cap) / cap, at = r * place[k % 6],
@@ -20419,7 +20426,7 @@ DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double el
     if (wrong) return DEM_BAD_ARGUMENT;
     const double jitter = 1.8 / sqrt((double)corners), axis[3] = {1.0, elongation, elongation * flatness};
     uint64_t random = seed;
-    for (int k = 0; k < corners; k++) { /* a spiral over the ball, shaken */
+    for (int k = 0; k < corners; k++) { /* a spiral over the ball, perturbed */
         const double up = 1.0 - (2.0 * (double)k + 1.0) / (double)corners, across = sqrt(1.0 - up * up);
         const double angle = 2.0 * RIDDLE_PI * (0.618033988749895 * (double)k - floor(0.618033988749895 * (double)k));
         dem_vec v = dem_vec3(up, across * riddle_cos(angle), across * riddle_sin(angle));
@@ -20442,7 +20449,8 @@ static inline const dem__convex_calls *dem__polyhedra(void) {
     return &row;
 }
 
-/* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
+/* Returns whether the tables of a shape agree with each other, and its numbers are in the ranges that the code relies
+   on. */
 static inline int dem__is_sound_shape(const dem_convex *c) {
     if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
         c->faces > DEM_FACES_MAX)
@@ -20479,10 +20487,10 @@ static inline void dem__release_polyhedra(dem_world *w) {
     dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *convex->point);
 }
 
-/* A polyhedron that has gone may have had this entry. */
+/* A polyhedron that has been removed may have had this entry. */
 static inline void dem__add_shapeless(dem_world *w, ptrdiff_t i) { w->engine->convex.shape_of[i] = 0; }
 
-/* Kernels without friction compute no torques. */
+/* Refuses kernels without friction, which compute no torques. */
 static inline dem_status dem__check_polyhedra(const dem_world *w, const dem_kernel *kernel) {
     (void)w;
     return kernel->features & DEM_FRICTION ? DEM_OK : DEM_POLYHEDRON;
@@ -20530,7 +20538,7 @@ static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, d
     return DEM_OK;
 }
 
-/* Checks the bodies whose shapes are polyhedra: rigid bodies come before them. */
+/* Checks the bodies whose shapes are polyhedra. Rigid bodies are loaded before them. */
 static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w, dem__group *g) {
     const dem__convex_state *convex = &w->engine->convex;
     (void)file, (void)g;
@@ -20637,7 +20645,7 @@ DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape) {
                ? &world->engine->convex.shape[shape]
                : NULL;
 }
-/* Returns whether a wall cuts the core of the particle that it is listed with, in the last step. */
+/* Returns whether a wall cut the core of its particle in the last step. */
 static inline int dem__is_cut(const dem_world *w, const dem__convex_pair *p) {
     const dem__convex_state *convex = &w->engine->convex;
     const dem_convex *s = p->i < w->count && w->alive[p->i] == DEM_PRESENT ? dem__shape_of(w, p->i) : NULL;

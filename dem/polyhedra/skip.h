@@ -1,15 +1,15 @@
-/* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that cannot touch for some steps. Reads bodies and
-   walls; writes pairs. Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that
-   time. */
+/* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that are not tested for some steps. Reads bodies
+   and walls; writes pairs. Promises: a pair is skipped only while both bodies stay in flight and cannot touch in
+   that time. */
 #pragma once
 #include "../search/narrow_phase.h"
 #include "../walls/mesh_touch.h"
 
-/* Returns whether particle i still is in the flight that began at a step. */
+/* Returns whether particle i is still in the flight that began at a step. */
 DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
     return w->engine->bodies.activity[i] == DEM__FLYING && w->particle[i].origin == origin;
 }
-/* Returns whether a pair cannot touch at a step. */
+/* Returns whether a pair is skipped at a step, because it cannot touch. */
 DEM_INLINE int dem__is_skipped(const dem_world *w, const dem__convex_pair *p, int64_t step) {
     if (p->skip_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
     if (p->j >= 0) return dem__flies_on(w, p->j, p->origin[1]);
@@ -17,7 +17,7 @@ DEM_INLINE int dem__is_skipped(const dem_world *w, const dem__convex_pair *p, in
     return wall->speed_bound <= p->speed && wall->spin_bound <= p->spin;
 }
 
-/* Lets a pair be idle for some steps from a step on. */
+/* Skips a pair for some steps, from a step on. */
 DEM_INLINE void dem__skip_until(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
     p->skip_until = step + steps;
     p->origin[0] = w->particle[p->i].origin;
@@ -28,12 +28,12 @@ DEM_INLINE void dem__skip_until(const dem_world *w, dem__convex_pair *p, int64_t
 DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
     return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
 }
-/* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
+/* Returns the greatest speed of particle i relative to the centre of its clump, from its rotation [m/s]. */
 DEM_INLINE double dem__turning_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
     return r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
 }
-/* Returns how fast the surface of particle i, or a clump's sphere, moves relative to the centre of its body, at most
+/* Returns the greatest speed of the surface of particle i, or of a clump's sphere, relative to the centre of its body
    [m/s]. */
 DEM_INLINE double dem__surface_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
@@ -43,7 +43,7 @@ DEM_INLINE double dem__surface_speed_of(const dem_world *w, ptrdiff_t i) {
 DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
     return (double)(step - w->particle[i].origin) * w->engine->run.dt;
 }
-/* Returns the centre of particle i at a step. That of a polyhedron that flies needs no orientation; others have been
+/* Returns the centre of particle i at a step. A polyhedron in flight needs no orientation for it; others have been
    placed. */
 DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step) {
     const double tau = dem__flown_until(w, i, step);
@@ -51,21 +51,22 @@ DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step)
     return w->engine->bodies.activity[i] == DEM__FLYING ? dem__centre_at(w, i, tau) : w->engine->convex.place[i].x;
 }
 
-/* Returns whether two particles may be left alone: both fly. */
+/* Returns whether a pair may be skipped: both particles are in flight. */
 DEM_INLINE int dem__may_skip(const dem_world *w, const dem__convex_pair *p) {
     return (w->def.skip & DEM_SKIP_PAIRS) && dem__is_in_flight(w, p->i) && dem__is_in_flight(w, p->j);
 }
-/* Returns the velocity of particle i relative to j, of their centres [m/s]. */
+/* Returns the velocity of the centre of particle i relative to that of j [m/s]. */
 DEM_INLINE dem_vec dem__drift_between(const dem_world *w, const dem__convex_pair *p, int64_t step) {
     return dem__sub(dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)),
                     dem__drift_at(w, p->j, dem__flown_until(w, p->j, step)));
 }
-/* Returns how fast their relative velocity changes [m/s2]. */
+/* Returns how fast this velocity changes [m/s2]. */
 DEM_INLINE double dem__pull_between(const dem_world *w, const dem__convex_pair *p) {
     return dem__length(dem__sub(dem__centre_pull(w, p->i), dem__centre_pull(w, p->j)));
 }
 
-/* Finds whether the spheres around two particles touch at a step. If not, and both fly, the pair is left alone. */
+/* Finds whether the spheres around two particles touch at a step. If they do not, and both particles are in flight,
+   skips the pair. */
 static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p, int64_t step) {
     const double slack = 2.0 * w->engine->pairs.position_tolerance;
     const double reach = w->particle[p->i].radius + w->particle[p->j].radius + slack;
@@ -78,8 +79,8 @@ static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p,
                     dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
 }
 
-/* Returns a lower limit of the distance to the images of j that are not the nearest one of i, which is at d from j [m].
- */
+/* Returns a lower limit of the distance between i and all images of j but the nearest one [m]. d: from that one to
+   i. */
 DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
@@ -89,8 +90,8 @@ DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
     return least;
 }
 
-/* Leaves two particles alone, if both fly, that do not touch although the spheres around them do. d: from j to i; gap:
-   between their surfaces along n, a direction from j to i, in which nothing of them is nearer. */
+/* Skips two particles in flight that do not touch although the spheres around them do. d: from j to i; gap: between
+   their surfaces along n, a direction from j to i, in which nothing of them is nearer. */
 static inline void dem__skip_pair(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d, double gap,
                                   dem_vec n) {
     const double slack = 2.0 * w->engine->pairs.position_tolerance;
@@ -108,9 +109,9 @@ static inline void dem__skip_pair(const dem_world *w, dem__convex_pair *p, int64
 /* How a particle moves in the frame of a wall. */
 typedef struct dem__approach {
     double speed, pull; /* speed now [m/s]; limit of its change [m/s2] */
-    int most;           /* number of steps for which they hold */
+    int most;           /* number of steps for which these hold */
 } dem__approach;
-/* Returns this for a particle at x with velocity v and acceleration a. */
+/* Returns how a particle at x with velocity v and acceleration a moves relative to a wall. */
 static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall *wall, dem_vec x, dem_vec v,
                                              dem_vec a) {
     const double turn = DEM__RETEST_STEPS * w->engine->run.dt;
@@ -119,12 +120,12 @@ static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall 
     if (!(wall->spin_bound > 0.0)) return q;
     q.most = DEM__RETEST_STEPS;
     if (wall->asked.drive == DEM_KINEMATIC && wall->speed_bound == 0.0 &&
-        wall->spin_bound * turn < 0.02) { /* it turns evenly */
+        wall->spin_bound * turn < 0.02) { /* it turns uniformly */
         const dem_vec arm = dem__sub(x, wall->asked.spin_centre), spin = dem__scale(wall->spin, wall->spin_axis);
         const double bound = wall->spin_bound;
         q.speed = dem__length(dem__sub(v, dem__cross(spin, arm)));
         q.pull = 1.05 * (q.pull + bound * (bound * dem__length(arm) +
-                                           2.02 * q.speed)); /* with what they gain meanwhile, 5 % at most */
+                                           2.02 * q.speed)); /* includes what they gain meanwhile, 5 % at most */
         return q;
     }
     const double out = turn * (q.speed + turn * q.pull); /* as in dem__test_wall */
@@ -132,13 +133,13 @@ static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall 
     return q;
 }
 
-/* Returns whether particle i may be left alone at walls. */
+/* Returns whether walls may be skipped for particle i. */
 DEM_INLINE int dem__may_skip_wall(const dem_world *w, ptrdiff_t i) {
     return (w->def.skip & DEM_SKIP_SPACE) && dem__is_in_flight(w, i);
 }
 
-/* Leaves a particle at x alone that flies and has a gap to a wall. reach: of what turns with it, 0 for the sphere
-   around it [m]. */
+/* Skips a wall for a particle in flight at x, which has a gap to it. reach: of the parts that rotate with the particle;
+   0 for the sphere around it [m]. */
 static inline void dem__skip_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap,
                                   double reach) {
     const dem_wall *wall = &w->wall[-1 - p->j];
@@ -158,8 +159,8 @@ static inline void dem__skip_wall(const dem_world *w, dem__convex_pair *p, int64
     p->is_close = 0;
 }
 
-/* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If not, and it flies, it
-   is left alone. */
+/* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If it does not, and the
+   particle is in flight, skips the wall. */
 static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step) {
     const int may_rest = dem__may_skip_wall(w, p->i);
     const dem_vec x = dem__in_box(w, dem__centre_in(w, p->i, step));
