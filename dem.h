@@ -78,10 +78,10 @@
 #define DEM__BODIES
 #endif
 
-/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built
-   with. Clang fuses only if told to by -ffp-contract=fast. Without these options gcc leaves a loop scalar if a root in
-   it may set errno or arithmetic may trap, and most loops at -O2. The loops of a step (DEM__FAST) are compiled as with
-   -O3, all else as with -O2: that takes a quarter off the time of a compiler, and nothing off the speed. With the
+/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever the options of the
+   host. Clang fuses only if told to by -ffp-contract=fast. Without these options gcc does not vectorise most loops at
+   -O2, or a loop with a root that may set errno or with arithmetic that may trap. The loops of a step (DEM__FAST) are
+   compiled as with -O3, the rest as with -O2: that saves a quarter of the compile time and costs no speed. With the
    address sanitizer the command line decides. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__NO_MATH_ERRNO__)
 #pragma GCC diagnostic push
@@ -101,8 +101,9 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__FAST
 #endif
 
-/* Functions that are no part of their callers (DEM__NOINLINE), or of which the compiler decides (DEM__STATIC). Without
-   optimisation both are inline by name: gcc then emits every other static function, whether or not anything calls it. */
+/* Functions that are never inlined (DEM__NOINLINE), or for which the compiler decides (DEM__STATIC). Without
+   optimisation both are declared inline, because gcc then emits every other static function, whether or not anything
+   calls it. */
 #if !defined(__GNUC__)
 #define DEM__NOINLINE
 #define DEM__STATIC static
@@ -124,14 +125,14 @@ extern double sqrt(double) __attribute__((const));
 #define DEM_RESTRICT
 #endif
 
-/* dem_run is compiled where it is called: with constant features, only the kernel that they choose. */
+/* dem_run is compiled where it is called: constant features then leave only the kernel that they choose. */
 #if defined(__GNUC__) && !defined(DEM_IMPLEMENTATION)
 #define DEM__CHOICE static inline __attribute__((always_inline))
 #else
 #define DEM__CHOICE DEM_API
 #endif
 
-/* Particles are scattered in memory: those needed soon are prefetched into the second cache, because the first is full
+/* Particles are scattered in memory. Those needed soon are prefetched into the second cache, because the first is full
    of the current block. */
 #if defined(__GNUC__)
 #define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
@@ -139,10 +140,10 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__PREFETCH(address) ((void)(address))
 #endif
 
-/* gcc: the law's loop writes its results directly to the contacts; ivdep tells that no iteration reads what another one
-   writes. Clang's pragma would also promise that arrays do not alias within an iteration, which is wrong here. With
-   clang the loop writes to rows, which are copied afterwards. gcc unrolls a short loop before it tries to vectorise it;
-   `unroll 1` stops that. */
+/* gcc: the law's loop writes its results directly to the contacts; ivdep promises that no iteration reads what another
+   one writes. Clang's pragma would also promise that arrays do not alias within an iteration, which is wrong here, so
+   with clang the loop writes to rows, which are copied afterwards. gcc unrolls a short loop before it tries to
+   vectorise it; `unroll 1` prevents that. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
 #define DEM__NO_UNROLL _Pragma("GCC unroll 1")
@@ -154,8 +155,8 @@ extern double sqrt(double) __attribute__((const));
 #endif
 
 /* x86-64: the loops that vectorise are compiled twice, with AVX2 and without. The bits are the same, because neither
-   fuses. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412): there -mavx2 for the
-   whole program gives the speed. */
+   version fuses. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412); there -mavx2 for
+   the whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
     __attribute__((target("avx2"))) DEM__FAST DEM__STATIC void name##_wide parameters { call; }                        \
@@ -184,12 +185,12 @@ extern "C" {
 /* Declarations, and the pure functions that laws of a user call. */
 
 /* ---------------------------------------------------------------------------------------------- >>base/constants.h */
-/* Constants that tune the engine, each with its reason. With the public ones (DEM_ and one underscore) nothing changes
-   but what fits; with the others results change in their last bits. Saves hold what is there, not what would fit: they
-   load in a program with other public constants, if all of it fits. */
+/* Constants that tune the engine, each with its reason. The public ones (DEM_ and one underscore) change only how much
+   fits; the others change results in their last bits. Saves hold what is present, not what would fit: they load in a
+   program with other public constants if everything fits. */
 
-/* Materials of a world; -DDEM_MATERIALS_MAX=12 in all files of a program gives more. The default leaves a table of 64
-   pairs in the definition. */
+/* Materials of a world at most; -DDEM_MATERIALS_MAX=12 in all files of a program gives more. The default leaves a table
+   of 64 pairs in the definition. */
 #ifndef DEM_MATERIALS_MAX
 #define DEM_MATERIALS_MAX 8
 #endif
@@ -198,13 +199,13 @@ extern "C" {
 #define DEM_STATE_MAX 16     /* doubles that a law may keep for each contact */
 /* Sets of constants that contacts share: enough for a few sizes and materials. */
 #define DEM__TYPES_MAX 32
-/* Contacts evaluated together: 30 arrays of a block fit the first-level cache. */
+/* Contacts evaluated together: 30 arrays of a block fit into the first-level cache. */
 #define DEM__BLOCK 64
-/* Longest life of a list, and longest delay of a test, in steps: rounding errors grow with it. */
+/* Longest life of a list, and longest delay of a test, in steps. Rounding errors grow with it. */
 #define DEM__STEPS_MAX (1 << 20)
-/* Longest delay of a test at turning walls, in steps: beyond it another test costs little. */
+/* Longest delay of a test at rotating walls, in steps. A further test after it costs little. */
 #define DEM__RETEST_STEPS 1024
-/* Flights in a field that a bound should last: with more of them neighbours are tested sooner. */
+/* Flights in a field that a bound should last. With more of them, neighbours are tested sooner. */
 #define DEM__FLIGHTS 8.0
 #define DEM__AHEAD 16                     /* entries ahead for which memory is prefetched */
 #define DEM__LINE 16                      /* timers of a line, which are compared together: a cache line */
@@ -212,20 +213,20 @@ extern "C" {
 #define DEM__REORDER_STEPS 256            /* steps between two reorderings of contacts */
 /* Steps that a list should last: building it takes as long as about thirty steps of a gas. */
 #define DEM__LIST_STEPS 100
-/* Near pairs a sphere: with fewer a wide skin costs little, and lists should last four times as long. */
+/* Near pairs for each sphere. With fewer, a wide skin costs little, and lists should last four times as long. */
 #define DEM__FEW_PAIRS 3
-/* Contacts from which on they lie in chunks, contacts of a chunk, and the most chunks: more threads than that do not
-   share contacts. A chunk is a few blocks, so that as many threads as pay have equal shares. */
+/* Number of contacts from which on they lie in chunks, contacts of a chunk, and the most chunks, which is also the most
+   threads that share contacts. A chunk is a few blocks, so that shares are equal for as many threads as pay. */
 #define DEM__CHUNKED 8192
 #define DEM__OF_CHUNK (6 * DEM__BLOCK)
 #define DEM__CHUNKS 256
-#define DEM__RANK_STEPS 2048 /* steps between two renewals of the order of particles by place: they move little in them */
-/* Steps of a run that pay for putting particles into another order in memory and back, which takes as long as three or
-   four of a dense bed. */
+#define DEM__RANK_STEPS 2048 /* steps between two renewals of ranks, in which particles move little */
+/* Steps of a run that pay for sorting particles in memory and back, which takes as long as three or four steps of a
+   dense bed. */
 #define DEM__MOVE_STEPS 64
 #define DEM__SHARE 256       /* items that pay for waking a thread, at about 20 ns each */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */
-/* Speeds, spins and histories of contacts are rounded to 2^-52 of this: what decays ends at 0. */
+/* Speeds, spins and histories of contacts are rounded to 2^-52 of this, so that what decays ends at 0. */
 #define DEM__LEAST 1e-84
 #define DEM__MAGIC 0x0a1a64656d52u /* first bytes of a saved world */
 #define DEM__FORMAT 12u            /* version of its records: new fields do not change it */
@@ -268,8 +269,8 @@ DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
     return v;
 }
 
-/* Returns component 0, 1 or 2. By name, because a compiler may assume that an access beyond the address of x is not to
-   the vector. */
+/* Returns component 0, 1 or 2. Named members, because a compiler may assume that an access beyond the address of x does
+   not reach y. */
 DEM_INLINE double dem_axis(dem_vec v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 DEM_INLINE double *dem_axis_of(dem_vec *v, int axis) { return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z; }
 
@@ -287,7 +288,7 @@ enum {
     DEM_ENERGY = 16   /* energy ledger, dem_energy() */
 };
 
-/* Layers of skipping; all are on by default. They change no bit of a result, only the time that a run takes. */
+/* Layers of skipping, all on by default. They change no bit of a result, only the time that a run takes. */
 enum {
     DEM_SKIP_PAIRS = 1, /* pairs are not tested before they can touch */
     DEM_SKIP_SPACE = 2, /* particles are not tested with walls that they cannot reach */
@@ -303,8 +304,8 @@ typedef enum dem_restitution {
 struct dem_world;
 #define DEM_CLUMP_MAX 64 /* spheres of a clump, at most */
 
-/* A shape of spheres that are fixed to each other, overlapping or not. Made by dem_make_clump(). Volume, moments and
-   axes may be replaced by better ones; the centres are then from the true centre of mass. */
+/* A shape of spheres fixed to each other, overlapping or not. Made by dem_make_clump(). Volume, moments and axes may be
+   replaced by better ones; then make the centres relative to the true centre of mass. */
 typedef struct dem_clump {
     int spheres;                   /* 1 .. DEM_CLUMP_MAX; only those that can touch something */
     dem_vec centre[DEM_CLUMP_MAX]; /* from the centre of mass, in the frame in which the shape was given [m] */
@@ -313,8 +314,7 @@ typedef struct dem_clump {
     double volume;                 /* of the union [m3] */
     dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
     dem_quaternion axes; /* from the principal axes to the frame in which the shape was given */
-    /* private: dem_add_clumps, which feeds call through it, so that a program without clumps does not compile rigid
-       bodies */
+    /* private: dem_add_clumps. Feeds call through it, so that a program without clumps does not compile rigid bodies */
     dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_clump *clump, const double *centres,
                         const double *diameters, const double *orientations, int material, int group);
 } dem_clump;
@@ -325,14 +325,14 @@ typedef struct dem_material {
     double poisson_ratio; /* [-] 0 .. 0.5 */
 } dem_material;
 
-/* Parameters of contacts between two materials. For two different materials no defaults would suit: if they touch and
-   their pair was never set, the run gives DEM_PAIR_NOT_SET. */
+/* Parameters of contacts between two materials. No defaults would suit two different materials: if they touch and their
+   pair was never set, the run gives DEM_PAIR_NOT_SET. */
 typedef struct dem_pair_def {
     double stiffness;        /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
     double tangential_ratio; /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
     double restitution;      /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
     double friction;         /* Coulomb coefficient [-] >= 0; default 0.3 */
-    double rolling; /* lever arm of rolling resistance [m] >= 0; default 0. On a slope below this limit a ball creeps at
+    double rolling; /* lever arm of rolling resistance [m] >= 0; default 0. On a slope below its limit a ball creeps at
                        5 g sin(slope) dt; the law contact_epsd in dem_laws.h holds it by a spring */
     double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
     dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
@@ -353,21 +353,21 @@ typedef struct dem_def {
     int threads;     /* number of threads >= 1; default 1; world->def.threads may be changed between runs */
     int skip;        /* DEM_SKIP_*; default DEM_SKIP_ALL */
     double dt;       /* time step [s] 1e-60 .. 1e6; default 1e-6; dem_advise() gives a good one */
-    double skin;     /* skin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. Where lists last
-                        under 100 steps (400 where pairs are few) the engine takes up to three times as much, in a narrow
-                        periodic box less */
+    double skin;     /* skin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. If lists last less
+                        than 100 steps (400 where pairs are few), the engine takes up to three times as much; in a
+                        narrow periodic box, less */
     dem_vec gravity; /* [m/s2]; default (0, 0, -9.81) */
-    int periodic[3]; /* 1: the axis is periodic from low to high, over more than 2.2 of the largest diameters; default
-                        0. Walls are not repeated: extend them a diameter past the box */
+    int periodic[3]; /* 1: the axis is periodic from low to high, a length of more than 2.2 times the largest diameter;
+                        default 0. Walls are not repeated: extend them a diameter past the box */
     dem_vec low, high;       /* [m]; used on periodic axes only; default 0 and 1 */
     dem_allocator allocator; /* default: realloc and free */
     /* Runs task(context, index) for every index below tasks, in any order and on any thread, and returns when all are
-       done. At most `threads` tasks run at a time. Default NULL: OpenMP where the compiler has it, otherwise one after
-       the other. Not saved. */
+       done. At most `threads` tasks run at a time. Default NULL: OpenMP if the compiler has it, otherwise one after the
+       other. Not saved. */
     void (*parallel)(void *user, int tasks, void (*task)(void *context, int index), void *context);
     void *parallel_user;
-    /* Asked now and then, on the calling thread, while dem_fill, dem_fill_mass and the feeds look for places: other
-       than 0 ends the call with DEM_STOPPED, and nothing has changed. It may read the world. Default NULL: never asked.
+    /* Called now and then, on the calling thread, while dem_fill, dem_fill_mass and the feeds look for places. A result
+       other than 0 ends the call with DEM_STOPPED, and nothing has changed. It may read the world. Default NULL.
        dem_run needs none: call it with short durations. Not saved. */
     int (*stop)(void *user);
     void *stop_user;
@@ -379,7 +379,7 @@ typedef struct dem_def {
 
 typedef enum dem_profile {
     DEM_ROUND,     /* full round wires */
-    DEM_SEMICIRCLE /* round above, flat below: the section is the upper half of a circle */
+    DEM_SEMICIRCLE /* round above, flat below: the cross-section is the upper half of a circle */
 } dem_profile;
 
 /* A woven screen: two crossing families of bars in one plane, with square apertures. Made by dem_default_screen(). */
@@ -388,13 +388,13 @@ typedef struct dem_screen {
     double wire;         /* width of a bar [m] > 0; default 2e-3 */
     dem_profile profile; /* default DEM_SEMICIRCLE */
     int circular;        /* 1: disc of radius half_x; 0: rectangle; default 1 */
-    double half_x; /* radius, or half length along x [m] > 0; default 0.095. With (n + 1/2) pitches a bar runs along the
+    double half_x; /* radius, or half length along x [m] > 0; default 0.095. With (n + 1/2) pitches a bar lies along the
                       edge */
     double half_y; /* half length along y [m] > 0 if rectangular */
     dem_vec
-        centre; /* centre of the deck, in the plane of the wire axes and at the centre of an aperture [m]; default 0 */
+        centre; /* centre of the deck, in the plane of the wire axes and in the middle of an aperture [m]; default 0 */
     dem_vec normal;    /* up; default (0, 0, 1) */
-    dem_vec direction; /* along one family of bars, made perpendicular to the normal; default (1, 0, 0) */
+    dem_vec direction; /* along one family of bars; made perpendicular to the normal; default (1, 0, 0) */
 } dem_screen;
 
 /* The lateral surface of a frustum or, with equal radii, a tube of finite length: a thin sheet, touched from inside,
@@ -405,8 +405,8 @@ typedef struct dem_cone {
     double high_radius; /* at high [m] >= 0, not both 0; default 0.1 */
 } dem_cone;
 
-/* A flat disc, with or without a round hole in its middle: a thin sheet, touched from both sides and at its rims. Made by
-   dem_default_disc(). */
+/* A flat disc, with or without a round hole in its middle: a thin sheet, touched from both sides and at its rims. Made
+   by dem_default_disc(). */
 typedef struct dem_disc {
     dem_vec centre;     /* [m]; default 0 */
     dem_vec normal;     /* of any length but 0; default (0, 0, 1) */
@@ -425,7 +425,7 @@ typedef enum dem_wall_kind {
     DEM_DISC
 } dem_wall_kind;
 
-/* Triangles, your own or read by dem_read_stl(). For your own arrays, set the first four fields; the rest is 0. */
+/* Triangles, your own or read by dem_read_stl(). For your own arrays, set the first four fields; the others are 0. */
 typedef struct dem_mesh {
     ptrdiff_t vertices, triangles; /* at most INT32_MAX / 4 */
     double *vertex;                /* shape [vertices][3] [m] */
@@ -442,10 +442,10 @@ typedef struct dem_stl_report {
     ptrdiff_t facets;   /* whole triangles in the file; a facet of n corners counts as the n - 2 triangles into which it
                            is cut */
     ptrdiff_t polygons; /* facets of more than three corners */
-    ptrdiff_t missing;  /* facets that a binary file announces and does not contain, that a text breaks off or garbles,
-                           or whose  corners no fan of triangles covers; 1 more if a text that begins with "solid" ends
-                           without "endsolid" */
-    ptrdiff_t unannounced;   /* facets of a binary file beyond its count; read, because they end with the file */
+    ptrdiff_t missing;  /* facets that are announced by a binary file and absent, cut off or garbled in a text, or not
+                           covered by a fan of triangles; 1 more if a text that begins with "solid" lacks "endsolid" */
+    ptrdiff_t unannounced;   /* facets of a binary file beyond its count; read, because the file ends with a whole
+                                one */
     ptrdiff_t surplus;       /* bytes of a binary file after its facets; not read */
     ptrdiff_t not_finite;    /* left out: a coordinate is NaN or infinite */
     ptrdiff_t degenerate;    /* left out: no area after welding; where one closes a T-junction there is no hole */
@@ -460,13 +460,14 @@ typedef struct dem_stl_report {
     dem_vec low, high;       /* corners of its bounding box [m] */
 } dem_stl_report;
 
-/* Place of a wall in a prescribed motion: turned about the centre given to dem_prescribe(), then shifted. */
+/* Pose of a wall in a prescribed motion: turned about the centre given to dem_prescribe(), then shifted. */
 typedef struct dem_pose {
     dem_vec shift; /* [m] */
     dem_vec turn;  /* axis times angle [rad] */
 } dem_pose;
 /* Motion of a wall: a pure function of time [s] (and of *user, which must not change), as smooth as the motion of a
-   body is. It is called for times in any order, also one time step before and after the run. *pose is zero at entry. */
+   body is. It is called for times in any order, including one time step before and after the run. *pose is zero at
+   entry. */
 typedef void (*dem_motion_fn)(void *user, double time, dem_pose *pose);
 
 typedef enum dem_drive {
@@ -490,45 +491,46 @@ typedef struct dem_wall_motion {
     dem_vec drift;       /* constant velocity [m/s] */
     dem_vec spin_centre; /* centre of a rotation [m] */
     dem_vec belt;        /* velocity of its surface within itself [m/s] */
-    dem_vec belt_turn;   /* the same around pulleys: axis times speed; along its product with the normal [m/s] */
+    dem_vec belt_turn;   /* the same around pulleys: axis times speed; the surface moves along its cross product with
+                            the normal [m/s] */
     double inertia, load, damping; /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
     dem_motion_fn motion;          /* prescribed */
     void *motion_user;
     double interval; /* prescribed: interval of the finite differences [s] */
 } dem_wall_motion;
 
-/* A wall: its shape, the motion that was set, and its state now. Read only; functions change it. */
+/* A wall: its shape, the motion that was set, and its present state. Read only; functions change it. */
 typedef struct dem_wall {
     int kind, material, enabled;
     double radius;              /* cylinder, sphere; cone: at its low end, which is the origin; disc: of its hole [m] */
-    double high_radius, length; /* cone: radius at the other end; distance of the ends; disc: radius; 0 [m] */
+    double high_radius, length; /* cone: radius at the other end, distance of the ends; disc: radius, 0 [m] */
     int inside;                 /* cylinder, sphere: 1 if particles are inside, 0 if outside */
     double aperture, wire;      /* screen [m] */
     int profile, circular;      /* screen */
     double half_x, half_y;      /* screen [m] */
     struct dem__tree *tree;     /* mesh: the triangles, owned */
-    int solid;                  /* mesh: 1: a closed body, whose inside is occupied; 0: a sheet */
+    int solid;                  /* mesh: 1: a closed body with an occupied inside; 0: a sheet */
     uint32_t groups;            /* bit g: acts on particles of group g; bit 31: on those of all other groups; set by
                                    dem_set_wall_groups */
 
     dem_wall_motion asked;
 
-    dem_vec axis[3]; /* its own frame, in the world's; axis[2] is the normal or the cylinder's axis */
+    dem_vec axis[3]; /* axes of its own frame in the world's; axis[2] is the normal or the cylinder's axis */
     dem_vec position, velocity, acceleration; /* of its origin */
     dem_vec spin_axis;                        /* axis of its rotation; controlled: of the motion */
     double spin, spin_rate;                   /* [rad/s], [rad/s2] */
     double coordinate, rate,
         rate_change;         /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
-    dem_vec force, torque;   /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
+    dem_vec force, torque;   /* on the wall in this step [N], about its origin [N m]; use the impulse for means */
     dem_vec impulse;         /* time integral of the force [N s] */
     dem_vec angular_impulse; /* time integral of the torque about the world's origin [N m s]; see
                                 dem_wall_angular_impulse */
     double work;             /* done on the particles by its motion and its belt [J] */
 
     const struct dem__wall_kind *kind__; /* private: the functions of its kind */
-    int slides;                          /* private: 1 if its surface moves otherwise than its origin */
+    int slides;                          /* private: 1 if its surface moves unlike its origin */
     double speed_bound, spin_bound;      /* private: limits of its origin's speed, apart from rotation, and of its spin,
-                                       until timers are reset */
+                                            until timers are reset */
     double acceleration_bound; /* private: kinematic: limit of the acceleration of its origin, apart from rotation
                                        [m/s2] */
     double side_bound;         /* private: the same perpendicular to axis[2] */
@@ -546,9 +548,9 @@ typedef struct dem_passed {
 
 /* ---- laws ---- */
 
-/* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states,
-   history, vectors: 0, 0, 0; with friction 3, 3, 1); the same for hertz (0, 0, 0; 4, 4, 1). Their constants come first;
-   yours follow (docs/dem.md). */
+/* For laws of your own: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling
+   (states, history, vectors: 0, 0, 0; with friction 3, 3, 1); the same for hertz (0, 0, 0; 4, 4, 1). Their constants
+   come first; yours follow (docs/dem.md). */
 enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
 
 /* ---- force fields ---- */
@@ -573,8 +575,9 @@ typedef struct dem_force_field {
     dem_field_fn
         kernel; /* made from a law by DEM_FORCE_FIELD(name, law); the law: dem_vec law(const dem_force_point *at) [N] */
     const void *user; /* passed to the law; default NULL */
-    double length; /* longest way of one step in flight [m] > 0: half the size of the finest detail; default HUGE_VAL */
-    double interval; /* longest time of one step in flight [s] > 0: a tenth of that in which the field changes there;
+    double length; /* longest distance of one step in flight [m] > 0: half the size of the finest detail; default
+                      HUGE_VAL */
+    double interval; /* longest time of one step in flight [s] > 0: a tenth of the time in which the field changes;
                         default HUGE_VAL */
     double accuracy; /* largest error of position in one step in flight, over the particle's radius [-] 1e-12 .. 1e-4;
                         default 1e-6 */
@@ -603,16 +606,17 @@ typedef struct dem_gas {
 
 /* ---- the world ---- */
 
-/* Energies now, and where energy went [J]; sums since the first run with DEM_ENERGY. */
+/* Present energies, and where energy went [J]; sums since the first run with DEM_ENERGY. */
 typedef struct dem_energy_ledger {
-    double kinetic, rotational, elastic, potential; /* now; the potential energy is that of gravity, 0 at the origin */
+    double kinetic, rotational, elastic, potential; /* at present; the potential energy is that of gravity, 0 at the
+                                                       origin */
     double normal_loss, sliding_loss, rolling_loss; /* dissipated, as the laws compute it */
-    double wall_work, external_work; /* done on the particles by moving walls; by loads and moving fixed particles */
+    double wall_work, external_work; /* done on the particles: by moving walls; by loads and moving fixed particles */
     double field_work;               /* done on the particles by a force field */
-    double link_work; /* done on the particles by links: minus what links store and lost, apart from walls' work through
-                         them */
-    double added, removed; /* carried in and out by particles, and by what the caller changes between runs: contacts
-                              that begin, end or get other constants, gravity */
+    double link_work; /* done on the particles by links: minus what links store and lost, apart from the work of walls
+                         through them */
+    double added, removed; /* carried in and out by particles, and by changes of the caller between runs: contacts that
+                              begin, end or get other constants, gravity */
     double start, start_potential, added_potential,
         removed_potential; /* energy when the ledger began; the potential parts */
     double released;       /* potential energy released so far, at least 0 */
@@ -620,7 +624,7 @@ typedef struct dem_energy_ledger {
 } dem_energy_ledger;
 
 /* A body: a sphere, or several particles that move as one. The particles of a body are consecutive in the arrays of the
-   world; the mass of each (dem_particle.mass) is the body's. */
+   world; each has the mass of the body (dem_particle.mass). */
 typedef struct dem_body {
     ptrdiff_t first, pieces;    /* its particles */
     double mass;                /* [kg] */
@@ -632,9 +636,9 @@ typedef struct dem_body {
     dem_quaternion axes;        /* from the principal axes to the world's */
 } dem_body;
 
-/* A sphere as the engine keeps it: radius, mass, and the state at its own origin step, which may be long past; from
-   there it moves by x + v t + a t^2/2. dem_position(), dem_velocity() and dem_spin() return the state now. In a law's
-   hooks v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
+/* A sphere as the engine keeps it: radius, mass, and the state at its own origin step, which may be long past. From
+   there it moves by x + v t + a t^2/2. dem_position(), dem_velocity() and dem_spin() return the present state. In a
+   law's hooks v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
 typedef struct dem_particle {
     dem_vec x;               /* [m] */
     double radius;           /* [m] */
@@ -643,24 +647,24 @@ typedef struct dem_particle {
     dem_vec a;               /* [m/s2] */
     int64_t origin;          /* step of the state */
     dem_vec spin;            /* [rad/s] */
-    double tolerance_left__; /* private: by how much its velocity can change before it may leave its bound, at least
+    double tolerance_left__; /* private: by how much its velocity can change at least before it may leave its bound
                                 [m/s] */
 } dem_particle;
 
 enum { DEM_LEAVING = -1, DEM_GONE = 0, DEM_PRESENT = 1 };
 
 /* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are read only unless a
-   function says otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs.
-   */
+   function says otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or
+   runs. */
 typedef struct dem_world {
     dem_def def;
-    void *user;      /* yours: passed to the law's hooks; not saved */
+    void *user;      /* the caller's: passed to the law's hooks; not saved */
     int64_t step;    /* steps done */
     double time;     /* [s] */
     double owed;     /* time requested and not yet run, at most half a step [s]; the next run makes up for it. 0 after a
-                        failed run:     request the rest again */
-    ptrdiff_t count; /* entries of the arrays; one that left or was removed stays, with alive = DEM_GONE, until the gaps
-                        are closed */
+                        failed run: then request the rest again */
+    ptrdiff_t count; /* entries of the arrays; a particle that left stays, with alive = DEM_GONE, until the gaps are
+                        closed */
     dem_status status; /* first failure of a run; failed_id and step then name the particle and the step */
     uint64_t failed_id;
     int failed_pair[2]; /* with DEM_PAIR_NOT_SET: the two materials, the smaller index first */
@@ -673,16 +677,16 @@ typedef struct dem_world {
     int64_t contact_steps;  /* sum over steps of contacts present */
     int64_t looks;          /* tests of pairs and of particles with walls */
     int64_t rebuilds;       /* of the neighbour list */
-    double step_ratio; /* time step over the largest that is stable; 0 before the first run. Computed when a run begins
-                          after a change, for the smallest and stiffest pair present (for a particle of a body, with its
-                          least effective mass). Contacts that begin later raise it if their law's prepare function
-                          returns a stiffness. Above 1 contacts create energy. dem_advise() advises 0.08 or less. With
-                          DEM_HERTZ, whose contacts stiffen in an impact, from the time of Rayleigh waves alone. Links
+    double step_ratio; /* time step over the largest stable one; 0 before the first run. Computed when a run begins
+                          after a change, for the smallest and stiffest present pair (a particle of a body has its least
+                          effective mass). Contacts that begin later raise it if their law's prepare function returns a
+                          stiffness. Above 1 contacts create energy; dem_advise() advises 0.08 or less. With DEM_HERTZ,
+                          whose contacts stiffen in an impact, it follows from the time of Rayleigh waves alone. Links
                           are not included: the caller chooses their interval */
 
-    dem_particle *particle; /* states at origin steps, not now: dem_position() and its like return these */
+    dem_particle *particle; /* states at origin steps; dem_position() and the like return present ones */
     dem_vec *spin_rate;     /* since the origin step [rad/s2] */
-    uint64_t *id;           /* stable; counts up from 0 in the order of adding */
+    uint64_t *id;           /* never changes; counts up from 0 in the order of adding */
     int32_t *material, *group;
     int32_t *alive;    /* DEM_PRESENT, DEM_GONE; within a step DEM_LEAVING */
     int32_t *touching; /* number of its contacts */
@@ -691,7 +695,7 @@ typedef struct dem_world {
 } dem_world;
 
 /* ---------------------------------------------------------------------------------------------------- >>base/law.h */
-/* What a law of contact gets and returns, and the kernels that are made of it: public types. */
+/* What a law of contact gets and returns, and the kernels made from it: public types. */
 
 /* Input of a law for one contact. i is a sphere, j a sphere or a wall; n points from j to i. */
 typedef struct dem_contact {
@@ -702,7 +706,7 @@ typedef struct dem_contact {
     double spin[3];          /* w_i - w_j [rad/s] */
     double normal[3];        /* n */
     double mass;             /* m_eff = m_i m_j/(m_i + m_j); wall: m_i [kg] */
-    double dt;               /* time by which the history advances [s]; 0 when only the force is wanted */
+    double dt;               /* time by which the history advances [s]; 0 when only the force is needed */
     double rate;             /* 1 / time step of the world [1/s] */
     double share;            /* 1 / number of contacts of the partner that has more [-] */
     const double *constants; /* as the law's prepare function set them */
@@ -711,10 +715,10 @@ typedef struct dem_contact {
 
 /* Output of a law: forces on i. A law sets normal, contact and ended; with DEM_FRICTION tangential, and remaining if
    there is any; with DEM_ROLLING rolling; with DEM_ENERGY the rest. A law of links sets normal, tangential and ended.
-   What a law does not set is 0. */
+   Members that a law does not set are 0. */
 typedef struct dem_response {
     double normal;        /* along n; positive repels [N] */
-    double contact;       /* the part of normal that the overlap makes; 0 without overlap [N] */
+    double contact;       /* the part of normal that stems from the overlap; 0 without overlap [N] */
     double tangential[3]; /* perpendicular to n [N]; acts at the point that divides the distance of the centres as the
                              radii do */
     double remaining[3];  /* the part of tangential that stays however small `contact` is: lubrication, adhesion [N];
@@ -724,7 +728,7 @@ typedef struct dem_response {
     double normal_power;  /* dissipated by the normal dashpot [W] */
     double slide_loss;    /* dissipated by sliding in this step [J] */
     double rolling_power; /* dissipated by rolling and tangential dashpot [W] */
-    double ended; /* 1: the contact has ended, its state may be dropped and its forces end with this step; otherwise 0
+    double ended; /* 1: the contact has ended; its state may be dropped, and its forces end with this step. Otherwise 0
                      (a double, so that all vectors have one type) */
 } dem_response;
 
@@ -742,26 +746,26 @@ typedef struct dem_birth {
     void *user;                /* world->user */
 } dem_birth;
 
-/* A law. It is a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
+/* A law. It is a constant, so that the loop that DEM_KERNEL makes from it has no indirect call. */
 typedef struct dem_law {
-    /* Name and version say what the states mean. Contacts and links go on, in a run and from a save, only under a law
-       of the same name, up to a comma if there is one, the same version and the same number of states: "linear,
-       friction" and "linear, with attraction" understand each other, "linear" and "Luding" do not
-       (DEM_LAW_MISMATCH). Give a law that means something else by its states a name or a version of its own. NULL: only
-       the number of states is compared. */
+    /* Name and version identify the meaning of the states. Contacts and links go on, in a run and from a save, only
+       under a law with the same name (up to a comma), the same version and the same number of states. "linear,
+       friction" and "linear, with attraction" understand each other; "linear" and "Luding" do not
+       (DEM_LAW_MISMATCH). Give a law whose states mean something else another name or version. NULL: only the number
+       of states is compared. */
     const char *name;
     int version;
     int states;    /* doubles for each contact, 0 when it begins, <= DEM_STATE_MAX */
-    int history;   /* the first of them, which force may change; only dem_set_contact_state() changes the rest */
+    int history;   /* the first of them, which force may change; the rest changes only by dem_set_contact_state() */
     int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
     int constants; /* doubles that prepare sets, <= DEM_CONSTANTS_MAX */
-    /* Sets the constants. Returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its
-       restitution accurate to third order; otherwise 0. */
+    /* Sets the constants. Returns the k_n of a linear law with the pair's damping ratio [N/m], with which the
+       restitution is accurate to third order; otherwise 0. */
     double (*prepare)(const dem_birth *birth, double *constants);
     void (*force)(const dem_contact *contact, double *state,
                   dem_response *response); /* always inline, no calls, few branches */
     /* Both may be NULL; they get world->user. born: for the contacts that begin in a step, before their first force,
-       sorted by partners. ended: for a contact that has ended: by itself, or because a particle was removed (its
+       sorted by partners. ended: for a contact that has ended, by itself, or because a particle was removed (its
        world->alive is not DEM_PRESENT) or a wall no longer acts (dem_wall_acts). dem_get_contact() (for a link
        dem_get_link()) and dem_set_contact_state() take their numbers. */
     void (*born)(struct dem_world *world, const int32_t *numbers, ptrdiff_t n, void *user);
@@ -791,8 +795,9 @@ typedef struct dem_link_kernel {
 
 DEM_API const char *dem_status_text(dem_status status); /* never NULL */
 
-/* Returns 1 if this header, as built, computes the same bits as elsewhere: doubles evaluated as doubles, no fused
-   multiply-add. Tested at run time. The code around it is not tested: compile that with -ffp-contract=off. */
+/* Returns 1 if this header, as built, computes the same bits as elsewhere: doubles are evaluated as doubles, and
+   products are not fused with sums. Tested at run time. The code around the header is not tested: compile that with
+   -ffp-contract=off. */
 DEM_API int dem_build_is_deterministic(void);
 
 /* ---- definition ---- */
@@ -800,65 +805,65 @@ DEM_API int dem_build_is_deterministic(void);
 DEM_API dem_def dem_default_def(void);
 /* Adds a material. Returns its index, or -1 if there are DEM_MATERIALS_MAX already. Units as in dem_material. */
 DEM_API int dem_add_material(dem_def *def, double density, double young_modulus, double poisson_ratio);
-/* Returns the parameters of a pair of materials, in either order, to be edited; NULL if an index is out of range. From
-   then on the pair counts as set, even to its defaults. */
+/* Returns the parameters of a pair of materials, in either order, for editing; NULL if an index is out of range. The
+   pair then counts as set, even if it keeps its defaults. */
 DEM_API dem_pair_def *dem_pair(dem_def *def, int a, int b);
-/* Returns DEM_OK, or DEM_BAD_DEFINITION; then *field is the name of the first bad field (field may be NULL). */
+/* Returns DEM_OK, or DEM_BAD_DEFINITION with the name of the first bad field in *field (field may be NULL). */
 DEM_API dem_status dem_check_def(const dem_def *def, const char **field);
 
 /* ---- a world ---- */
 
-/* Makes an empty world with a copy of the definition. What the memory of *world contained is not read, so that it need
-   not be set: a world that is in use must be freed before, or all its memory is lost. On failure nothing is allocated,
-   and *field (if not NULL) names what is wrong. */
+/* Makes an empty world with a copy of the definition. *world need not be set before, because its contents are not read.
+   Free a world that is in use first, or all its memory is lost. On failure nothing is allocated, and *field (if not
+   NULL) names what is wrong. */
 DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field);
 DEM_API void dem_free(dem_world *world); /* frees everything; safe on a zeroed or freed world */
 
-/* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of
-   yours, kept in records. Overlaps are allowed and push. On failure nothing is added. Ids, world->id[i], count up in
+/* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of your
+   choice, kept in records. Overlaps are allowed and push. On failure nothing is added. Ids, world->id[i], count up in
    array order. */
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters,
                                    int material, int group);
-/* Makes a shape of n spheres, overlapping or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere;
-   diameters: [n] [m] > 0. Volume, centre of mass and moments are those of the union at one density, to 1e-8 of the
-   whole in the worst case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere
-   within another is left out: it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
+/* Makes a shape of n spheres, overlapping or not. centres: shape [n][3] [m], in any frame; diameters: [n] [m] > 0.
+   Volume, centre of mass and moments are those of the union with uniform density, to 1e-8 of the whole in the worst
+   case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere inside another one
+   is left out, because it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
-/* Makes a capsule along the x axis: spheres in a row, so near that the grooves between them are 1 % of the radius deep.
-   diameter, length: over all [m] > 0, length >= diameter. DEM_TOO_MANY from 9.8 diameters on. */
+/* Makes a capsule along the x axis: a row of spheres so close that the grooves between them are 1 % of the radius deep.
+   diameter, length: overall [m] > 0, length >= diameter. DEM_TOO_MANY from 9.8 diameters on. */
 DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double length);
 DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
-/* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n]
-   [m], to which the shape is scaled, NULL: as it was made; orientations: shape [n][4], quaternions (scalar first, of
-   any length but 0) from the shape's frame to the world's, NULL: as it was made. Each sphere is a particle; those of a
-   clump are consecutive, move as one and do not touch each other. A contact counts with the mass of the whole clump. On
+/* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]. diameters: of spheres of the same volume, [n]
+   [m], to which the shape is scaled; NULL: unscaled. orientations: shape [n][4], quaternions (scalar first, of any
+   length but 0) from the shape's frame to the world's; NULL: as it was made. Each sphere is a particle. The particles
+   of a clump are consecutive, move as one and do not touch each other. A contact sees the mass of the whole clump. On
    failure nothing is added. */
 DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres,
                                   const double *diameters, const double *orientations, int material, int group);
-/* Sets velocity [m/s] and spin [rad/s] of particle i (array index), or of the rigid body that it is a part of, at its
+/* Sets velocity [m/s] and spin [rad/s] of particle i (array index), or of the rigid body of which it is a part, at its
    centre of mass. */
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin);
-/* Sets a constant external force [N] at the centre of particle i, and a torque [N m]; they act until changed.
+/* Sets a constant external force [N] at the centre of particle i, and a torque [N m]. They act until changed.
    DEM_BAD_ARGUMENT also for accelerations above 1e80. */
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
-/* Fixes particle i and the body that it is a part of (1), or releases it (0). A fixed particle stops at once. From then
-   on it stays at rest, or moves with the velocity of dem_set_motion (bodies: without spin), whatever forces act on it.
-   To other particles it is an obstacle of its shape; the mass of a contact is theirs, as at a wall. Gravity, loads,
-   walls, exits and other fixed particles have no effect on it. The ledger counts no energy of it, and books its work on
-   others as external_work. */
+/* Fixes particle i and the body of which it is a part (1), or releases it (0). A fixed particle stops at once. It then
+   stays at rest, or moves with the velocity of dem_set_motion (bodies: without spin), whatever forces act on it. To
+   other particles it is an obstacle of its shape; the mass of a contact is theirs, as at a wall. Gravity, loads, walls,
+   exits and other fixed particles have no effect on it. It has no energy in the ledger, which books its work on others
+   as external_work. */
 DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed);
 DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i); /* 1 or 0 */
-/* Returns the forces of contacts and links on a fixed particle, or on the whole fixed body that it is a part of: force
-   [N], and torque about the centre [N m], at the end of the last step; time integral of the force since it was fixed [N
-   s]. For other particles, DEM_BAD_ARGUMENT and NaN. */
+/* Returns the forces of contacts and links on a fixed particle, or on the whole fixed body of which it is a part: force
+   [N] and torque about the centre [N m] at the end of the last step, and the time integral of the force since it was
+   fixed [N s]. For other particles, DEM_BAD_ARGUMENT and NaN. */
 DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque,
                                        dem_vec *impulse);
-/* Removes particle i, and the body that it is a part of. */
+/* Removes particle i, and the body of which it is a part. */
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
 
 /* ---- filling, feeding, removing ---- */
 
-#define DEM_SIZES_MAX 32 /* sizes of a list, at most: a stack of sieves has fewer */
+#define DEM_SIZES_MAX 32 /* sizes of a list at most; a stack of sieves has fewer */
 
 /* A part of space, for filling, removing and measuring. Made by the four functions below. Functions that take a region
    return DEM_BAD_ARGUMENT (or NaN) if it is not finite or a length is negative. */
@@ -874,20 +879,21 @@ typedef struct dem_region {
                           centre [m] */
     dem_vec axis;      /* cylinder: from bottom to top, of any length but 0 */
     double length, radius; /* cylinder, sphere [m] >= 0 */
-    const dem_mesh *mesh;  /* yours: it must not change while the region is in use */
+    const dem_mesh *mesh;  /* the caller's; it must not change while the region is in use */
 } dem_region;
 DEM_API dem_region dem_box_region(dem_vec low, dem_vec high); /* low = high along an axis: a face */
 DEM_API dem_region dem_cylinder_region(dem_vec bottom, dem_vec axis, double length,
                                        double radius); /* length 0: a disc */
 DEM_API dem_region dem_sphere_region(dem_vec centre, double radius);
-/* Makes a region of the inside of a closed mesh; where shells overlap, of the points that an odd number of them
-   encloses. A mesh that is not closed is refused when the region is used. Filling and measuring sort the triangles at
-   each call; dem_region_holds tests all of them. */
+/* Makes a region from the inside of a closed mesh. Where shells overlap, a point is inside if an odd number of them
+   encloses it. A mesh that is not closed is refused when the region is used. Filling and measuring sort the triangles
+   at each call; dem_region_holds tests all of them. */
 DEM_API dem_region dem_mesh_region(const dem_mesh *mesh);
 DEM_API double dem_region_volume(const dem_region *region);            /* [m3] */
 DEM_API int dem_region_holds(const dem_region *region, dem_vec point); /* 1 if the point is inside or on the surface */
 
-/* Diameters of spheres. Shares are by number or, with by_mass, by mass. Made by the functions below, to be edited. */
+/* Diameters of spheres. Shares are by number or, with by_mass, by mass. Made by the functions below, and open to
+   editing. */
 typedef enum dem_size_kind {
     DEM_SIZES_LIST,
     DEM_SIZES_UNIFORM,
@@ -901,8 +907,8 @@ typedef struct dem_sizes {
     double diameter[DEM_SIZES_MAX], share[DEM_SIZES_MAX]; /* list: [m] > 0; >= 0, of any sum > 0 */
     double scale;             /* lognormal: median; Rosin-Rammler: diameter that 36.8 % exceed [m] > 0 */
     double spread;            /* lognormal: standard deviation of ln d, 1e-3 .. 5; R.-R.: exponent, 0.1 .. 100 */
-    double smallest, largest; /* all but the list are cut off there [m] > 0, largest <= 1e6 smallest; refused if the
-                                 share per ln d reaches 1e-20 of its peak nowhere between */
+    double smallest, largest; /* cut-offs, not used by a list [m] > 0, largest <= 1e6 smallest; refused if the share per
+                                 ln d is below 1e-20 of its peak everywhere between them */
 } dem_sizes;
 DEM_API dem_sizes dem_one_size(double diameter);
 DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *share,
@@ -911,15 +917,15 @@ DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass
 DEM_API dem_sizes dem_lognormal_sizes(double median, double spread, double smallest, double largest, int by_mass);
 /* Makes sizes by Rosin & Rammler 1933: the share coarser than d is exp(-(d/scale)^exponent). */
 DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double smallest, double largest, int by_mass);
-/* Draws a diameter [m]. *random is the generator's state, any number at first. NaN if the sizes are out of range. Takes
+/* Draws a diameter [m]. *random is the generator's state, at first any number. NaN if the sizes are out of range. Needs
    12 tries on average at most, and never more than 10000. */
 DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random);
 
-/* A source of spheres: where, what, and how far it is. Owned by the caller, plain data: with a copy of it beside the
-   saved world, a restart continues with the same spheres. (It is no part of the world, because a world may have any
-   number of sources, and most have none.) */
+/* A source of spheres: where, what, and how many so far. It is plain data, owned by the caller: save a copy of it
+   beside the world, and a restart continues with the same spheres. (A world may have any number of sources, and most
+   have none, so it holds none.) */
 typedef struct dem_feed {
-    dem_region region; /* spheres lie wholly within; in a face or a disc, their centres do */
+    dem_region region; /* spheres lie wholly within it; in a face or a disc, their centres do */
     dem_sizes sizes;
     int material, group;    /* as in dem_add_spheres; default 0 */
     dem_vec velocity;       /* of the new spheres [m/s]; default 0 */
@@ -927,63 +933,65 @@ typedef struct dem_feed {
     const dem_clump *clump; /* shape of the bodies, oriented at random; the sizes are then those of spheres of the same
                                volume. It must exist as long as the feed is used. Default NULL: spheres */
     int polyhedron;  /* 1 + number of a shape of the world (dem_add_shape): bodies are polyhedra of that shape and size,
-                        oriented at  random; sizes are not used, and clump is NULL. Each is kept apart by the sphere
-                        around it. Default 0: none */
-    int tries;       /* random places tried for a sphere before it is given up, 1 .. 1000000; default 1000 */
+                        oriented at random; sizes are not used, and clump is NULL. Spheres around them keep them apart.
+                        Default 0: none */
+    int tries;       /* random places tried for a sphere before it is dropped, 1 .. 1000000; default 1000 */
     uint64_t random; /* the generator's state; at first the seed; default 1 */
     /* set by the functions below */
     ptrdiff_t placed, missed;        /* spheres placed in all; those for which dem_fill found no place */
     double placed_mass, missed_mass; /* [kg] */
     double due,
-        due_mass;   /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; they may be ahead by half a sphere */
+        due_mass;   /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; below 0 by half a sphere at most */
     double waiting; /* diameter of the next sphere [m]; 0: not drawn yet */
     uint64_t
-        waiting_of; /* tells the sizes and the shape that it was drawn from: with others it is drawn anew. 0: with any */
+        waiting_of; /* identifies the sizes and the shape for which it was drawn; for others it is drawn again. 0:
+                       serves for any */
 } dem_feed;
 DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m at the origin, to be edited */
 
-/* Places a number of spheres, or as many as come nearest to `mass` [kg], at random, the largest first. They touch
-   neither spheres nor enabled walls, and are in no solid wall (dem_set_solid). Spheres without a place are dropped and
-   counted in missed; random places fill up to about 0.3 of a volume within reasonable time. At most feed->tries places
-   are tried for each sphere. Statuses: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY (more than 2e8 spheres; more
-   mass than the density times the volume of the region or, of a mesh, of the box around it), DEM_STOPPED (def.stop;
-   also from the feeds below); then nothing has changed. */
+/* Places a number of spheres, or as many as come closest to `mass` [kg], at random, the largest first. They touch
+   neither spheres nor enabled walls, and lie outside solid walls (dem_set_solid). Spheres without a place are dropped
+   and counted in missed; random places fill up to about 0.3 of a volume within reasonable time. At most feed->tries
+   places are tried for each sphere. On failure nothing has changed: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY
+   (more than 2e8 spheres; more mass than the density times the volume of the region or, for a mesh, of its bounding
+   box), DEM_STOPPED (def.stop; also from the feeds below). */
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count);
 DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
-/* Places what falls due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0. Call it before every dem_run of that
-   duration, which is no longer than spheres need to clear the region. A sphere without a place waits, and with it those
-   after it, so that sizes keep their shares; `due` tells how far the source is behind. */
+/* Places what is due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0. Call it before every dem_run of that
+   duration, which must not exceed the time in which spheres leave the region. A sphere without a place waits, and so do
+   those after it, so that sizes keep their shares; `due` tells how far the source is behind. */
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration);
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration);
-/* One source for several classes: of sizes, groups, materials or shapes. Bodies come one after the other, each of the
-   class that is farthest behind its share, and where one has no place the others wait with it: so what has been placed
-   has the shares to within a body, however little finds room. */
+/* One source for several classes: of sizes, groups, materials or shapes. Bodies come one after the other, each from the
+   class that is farthest behind its share. If a body has no place, the others wait with it, so the bodies placed have
+   the right shares to within one body, however few find room. */
 enum { DEM_CLASSES_MAX = 100000 };
 typedef struct dem_source {
-    dem_feed *feed;      /* [classes] yours: sizes, material, group, velocity and shape of each class. Region, tries and
-                       generator of the first are those of all. Each counts its own placed and missed */
+    dem_feed *feed;      /* [classes] the caller's: sizes, material, group, velocity and shape of each class. Region,
+                            tries and generator of the first serve all. Each counts its own placed and missed */
     const double *share; /* [classes] of mass or number, >= 0, not all 0 */
     int classes;         /* 1 .. DEM_CLASSES_MAX */
     int by_number;       /* 0: shares are of mass */
-    double due, due_mass; /* what the feeds below still owe [-], [kg]; at first 0. They may be ahead by half a body */
+    double due, due_mass; /* what the feeds below still owe [-], [kg]; at first 0. Below 0 by half a body at most */
 } dem_source;
-/* As dem_fill, dem_fill_mass, dem_feed_number and dem_feed_mass. Of a fill, what finds no place is missed by its class.
-   */
+/* As dem_fill, dem_fill_mass, dem_feed_number and dem_feed_mass. A body of a fill without a place counts as missed in
+   its class. */
 DEM_API dem_status dem_fill_source(dem_world *world, dem_source *source, ptrdiff_t count);
 DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, double mass);
 DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double rate, double duration);
 DEM_API dem_status dem_feed_source_mass(dem_world *world, dem_source *source, double mass_flow, double duration);
-/* Copies the oldest records of what passed exits, at most `capacity`, and removes them from the world. Returns their
-   number, or minus a dem_status. records: [capacity], or NULL to drop them. Until then world->passed keeps 88 bytes of
-   every particle that passed; world->passed_total counts all. dem_residence() reads the records: call it first. */
+/* Copies the oldest records of particles that passed exits, at most `capacity`, and removes them from the world.
+   Returns how many, or minus a dem_status. records: [capacity], or NULL to drop them. Until then world->passed keeps 88
+   bytes for every particle that passed; world->passed_total counts all. dem_residence() reads the records: call it
+   first. */
 DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity);
-/* Removes the spheres whose centres lie in the region, and the bodies whose centres of mass do. Returns their number,
-   or minus a dem_status. */
+/* Removes the spheres whose centres lie in the region, and the bodies whose centres of mass do. Returns how many, or
+   minus a dem_status. */
 DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region);
 
-/* Adds a wall, as the functions below do. Returns the wall's index (>= 0), or minus a dem_status. normal and axis may
+/* Each of these functions adds a wall. It returns the wall's index (>= 0), or minus a dem_status. normal and axis may
    have any length but 0. Walls are independent of each other: on the seam of two flush walls a sphere touches both, and
-   both push. One mesh of both has one surface. */
+   both push. A mesh of both has a single surface. */
 DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point,
                           dem_vec normal); /* particles are on the side of the normal */
 DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside);
@@ -995,69 +1003,70 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone);
 DEM_API dem_disc dem_default_disc(void);
 DEM_API int dem_add_disc(dem_world *world, int material, const dem_disc *disc);
 /* Adds triangles, which are copied, as one wall: a thin sheet that particles touch from both sides, at faces, edges and
-   corners. How it is oriented, welded or cut into triangles does not matter. Places whose normals differ by less than
-   26 degrees are one contact, at the deepest of them (its friction goes with it from triangle to triangle); a sharper
-   concave corner makes two. Triangles without area are left out. Besides the common statuses: DEM_OUT_OF_MEMORY;
-   DEM_BAD_ARGUMENT if an index or a number is out of range, or no triangle is left. */
+   corners. Its orientation, welding and division into triangles do not matter. Places whose normals differ by less than
+   26 degrees are one contact, at the deepest of them (its friction moves with it from triangle to triangle). A sharper
+   concave corner makes two contacts. Triangles without area are left out. Besides the common statuses:
+   DEM_OUT_OF_MEMORY; DEM_BAD_ARGUMENT if an index or a number is out of range, or no triangle is left. */
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh);
-/* Adds six faces between two corners low < high [m], as a mesh of 12 triangles: a container or a block, one wall that
-   moves as one. */
+/* Adds six faces between two corners low < high [m], as a mesh of 12 triangles: a container or a block, in a single
+   wall. */
 DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high);
 /* Makes a mesh or a box a solid body (1), whose inside dem_fill and the feeds leave empty, or a sheet (0, the default),
-   as a container is. DEM_BAD_ARGUMENT for a wall that is not a closed mesh: an edge of one triangle only, a triangle
-   that is there twice. DEM_OUT_OF_MEMORY. */
+   such as a container. DEM_BAD_ARGUMENT for a wall that is not a closed mesh: an edge with a single triangle, a
+   triangle that exists twice. DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid);
-/* Sets the groups of particles that a wall acts on, or an exit removes: bit g for group g = 0 .. 30, bit 31 for all
-   others. Default: all. */
+/* Sets the groups of particles on which a wall acts, or which an exit removes: bit g for group g = 0 .. 30, bit 31 for
+   all others. Default: all. */
 DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups);
 /* Returns 1 if a wall is enabled and acts on particle i's group, otherwise 0. */
 DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i);
-/* Adds a plane that records and removes particles whose centre passes to the side opposite to the normal. */
+/* Adds a plane that records and removes particles whose centres pass to the side opposite to the normal. */
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal);
 
-/* Moves a wall from now on, from where it is. Amplitude [m] and phase [rad] are components along the world's axes;
-   frequency [Hz]. Displacement A (sin(2 pi f t + phase) - sin(phase)). */
+/* These functions move a wall, starting now from where it is. Amplitude [m] and phase [rad] are components along the
+   world's axes; frequency [Hz]. Displacement A (sin(2 pi f t + phase) - sin(phase)). */
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency);
 DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity);                            /* [m/s] */
 DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin); /* [rad/s] */
-/* Moves a wall by a function of time, which replaces its other motions. Velocities follow from differences over the
-   time step. For a wall that is prescribed already, as after dem_load (functions are not saved: until then running
-   gives DEM_NO_MOTION), it replaces function and centre only. DEM_BAD_ARGUMENT if the pose now is not finite. */
+/* Moves a wall by a function of time, which replaces its other motions. Velocities are differences over the time step.
+   If the wall is prescribed already, only function and centre are replaced. That is so after dem_load: functions are
+   not saved, and runs give DEM_NO_MOTION until one is set. DEM_BAD_ARGUMENT if the present pose is not finite. */
 DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user);
-/* Makes a wall a piston: it moves along axis only, as a body of mass [kg] > 0, under the particles' forces, a force
+/* Makes a wall a piston, which moves only along axis, as a body of mass [kg] > 0, under the particles' forces, a force
    along the axis [N] (its own weight is not added) and a damper fixed in space [N s/m] >= 0. It begins with its present
    speed along the axis, so that another call can change the force. At rest the particles exert -force on it. The
-   damping of contacts takes the wall's mass for infinite: it should be 20 times a particle's or more. */
+   damping of contacts takes the wall's mass as infinite, so it should be at least 20 times a particle's. */
 DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force,
                                      double damping);
-/* Makes a wall a rotor: it turns about a fixed line only, with a moment of inertia about it [kg m2] > 0, under the
+/* Makes a wall a rotor, which turns only about a fixed line, with a moment of inertia about it [kg m2] > 0, under the
    particles' torques, a torque [N m] and a damper [N m s/rad] >= 0. Otherwise as dem_control_force. world->wall[].rate
    is its speed [rad/s], coordinate its angle [rad]. */
 DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia,
                                       double torque, double damping);
-/* Makes a wall a belt: its surface moves at this velocity [m/s], or at its part along the surface, while the wall stays
-   where it is. */
+/* Makes a wall a belt: its surface moves at this velocity [m/s], or its component along the surface, while the wall
+   stays where it is. */
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
-/* Makes a wall a belt that runs around pulleys: where the normal is n, its surface moves along axis x n, at this speed
-   [m/s] where the surface is parallel to the axis. Adds to dem_set_belt. */
+/* Makes a wall a belt around pulleys: where the normal is n, its surface moves along axis x n, at this speed [m/s]
+   where the surface is parallel to the axis. Adds to dem_set_belt. */
 DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, double speed);
-DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
+DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: removes it for particles */
 /* Returns the time integral of the torque of particles on a wall about a point at rest [N m s], since the wall was
-   added: its difference over the time between is the mean torque. Forces of links are not in it. NaN for a wall that
-   does not exist. world->wall[].work is the work that its motion has done on the particles [J]: its difference over the
-   time between is the mean power of its drive, without that of a piston's or rotor's inertia. */
+   added. Its difference between two times, over their interval, is the mean torque. Forces of links are not included.
+   NaN for a wall that does not exist. world->wall[].work is the work that the motion of the wall has done on the
+   particles [J]. Its difference over the interval is the mean power of the drive, without the inertia of a piston or
+   rotor. */
 DEM_API dem_vec dem_wall_angular_impulse(const dem_world *world, int wall, dem_vec point);
 
 /* ---- meshes from files ---- */
 
-/* Reads an STL file from memory (3D Systems 1988), text or binary, which the bytes themselves tell (docs/dem_walls.md).
-   bytes: [size]; scale [m per unit of the file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners nearer than this
+/* Reads an STL file from memory (3D Systems 1988). The bytes tell whether it is text or binary (docs/dem_walls.md).
+   bytes: [size]; scale [m per unit of the file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners closer than this
    become one, 0 joins equal ones only; allocator may be NULL; report may be NULL. DEM_OK also for a file with faults,
-   which the report counts; DEM_BAD_DATA if it is no STL file or no triangle is left; DEM_OUT_OF_MEMORY. On failure
+   which the report counts; DEM_BAD_DATA if it is not an STL file or no triangle is left; DEM_OUT_OF_MEMORY. On failure
    *mesh is empty. */
 DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld,
                                 const dem_allocator *allocator, dem_mesh *mesh, dem_stl_report *report);
-DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; safe on a zeroed or freed one */
+DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; safe on a zeroed or freed mesh */
 
 /* ---- running ---- */
 
@@ -1069,101 +1078,101 @@ DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; saf
    the world can be read, saved and freed). */
 DEM_API dem_status dem_run(dem_world *world, double duration, int features);
 /* Does the same with a law of your own. kernel: made by DEM_KERNEL; it must outlive the world. Besides the statuses of
-   dem_run: DEM_LAW_MISMATCH if the contacts present have the history of a law with another name, version or number of
+   dem_run: DEM_LAW_MISMATCH if the present contacts have the history of a law with another name, version or number of
    states (see dem_law). */
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel);
 
-/* Changes gravity [m/s2], or the parameters of a pair of materials, from now on, also for what flies or touches
-   already. Between runs. The ledger books the energy of the change as added. DEM_BAD_ARGUMENT; nothing has changed
-   then. */
+/* These functions change gravity [m/s2], or the parameters of a pair of materials, between runs. Particles in flight
+   and present contacts obey at once. The ledger books the energy of the change as added. DEM_BAD_ARGUMENT: nothing has
+   changed. */
 DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity);
 DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair);
-/* Changes the time step [s], 1e-60 .. 1e6, from now on. */
+/* Changes the time step [s], 1e-60 .. 1e6. */
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt);
 
-/* The time steps [s] that the smallest and stiffest pair present needs; infinite where nothing limits them, as before
+/* The time steps [s] that the smallest and stiffest present pair needs; infinite where nothing limits them, as before
    the first feed. */
 typedef struct dem_advice {
     double contact;  /* duration of the shortest contact, t_c */
     double rayleigh; /* pi R sqrt(rho/G)/(0.1631 nu + 0.8766) of the smallest sphere (materials with moduli) */
     double dashpot;  /* m_eff/gamma of the strongest dashpot */
     double advised;  /* min(t_c/20, 0.2 rayleigh for DEM_HERTZ, dashpot/2); with polyhedra 0.4 of it */
-    /* For hits at the given speed v, of each body with all of its mass m on what does not give way: */
-    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m], for a polyhedron times
-                         dem_convex.springs: with it in all pairs no overlap is deeper than d, the rounding of a
+    /* For impacts at the given speed v, of each body with its whole mass m on something rigid: */
+    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m], times dem_convex.springs for a
+                         polyhedron. If all pairs have this stiffness, no overlap exceeds d, the rounding of a
                          polyhedron or a tenth of a sphere's radius */
-    double depth;     /* overlap over d with the pairs as they are, of the body that gets deepest; above 1 they are too
-                         soft */
+    double depth;     /* overlap over d with the present pairs, of the body that penetrates deepest; above 1 the pairs
+                         are too soft */
 } dem_advice;
-/* Advises on the time step and the stiffness. speed: expected impact speed [m/s] > 0; the time step needs it with
-   DEM_HERTZ only. 0: stiffness and depth are 0. */
+/* Advises on the time step and the stiffness. speed: expected impact speed [m/s] > 0; the time step depends on it only
+   with DEM_HERTZ. 0: stiffness and depth are 0. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed);
 
 /* ---- links: forces between bodies that need not touch, smooth enough for a larger step; a liquid bridge ---- */
 
-/* Sets the law of links; before the first link, and again after dem_load. kernel: made by DEM_LINK_KERNEL. Of a
-   dem_law, a link uses states, history, vectors, force (gap of any sign; no contact, constants and mass) and ended.
-   interval: time between evaluations [s] > 0, rounded down to steps, at least one; the force is constant between. near:
-   gap below which linked bodies also have a contact, by the law of contacts [m] >= 0, at most 0.01 * skin * smallest
-   diameter; forces that grow fast near contact (lubrication) belong there. DEM_LAW_MISMATCH if there are links of
+/* Sets the law of links. Call it before the first link, and again after dem_load. kernel: made by DEM_LINK_KERNEL. Of a
+   dem_law, a link uses states, history, vectors, force (gap of either sign; no contact, constants and mass) and ended.
+   interval: time between evaluations [s] > 0, rounded down to steps, at least one; the force is constant in between.
+   near: gap below which linked bodies also have a contact, by the law of contacts [m] >= 0, at most 0.01 * skin *
+   smallest diameter; put forces there that grow fast near contact (lubrication). DEM_LAW_MISMATCH if there are links of
    a law with another name, version or number of states (see dem_law). */
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near);
-/* Links particle i with j (a particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook,
-   or between runs. When a particle leaves, ended is called for its links, and they are gone. From the hook ended:
-   DEM_BUSY. */
+/* Links particle i with j (a particle, or -1 - wall, at one of its elements). state: [law->states]. Call it from a
+   law's born hook, or between runs. When a particle leaves, ended is called for its links, and they are removed. From
+   the hook ended: DEM_BUSY. */
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state);
 DEM_API ptrdiff_t dem_link_count(const dem_world *world);
 
 /* ---- force fields: a force on every particle, in flight and touching; drag in a gas (docs/dem_gas.md) ---- */
 
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user);
-/* Sets the force field from now on, or with NULL removes it. A particle in flight advances by steps of its own, chosen
-   by their error (Cash & Karp 1990). Between the ends of a step it is on a parabola that has the right places at both
-   ends and errs by at most `accuracy`; velocities read in between err as little. A particle in contact gets the force
-   of the law in each step. Where the law gives exactly 0, a flight is the same to the bit as without a field. Call this
-   again after dem_load (until then running gives DEM_NO_FIELD), and when what the law reads has changed. The time step
-   must be below the shortest relaxation time. A rigid body feels the field at its centre, as a sphere of its volume;
-   the field exerts no torque. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
+/* Sets the force field, or with NULL removes it. A particle in flight advances by its own steps, chosen by their error
+   (Cash & Karp 1990). Between the ends of such a step it is on a parabola that has the right positions at both ends and
+   an error of at most `accuracy`; velocities read in between have as small an error. A particle in contact gets the
+   force of the law in each step. Where the law gives exactly 0, a flight is the same to the bit as without a field.
+   Call this again after dem_load (until then runs give DEM_NO_FIELD), and when the data of the law have changed. The
+   time step must be below the shortest relaxation time. A rigid body feels the field at its centre, as a sphere of its
+   volume; the field exerts no torque. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
-/* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body
-   of volume pi x^3/6 and surface S. sphericity: pi x^2/S, 0 < .. <= 1; crosswise: (pi x^2/4)/A, A its area seen along
-   the flow; lengthwise: (pi x^2/4)/(S/2 - B), B its mean area seen across the flow; both 0 < .. <= 100. A convex body
-   that turns at random has all three equal. NaN outside these ranges. */
+/* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, for a
+   body of volume pi x^3/6 and surface S. sphericity: pi x^2/S, 0 < .. <= 1; crosswise: (pi x^2/4)/A, where A is its
+   area seen along the flow; lengthwise: (pi x^2/4)/(S/2 - B), where B is its mean area seen across the flow; both 0 <
+   .. <= 100. For a convex body that turns at random all three are equal. NaN outside these ranges. */
 DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengthwise, double shape[3]);
 DEM_API dem_gas dem_default_gas(void); /* air at 20 degrees C, at rest everywhere */
-/* Returns DEM_OK, or DEM_BAD_DEFINITION; then *field is the name of the first bad field (field may be NULL). */
+/* Returns DEM_OK, or DEM_BAD_DEFINITION with the name of the first bad field in *field (field may be NULL). */
 DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field);
-/* Returns a force field of a kernel made by DEM_GAS, with the gas as its user and half a cell of the grid as its
+/* Returns a force field from a kernel made by DEM_GAS, with the gas as its user and half a cell of the grid as its
    length. */
 DEM_API dem_force_field dem_gas_field(dem_field_fn kernel, const dem_gas *gas);
-/* Attaches the frame to a wall moved by dem_rotate or dem_move, or at rest: it moves with the wall from now on.
+/* Attaches the frame to a wall at rest, or moved by dem_rotate or dem_move; it then moves with the wall.
    DEM_BAD_ARGUMENT for other walls. */
 DEM_API dem_status dem_attach_gas(dem_gas *gas, const dem_world *world, int wall);
-/* Returns the velocity of the gas in the world [m/s] at a place [m] and a time [s]; NaN beyond the grid. */
+/* Returns the velocity of the gas in the world [m/s] at a position [m] and a time [s]; NaN beyond the grid. */
 DEM_API dem_vec dem_gas_velocity(const dem_gas *gas, dem_vec position, double time);
 /* Computes the porosity at the grid's nodes from the present volumes of the spheres, each shared among the nodes around
-   it; at least 0.2. Cells should be 3 diameters wide or more. porosity: [n[2]][n[1]][n[0]], which gas->porosity may be.
+   it; at least 0.2. Cells should be at least 3 diameters wide. porosity: [n[2]][n[1]][n[0]], may be gas->porosity.
    DEM_BAD_ARGUMENT without a finite grid. */
 DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, double *porosity);
 
 /* ---- reading ---- */
 
-DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* now [m]; NaN if i is out of range */
+DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* present position [m]; NaN if i is out of range */
 DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i); /* now [m/s] */
-DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i);     /* now [rad/s], along the world's axes */
-/* Returns the orientation now: from the frame in which the shape was given to the world's. A single sphere has none: 1,
-   0, 0, 0. */
+DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i);     /* present spin [rad/s], along the world's axes */
+/* Returns the present orientation: from the frame in which the shape was given to the world's. A single sphere has
+   none: 1, 0, 0, 0. */
 DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i);
-/* Returns the body that particle i is, or is a part of, now; first is -1 if i is out of range. */
+/* Returns the present state of the body that particle i is, or is a part of; first is -1 if i is out of range. */
 DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i);
-/* Turns the body of particle i about its centre of mass into an orientation, a quaternion of any length but 0. Velocity
-   and spin stay. DEM_BAD_ARGUMENT for a single sphere, which has none. */
+/* Turns the body of particle i about its centre of mass to an orientation, a quaternion of any length but 0. Velocity
+   and spin stay. DEM_BAD_ARGUMENT for a single sphere, which has no orientation. */
 DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation);
 DEM_API double dem_radius(const dem_world *world, ptrdiff_t i); /* [m]; NaN if i is out of range */
-DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);   /* [kg]; of a part of a body: the body's */
+DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);   /* [kg]; for a part of a body, the body's mass */
 DEM_API dem_vec dem_momentum(const dem_world *world);           /* of all particles [kg m/s] */
-/* Returns the energies now. Only runs with DEM_ENERGY add to the sums of work and losses. */
+/* Returns the present energies. Only runs with DEM_ENERGY add to the sums of work and losses. */
 DEM_API dem_energy_ledger dem_energy(const dem_world *world);
 
 typedef struct dem_contact_info {
@@ -1171,16 +1180,16 @@ typedef struct dem_contact_info {
     double gap;     /* [m] */
     dem_vec force;  /* on i [N] */
     dem_vec normal,
-        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do; of
+        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do;
                     polyhedra: of the corner, edge or face that touches, so that force acts on i at `point` [m] */
-    int element; /* screen: the bar; mesh: 0, 1 ... tell a particle's contacts with it apart */
+    int element; /* screen: the bar; mesh: 0, 1 ... distinguish a particle's contacts with it */
     double state[DEM_STATE_MAX]; /* of the law */
-    dem_vec couple; /* of polyhedra: the torque on i that `force` at `point` does not have; on j the opposite: rolling
+    dem_vec couple; /* polyhedra: torque on i in addition to that of `force` at `point`, the opposite on j: rolling
                        resistance, and what points that share a law exchange [N m]; otherwise 0 */
 } dem_contact_info;
-/* Returns link k = 0 .. dem_link_count-1; gap and force as last evaluated. */
+/* Returns link k = 0 .. dem_link_count-1; gap and force as of the last evaluation. */
 DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);
-/* Returns the link of particle i with j (a wall: -1 - index) at an element of it, or -1. */
+/* Returns the link of particle i with j (a wall: -1 - index) at one of its elements, or -1. */
 DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element);
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world);
 /* Returns contact k = 0 .. dem_contact_count-1. Hooks of laws get k as a number; for them force is not set. */
@@ -1188,9 +1197,9 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k);
 /* Sets the law's states of contact k. state: [law->states]. For hooks of laws, and between runs. */
 DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state);
 
-/* Counts the apertures of a screen now: whole apertures, those without a blocking particle, those in which any particle
-   sits. A particle sits in an aperture if it touches two or more of its bars with its centre within one radius of the
-   mesh plane; it blocks if, besides, friction would hold it against reversed gravity. */
+/* Counts the apertures of a screen at present: whole apertures, those without a blocking particle, those in which any
+   particle sits. A particle sits in an aperture if it touches two or more of its bars with its centre within one radius
+   of the mesh plane. It blocks if friction would also hold it against reversed gravity. */
 typedef struct dem_apertures {
     int total, free, occupied;
 } dem_apertures;
@@ -1220,18 +1229,18 @@ typedef struct dem_measure {
     ptrdiff_t count; /* spheres whose centres lie in the region */
     double mass;     /* of them [kg] */
     double
-        solid_fraction;  /* volume of the parts of spheres in the region over its volume [-]; exact for box and sphere,
-                            to 1e-4 for  a cylinder, to 1e-2 of what the surface of a mesh cuts; overlaps count twice */
+        solid_fraction;  /* volume of the spheres inside the region over its volume [-]; exact for box and sphere, to
+                            1e-4 for a cylinder, to 1e-2 of what the surface of a mesh cuts; overlaps count twice */
     double coordination; /* mean number of contacts of these spheres [-] */
     dem_vec velocity;    /* mean by mass [m/s] */
     double granular_temperature; /* sum m |v - velocity|^2/(3 sum m) [m2/s2] */
-    double contact_stress[3][3]; /* sum F l/V over contacts and links, l the part of the branch in the region [Pa]; the
-                                    branch goes from centre to centre, or from a wall's point to the centre (Goldhirsch
-                                    2010, the region as kernel) */
+    double contact_stress[3][3]; /* sum F l/V over contacts and links, where l is the part of the branch in the region
+                                    [Pa]; the branch goes from centre to centre, or from a wall's point to the centre
+                                    (Goldhirsch 2010, with the region as kernel) */
     double kinetic_stress[3][3]; /* sum m v' v'/V, v' = v - velocity [Pa] */
 } dem_measure;
-/* Measures a region. Along periodic axes it must not be longer than the box. Without a volume, what is divided by it is
-   NaN. With a mesh also DEM_OUT_OF_MEMORY. */
+/* Measures a region. Along periodic axes it must not be longer than the box. Without a volume, quotients by it are NaN.
+   With a mesh also DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *region, dem_measure *measure);
 
 /* A block of cells. n = 1 along an axis: no profile along it. */
@@ -1247,54 +1256,54 @@ typedef struct dem_field {
     double contact_stress[3][3]; /* [Pa] */
     double kinetic_stress[3][3]; /* with v' relative to the cell's own velocity [Pa] */
 } dem_field;
-/* Computes coarse-grained fields (Goldhirsch 2010, Granular Matter 12, 239, eqs 5, 6, 25, 30) with the kernel product
-   of 15/16 (1 - u^2)^2 by axis, u = distance/width. field: [n[2]][n[1]][n[0]]. Masses are integrated exactly over
-   cells: their sum is that of the spheres if the block extends a width beyond them. Branches are integrated by Gauss's
-   rule with 8 points. */
+/* Computes coarse-grained fields (Goldhirsch 2010, Granular Matter 12, 239, eqs 5, 6, 25, 30). The kernel is the
+   product of 15/16 (1 - u^2)^2 by axis, u = distance/width. field: [n[2]][n[1]][n[0]]. Masses are integrated exactly
+   over cells: their sum is that of the spheres if the block extends a width beyond them. Branches are integrated by
+   Gauss's rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
 
 /* How rigid bodies lie. */
 typedef struct dem_order {
     ptrdiff_t bodies;    /* in the region */
     double tensor[3][3]; /* mean of (3 u u - 1)/2, u an axis of a body; NaN without bodies */
-    double parameter;    /* its largest eigenvalue: 1 all axes are parallel, 0 they have no common direction [-] */
-    dem_vec director;    /* the common direction: of unit length, its sign means nothing */
+    double parameter;    /* its largest eigenvalue [-]: 1, all axes are parallel; 0, they have no common direction */
+    dem_vec director;    /* the common direction: a unit vector of arbitrary sign */
 } dem_order;
 /* Measures the order tensor of the clumps and polyhedra whose centres lie in a region (NULL: of all). axis: 0, 1, 2 for
-   x, y, z of the frame in which their shapes were given. Of bodies without a common direction the parameter is about
+   x, y, z of the frame in which their shapes were given. Without a common direction the parameter is about
    1/sqrt(bodies). DEM_BAD_ARGUMENT. */
 DEM_API dem_status dem_measure_order(const dem_world *world, const dem_region *region, int axis, dem_order *order);
 
-/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force
-   [N]; contacts without overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
+/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force [N].
+   Contacts without overlap do not count. count: [bins]. Returns how many lie outside, or minus a dem_status. */
 typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP, DEM_CONTACT_TANGENTIAL_FORCE } dem_quantity;
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count);
 
-/* Sums times in a region. Call it at intervals [s], which are its resolution; ids < n are followed. entered: [n] time
-   of entering, NaN outside, NaN at first; stayed: [n] sum of the visits that are over [s], 0 at first. Leaving by an
-   exit counts at its own time. */
+/* Sums residence times in a region. Call it at intervals [s], which are its resolution. It follows ids < n. entered:
+   [n] time of entering, NaN outside, NaN at first; stayed: [n] sum of the completed visits [s], 0 at first. Leaving by
+   an exit counts at its own time. */
 DEM_API dem_status dem_residence(const dem_world *world, const dem_region *region, ptrdiff_t n, double *entered,
                                  double *stayed);
 
 /* Counts centres by cell: those of one group, and all. [n[2]][n[1]][n[0]] each; width is not used. */
 DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *cells, int group, double *of_group,
                                       double *of_all);
-/* How well two species are mixed, from their numbers in samples: [samples] of one, of both; empty samples do not count.
-   All NaN if one species is missing, or a number is negative or larger than that of both. */
+/* How well two species are mixed, from their numbers in samples: [samples] of one species, and of both. Empty samples
+   do not count. All NaN if one species is missing, or a number is negative or larger than that of both. */
 typedef struct dem_mixing {
-    double share;     /* share of the one species in all [-] */
-    double separated; /* variance of its share over samples, weighted by their numbers: if each sample held one species
+    double share;     /* share of the first species in all samples [-] */
+    double separated; /* variance of its share over samples, weighted by their numbers, if each sample held one species
                          only [-] */
-    double random;    /* the same, expected of a random mixture with these sizes of samples [-] */
+    double random;    /* the variance expected of a random mixture with these sizes of samples [-] */
     double variance;  /* the same, as it is [-] */
     double lacey; /* (separated - variance)/(separated - random): 0 separated, 1 on average in a random mixture (Lacey
                      1954) */
     double segregation; /* variance/separated: 1 separated (intensity of segregation, Danckwerts 1952) */
 } dem_mixing;
 DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, const double *of_all);
-/* Returns the number of contacts between a group and the others, over what chance would give: 0 separated, 1 random.
-   NaN without contacts. */
+/* Returns the number of contacts between a group and the others, over the number expected by chance: 0 separated, 1
+   random. NaN without contacts. */
 DEM_API double dem_unlike_contacts(const dem_world *world, int group);
 
 /* Returns the volume of a ball within a box, its centre at the origin [m3] (closed form: Gauss-Bonnet for the sphere's
@@ -1304,107 +1313,108 @@ DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high);
 /* Returns a hash of every bit of the particles' state and histories, and of controlled walls. */
 DEM_API uint64_t dem_hash(const dem_world *world);
 
-/* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes;
-   writes only if capacity is enough (call it with NULL, 0 first). 0 for what is no world, and from hooks: a step is
-   half done there. */
+/* Saves everything that determines the future, little-endian, with version and checksum. Returns the size in bytes;
+   writes only if capacity suffices (call it first with NULL, 0). Returns 0 for an invalid world, and from hooks, where
+   a step is half done. */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
-/* Makes a world from saved bytes; its runs continue with the same bits, under a law with the name, version and number
-   of states of that which made the contacts (see dem_law). As for dem_init, *world must not be in use. allocator may be
-   NULL. DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
+/* Makes a world from saved bytes. Its runs continue with the same bits, under a law with the name, version and number
+   of states of the one that made the contacts (see dem_law). As for dem_init, *world must not be in use. allocator may
+   be NULL. DEM_BAD_DATA, DEM_OUT_OF_MEMORY: then nothing is allocated. */
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
 
 /* --------------------------------------------------------------------------------------------- >>base/polyhedron.h */
 /* Convex polyhedra: public types and functions. */
 
-#define DEM_CORNERS_MAX 32                      /* corners of a core, at most: a set of them fits into 32 bits */
+#define DEM_CORNERS_MAX 32                      /* corners of a core at most: a set of them fits into 32 bits */
 #define DEM_FACES_MAX (2 * DEM_CORNERS_MAX - 4) /* by Euler's formula, if all are triangles */
 #define DEM_EDGES_MAX (3 * DEM_CORNERS_MAX - 6)
 
 /* A convex polyhedron with rounded edges and corners: all points within a radius of a core. Its flat faces are those of
-   the polyhedron that it was made of; the core is that polyhedron, eroded by the radius. Volume, centroid and inertia
-   are those of the sharp polyhedron. Corners and planes are measured from the centroid, along the axes of the frame in
-   which the polyhedron was given; in the copy that a world keeps (dem_get_shape), along the principal axes. Made by the
-   functions below. */
+   the polyhedron from which it was made; the core is that polyhedron, eroded by the radius. Volume, centroid and
+   inertia are those of the sharp polyhedron. Corners and planes are relative to the centroid, along the axes of the
+   frame in which the polyhedron was given; in the copy that a world keeps (dem_get_shape), along the principal axes.
+   Made by the functions below. */
 typedef struct dem_convex {
     int corners, edges, faces;
     int is_box;       /* 1: the core is a box along the principal axes with half lengths `half` */
     int along_axes;   /* 1: corners and planes lie along the principal axes; 0: as they were given */
-    int given;        /* corners of the polyhedron that it was made of */
+    int given;        /* corners of the polyhedron from which it was made */
     double radius;    /* of rounding [m] */
-    double deviation; /* of its surface, at most, from that of the given polyhedron with this rounding [m]; 0: none */
+    double deviation; /* of its surface from that of the given polyhedron with this rounding, at most [m]; 0: none */
     double reach;     /* from the centroid to the farthest point [m] */
     double volume;    /* [m3] */
     double moment[3]; /* principal moments of inertia over density [m5] */
-    int springs;      /* greatest number of corners of a face: so many together have the stiffness k of a pair */
+    int springs;      /* greatest number of corners of a face: together they have the stiffness k of a pair */
     double rate;      /* square of the highest frequency of a contact of a face or a corner, over k/m [-] */
     dem_vec half;     /* of a box [m] */
     dem_vec centroid; /* in the frame in which the polyhedron was given [m] */
     dem_vec
-        axis[3]; /* principal axes in that frame, right-handed; where moments are equal, those nearest to its axes */
+        axis[3]; /* principal axes in that frame, right-handed; for equal moments, those closest to the frame's axes */
     double corner[DEM_CORNERS_MAX][3];      /* of the core [m] */
     double plane[DEM_FACES_MAX][4];         /* of the core: outward normal and distance from the centroid [m] */
     uint8_t face_start[DEM_FACES_MAX + 1];  /* where a face's corners begin in face_corner */
     uint8_t face_corner[2 * DEM_EDGES_MAX]; /* counterclockwise from outside */
     uint8_t edge[DEM_EDGES_MAX][2];         /* corners of an edge */
     uint8_t edge_face[DEM_EDGES_MAX]
-                     [2]; /* its faces; it runs along the first one's corners, against the second one's */
+                     [2]; /* its faces; it runs along the corners of the first and against those of the second */
 } dem_convex;
 
 /* Makes a polyhedron from its corners, in any order. n: 4 or more; corners: shape [n][3] [m]; rounding: radius over the
-   smallest distance of a face from the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good value. Volume, centroid
-   and moments are those of all corners. A core of more than DEM_CORNERS_MAX corners (where more than three faces meet,
-   it has more of them than the polyhedron) is replaced by a near one, whose `deviation` tells how near.
-   DEM_BAD_ARGUMENT, with the cause in *reason (may be NULL): a number that is not finite or out of range, corners in one
-   plane, a point that is no corner (it lies inside, in a face, on an edge or on another), or a rounding that leaves no
-   core. DEM_OUT_OF_MEMORY: only for more than DEM_CORNERS_MAX corners, here or of the core. */
+   smallest distance between a face and the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good value. Volume,
+   centroid and moments are those of all corners. A core of more than DEM_CORNERS_MAX corners (where more than three
+   faces meet, it has more corners than the polyhedron) is replaced by a similar one; `deviation` tells how close it is.
+   DEM_BAD_ARGUMENT, with the cause in *reason (may be NULL): a number that is not finite or out of range, corners in
+   one plane, a point that is no corner (it lies inside, in a face, on an edge or on another), or a rounding that leaves
+   no core. DEM_OUT_OF_MEMORY: only for more than DEM_CORNERS_MAX corners, here or of the core. */
 DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding,
                                    const char **reason);
-/* Makes a polyhedron from the convex hull of points, for instance of a scan: of the corners of an STL file. points:
-   shape [n][3] [m], at least 4, with at most 65536 on the hull; those within it do not matter. tolerance: of the surface,
+/* Makes a polyhedron from the convex hull of points, for instance of a scan, or of the corners of an STL file. points:
+   shape [n][3] [m], at least 4, with at most 65536 on the hull; points inside do not matter. tolerance: of the surface,
    over the diameter of the sphere of the same volume [-], 0 .. 0.2: the core has as few corners as keep `deviation`
-   below it, and is refused if DEM_CORNERS_MAX are not enough; 0: as near as these can be. allocator: of the work space;
-   NULL: realloc and free. Otherwise as dem_make_convex. */
+   below it, and is refused if DEM_CORNERS_MAX do not suffice; 0: as close as these allow. allocator: for working
+   memory; NULL: realloc and free. Otherwise as dem_make_convex. */
 DEM_API dem_status dem_make_hull(dem_convex *shape, ptrdiff_t n, const double *points, double rounding,
                                  double tolerance, const dem_allocator *allocator, const char **reason);
-/* Makes a box of these lengths along its axes [m] > 0. rounding, reason: as in dem_make_convex. */
+/* Makes a box with these edge lengths along its axes [m] > 0. rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason);
-/* Makes a round tablet, lens or cylinder about the z axis. diameter, height: over all [m] > 0; band: height of its
-   straight side [m]: as `height`, a cylinder; less, with caps that are parts of balls, at most half ones; 0, a lens. Drawn
-   with 16 sides and the volume of the round body. With caps the core is a reduced one: `deviation` tells by how much.
-   rounding, reason: as in dem_make_convex. */
+/* Makes a round tablet, lens or cylinder about the z axis. diameter, height: overall [m] > 0; band: height of its
+   straight side [m]. If it equals `height`, the shape is a cylinder; if it is less, the shape has caps that are parts
+   of balls, half balls at most; 0 makes a lens. The polyhedron has 16 sides and the volume of the round body. With caps
+   the core is reduced: `deviation` tells by how much. rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double height, double band, double rounding,
                                    const char **reason);
-/* Makes a grain of gravel: corners on an ellipsoid with half axes in the ratio 1 : elongation : elongation flatness along
-   x, y, z, evenly spread and shaken. diameter: of the sphere of the same volume [m] > 0; elongation, flatness: 0.1 .. 1
-   [-]; corners: 6 .. 300; seed: any number, other grains for other ones. rounding, reason: as in dem_make_convex. */
+/* Makes a grain of gravel: corners on an ellipsoid with half axes in the ratio 1 : elongation : elongation flatness
+   along x, y, z, spread evenly and then perturbed. diameter: of the sphere of the same volume [m] > 0; elongation,
+   flatness: 0.1 .. 1 [-]; corners: 6 .. 300; seed: any number; each makes another grain. rounding, reason: as in
+   dem_make_convex. */
 DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double elongation, double flatness, int corners,
                                    uint64_t seed, double rounding, const char **reason);
-/* Makes a polyhedron from a closed surface of up to 4000 triangles that is convex. Also refuses an edge that has not two
-   triangles, and a corner outside of a triangle's plane. Triangles in one plane make one face. */
+/* Makes a polyhedron from a convex closed surface of up to 4000 triangles. Also refuses an edge that does not have two
+   triangles, and a corner outside a triangle's plane. Triangles in one plane make one face. */
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);
 
-/* Adds a shape to a world, which keeps a copy of it, turned to the principal axes. Returns its number from 0 on, or minus
-   a dem_status. */
+/* Adds a shape to a world, which keeps a copy turned to the principal axes. Returns its number from 0 on, or minus a
+   dem_status. */
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 /* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any
    length but 0, scalar first, from the frame in which the shape was given to the world's; NULL: as it was given.
    Otherwise as dem_add_spheres. Each is one particle, whose radius is that of the sphere around it. A contact is a
    point: a corner at the other body, or two edges that cross. At each point the pair's law acts between spheres with
-   the rounding radii (of a sphere its own); all points of a pair share its spring and its dashpot, so that a
-   face is one contact. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
-   need DEM_FRICTION (otherwise DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of
-   the radii: cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls
-   of every kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
+   the rounding radii (a sphere has its own). All points of a pair share its spring and its dashpot, so that a face is
+   one contact. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs need
+   DEM_FRICTION (otherwise DEM_POLYHEDRON; a friction of 0 is allowed). Overlaps must stay below the sum of the radii:
+   cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls of every
+   kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres,
                                   const double *orientations, int material, int group);
 DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i); /* number of its shape; -1: it has none */
 DEM_API const dem_convex *dem_get_shape(const dem_world *world,
                                         int shape); /* owned by the world; NULL if there is none */
-/* Counts the overlaps that are too deep, in the last step: pairs of polyhedra whose cores overlapped, spheres whose
-   centre was in a core, and walls that cut a core. 0 is right. */
+/* Counts the overlaps in the last step that are too deep: pairs of polyhedra whose cores overlapped, spheres whose
+   centre was in a core, and walls that cut a core. It should be 0. */
 DEM_API int64_t dem_core_overlaps(const dem_world *world);
-/* Counts them in all steps since the world was made: two pairs for three steps are 6. A run says with it whether its
-   contacts were too soft at any time; a save keeps it. */
+/* Counts them over all steps since the world was made: two pairs for three steps are 6. It tells whether contacts were
+   too soft at any time of a run. A save keeps it. */
 DEM_API int64_t dem_core_overlap_steps(const dem_world *world);
 
 /* ---------------------------------------------------------------------------------------------- >>base/triangles.h */
@@ -1436,7 +1446,7 @@ typedef struct dem__mesh_edges {
 } dem__mesh_edges;
 
 /* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in
-   depth-first order; `skip` is the next node that is not below this one. */
+   depth-first order; `skip` is the next node outside this subtree. */
 typedef struct dem__tree {
     size_t bytes;
     dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */
@@ -1797,9 +1807,9 @@ DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 /* ------------------------------------------------------------------------------------------------ >>base/vectors.h */
 /* Vectors: pure functions. */
 
-/* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0; neither they
-   nor their squares become subnormal numbers, which make a processor slow. Two additions cost less than a comparison.
-   */
+/* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0. Neither
+   they nor their squares become subnormal numbers, which slow a processor down. Two additions cost less than a
+   comparison. */
 DEM_INLINE double dem__flushed(double v) { return (v + DEM__LEAST) - DEM__LEAST; }
 DEM_INLINE dem_vec dem__flushed_vec(dem_vec v) {
     return dem_vec3(dem__flushed(v.x), dem__flushed(v.y), dem__flushed(v.z));
@@ -2069,11 +2079,11 @@ DEM_INLINE double dem__gas_turning(const dem_force_point *at, dem_vec *spin) {
 
 /* ------------------------------------------------------------------------------------------------ >>base/feature.h */
 /* What a feature adds to spheres and walls, as a table of functions: links, rigid bodies, polyhedra, a force field, the
-   energy ledger, fixed particles, meshes. The engine calls the tables that a world has, where their members say.
-   dem__add_feature adds one when the feature is first used or loaded, so a program that never names a feature compiles
-   none of it. A member that a feature does not need is NULL. None of them is called for a single contact. */
+   energy ledger, fixed particles, meshes. The members say when the engine calls them. dem__add_feature adds a table
+   when the feature is first used or loaded, so a program that never names a feature compiles none of it. Members that a
+   feature does not need are NULL. None is called for a single contact. */
 
-/* An array of a group. Lists of them make growing, freeing and saving loops. */
+/* An array of a group. Growing, freeing and saving loop over lists of them. */
 typedef struct dem__array {
     void *address; /* of the pointer to it */
     size_t size;   /* of an entry [bytes] */
@@ -2085,7 +2095,7 @@ enum {
     DEM__OWN_ARRAYS = 4
 };
 
-/* Particles first .. end-1 that move as one. */
+/* Particles first .. end-1, which move as one. */
 typedef struct dem__pieces {
     ptrdiff_t first, end;
 } dem__pieces;
@@ -2109,47 +2119,47 @@ enum {
 typedef struct dem__feature {
     int place;      /* DEM__LEDGER_FEATURE and so on */
     int adds_loads; /* it adds to the loads of particles */
-    int sorts;      /* in a run particles may lie in another order: it knows them by its arrays alone, and adds up nothing
-                       in the order of particles */
-    int exclusive;  /* it moves particles between steps: a world has at most one such feature */
+    int sorts;      /* in a run particles may lie in another order: the feature knows them only by its arrays, and sums
+                       nothing in the order of particles */
+    int exclusive;  /* it moves particles between steps; a world has at most one such feature */
 
     /* Memory. */
     int (*list_arrays)(dem_world *w, dem__array *list); /* lists its arrays of particles; returns their number */
     int (*list_contact_arrays)(dem_world *w, dem__array *list); /* the same of contacts */
     void (*release)(dem_world *w);                              /* frees its own memory */
 
-    /* Particles come, are changed by the caller, and go. */
-    void (*add_particle)(dem_world *w, ptrdiff_t i);       /* sets its numbers of a new particle */
+    /* Particles come, are changed by the caller, and leave. */
+    void (*add_particle)(dem_world *w, ptrdiff_t i);       /* sets its data of a new particle */
     void (*begin_change)(dem_world *w, dem__pieces of);    /* before the caller changes how some particles move */
     void (*end_change)(dem_world *w, dem__pieces of);      /* after it */
     void (*set_time_step)(dem_world *w);                   /* the time step has changed */
     void (*remove_particle)(dem_world *w, ptrdiff_t i);    /* particle i leaves */
-    void (*renumber)(dem_world *w, const int32_t *number); /* particles have other numbers; -1: it is gone */
+    void (*renumber)(dem_world *w, const int32_t *number); /* particles have new indices; -1: removed */
 
     /* A run. */
-    dem_status (*check_run)(const dem_world *w, const dem_kernel *kernel); /* what prevents it, or DEM_OK */
+    dem_status (*check_run)(const dem_world *w, const dem_kernel *kernel); /* returns what prevents it, or DEM_OK */
     int (*prepare_run)(dem_world *w);                                      /* lists are new; 0 after a failure */
     void (*set_law)(dem_world *w, const dem_kernel *kernel);               /* law and features of the run are set */
-    void (*find_forces)(dem_world *w); /* before forces are found while no time passes, and after it */
+    void (*find_forces)(dem_world *w); /* before forces are computed while no time passes, and after that */
     void (*forces_found)(dem_world *w);
     void (*begin_run)(dem_world *w);         /* before its first step */
     void (*begin_ledger)(dem_world *w);      /* the energy ledger begins */
-    int (*end_run)(dem_world *w, int going); /* going: no failure so far; 0 after one */
+    int (*end_run)(dem_world *w, int going); /* going: no failure so far; returns 0 after one */
 
     /* The list of near pairs. */
     void (*keep_up)(dem_world *w);      /* before the list is checked or built */
     dem_status (*listed)(dem_world *w); /* the list is new */
     double (*drift)(const dem_world *w,
-                    ptrdiff_t i); /* change of particle i's velocity that is not seen in each step [m/s] */
+                    ptrdiff_t i); /* change of particle i's velocity that single steps do not show [m/s] */
 
     int (*begins_early)(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
-                        int32_t element); /* i touches j below touch_gap */
+                        int32_t element); /* whether i and j begin a contact below touch_gap */
 
     /* A step, in this order. */
     int (*begin_step)(dem_world *w);                       /* 0 after a failure */
-    void (*follow)(dem_world *w, int64_t step);            /* takes its contacts to a step */
+    void (*follow)(dem_world *w, int64_t step);            /* moves its contacts to a step */
     void (*detect)(dem_world *w, int64_t step);            /* finds its own contacts at a step */
-    void (*contacts_begun)(dem_world *w, ptrdiff_t begun); /* that many contacts begin, listed in contacts.slots */
+    void (*contacts_begun)(dem_world *w, ptrdiff_t begun); /* so many contacts begin, listed in contacts.slots */
     void (*add_forces)(dem_world *w, double h);            /* after those of contacts; h: length of the step [s] */
     void (*end_contact)(dem_world *w, ptrdiff_t c);        /* the contact in slot c ends */
     void (*leave)(dem_world *w);                           /* before particles that passed an exit are removed */
@@ -2157,23 +2167,24 @@ typedef struct dem__feature {
     int (*end_step)(dem_world *w);                         /* 0 after a failure */
 
     /* Reading. */
-    ptrdiff_t (*forces)(const dem_world *w);                    /* how many forces of its own act between particles */
+    /* how many forces of the feature act between particles */
+    ptrdiff_t (*forces)(const dem_world *w);
     dem_contact_info (*force)(const dem_world *w, ptrdiff_t k); /* one of them */
     dem_vec (*velocity_error)(const dem_world *w, ptrdiff_t i,
-                              double tau);                              /* what the velocity on the parabola lacks */
+                              double tau);                              /* error of a velocity on the parabola */
     void (*correct_velocity)(dem_world *w, ptrdiff_t i, dem_vec error); /* adds it at a new origin */
     void (*open_books)(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums); /* adds what is not booked yet */
 
     /* Saving. */
-    void (*world_fields)(dem_world *w, struct dem__group *g);    /* adds its single numbers */
-    void (*particle_fields)(dem_world *w, struct dem__group *g); /* adds its numbers of particles */
+    void (*world_fields)(dem_world *w, struct dem__group *g);    /* adds its fields of the world */
+    void (*particle_fields)(dem_world *w, struct dem__group *g); /* adds its fields of particles */
     void (*contact_fields)(dem_world *w, struct dem__group *g);
     void (*save)(struct dem__stream *s, dem_world *w, struct dem__group *g);
-    int (*is_used)(const struct dem__file *file, const dem_world *w); /* whether a loaded world has it, after its single
-                                                                         numbers; -1: these are not valid */
+    /* whether a loaded world has it, once its fields of the world are read; -1: these are not valid */
+    int (*is_used)(const struct dem__file *file, const dem_world *w);
     dem_status (*load_first)(const struct dem__file *file, dem_world *w, struct dem__group *g); /* before particles */
     dem_status (*load)(const struct dem__file *file, dem_world *w, struct dem__group *g);
-    void (*loaded)(dem_world *w); /* derives what is not saved, after all has been loaded */
+    void (*loaded)(dem_world *w); /* derives what is not saved, after everything has been loaded */
     void (*hash_particle)(uint64_t *hash, const dem_world *w, ptrdiff_t i);
     void (*hash_before_contacts)(uint64_t *hash, const dem_world *w);
     void (*hash)(uint64_t *hash, const dem_world *w);
@@ -2190,47 +2201,51 @@ static inline dem__feature dem__new_feature(int place) {
 /* ---------------------------------------------------------------------------------------- >>base/polyhedra_state.h */
 /* The engine's state of polyhedra. */
 
-/* Place of a core: its centre [m] and the directions of its own axes. */
+/* Placement of a core: its centre [m] and the directions of its own axes. */
 typedef struct dem__placed {
     dem_vec x, axis[3];
 } dem__placed;
 
-/* The corners that were nearest at the last test of a pair: 12 bytes that change how fast a distance is found, not what
-   it is. */
+/* The corners that were nearest at the last test of a pair: 12 bytes that speed up the search for the distance and do
+   not change it. */
 typedef struct dem__nearest_cache {
     uint8_t n, a[4], b[4], unused[3];
 } dem__nearest_cache;
 
-/* A point where two rounded cores a and b touch: a sphere of a's radius about `at` touches one of b's about at - (gap +
-   radii) normal. */
+/* A point where two rounded cores a and b touch: a sphere of a's radius about `at` touches one of b's radius about at -
+   (gap + radii) normal. */
 typedef struct dem__convex_point {
-    int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges, or its ends */
+    int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a crossing of edges, or one of its
+                           ends */
     int32_t taken;      /* a contact uses it */
     dem_vec normal, at; /* from b to a; [m] */
-    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1; then the
-                           part that it has in its pair's law */
-    double count;       /* of a corner 1, of a crossing what its ends leave, of an end 0; over the springs of its body */
-    double spring;      /* factor of the force of its spring: polyhedra/share.h */
-    double pull;        /* the part that it has in its pair's pull, over the force of its spring */
+    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1; later
+                           its part of the pair's law */
+    double count;       /* for a corner 1, for a crossing what its ends leave, for an end 0; over the springs of its
+                           body */
+    double spring;      /* factor of the force of its spring: see polyhedra/share.h */
+    double pull;        /* its part of the pair's pull, over the force of its spring */
     double damping;     /* factor of the closing speed in the law */
 } dem__convex_point;
 
 /* Two bodies that may touch, at least one of them a polyhedron: particles i < j, or particle i and wall -1 - j. */
 typedef struct dem__convex_pair {
-    int32_t i, j, near;   /* near: its number among near pairs, or -1 */
+    int32_t i, j, near;   /* near: index of its near pair, or -1 */
     int32_t first, count; /* of its points in the present step */
     int32_t is_close;     /* whether the spheres around the two touch in the present step */
-    int64_t skip_until;   /* step before which they cannot touch while both fly on, and the wall is no faster */
+    int64_t skip_until;   /* step before which they cannot touch as long as both stay in flight and the wall is no
+                             faster */
     int64_t origin[2];    /* origin steps of these flights */
-    double speed, spin;   /* bounds of the wall's motion on which it relies [m/s], [rad/s] */
+    double speed, spin;   /* bounds of the wall's motion that this relies on [m/s], [rad/s] */
     dem__nearest_cache cache;
     dem_vec axis;   /* a direction in which the cores were apart at the last test; 0: none */
-    double pull[9]; /* what the springs of its points exert beyond their parts in the law, over the stiffness: force on
-                       i, torques on i and j */
+    double pull[9]; /* force by which the springs of its points exceed their parts in the law, over the stiffness: force
+                       on i, torques on i and j */
 } dem__convex_pair;
 
 /* The functions that the engine calls for polyhedra, in the order of a step; they are in polyhedra/add.h. The first
-   shape of a world sets the table, so that a program that adds no shape and loads no world compiles none of them. */
+   shape of a world sets the table, so that a program that neither adds a shape nor loads a world compiles none of
+   them. */
 struct dem__rows;
 struct dem__type_rows;
 struct dem__wall_row;
@@ -2251,30 +2266,30 @@ typedef struct dem__convex_calls {
                         ptrdiff_t marked); /* excludes polyhedra from partial steps */
 } dem__convex_calls;
 
-/* Polyhedra. polyhedra/add.h adds shapes, polyhedra/pairs.h lists pairs and finds their points. Without any shape all
-   of it is zero. */
+/* Polyhedra. polyhedra/add.h adds shapes, polyhedra/pairs.h lists pairs and finds their points. All of it is zero until
+   there is a shape. */
 typedef struct dem__convex_state {
     const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;
     int shapes;
-    int32_t *shape_of;      /* of a particle: its shape's number + 1, or 0 for a sphere; NULL without shapes */
-    dem__placed *place;     /* of a particle that is a polyhedron: its place at the end of the present step */
-    dem__convex_pair *pair; /* those of particles in the order of near pairs, then those with walls in the order of
+    int32_t *shape_of;      /* for a particle: index of its shape + 1, or 0 for a sphere; NULL without shapes */
+    dem__placed *place;     /* for a polyhedron: its placement at the end of the present step */
+    dem__convex_pair *pair; /* pairs of particles in the order of near pairs, then pairs with walls in the order of
                                particles and walls */
     ptrdiff_t pairs, of_particles, pair_capacity;
     dem__convex_point *point;
     ptrdiff_t point_capacity;
     int64_t overlaps;      /* of cores, in the last step */
-    int64_t overlap_steps; /* of cores, and cores that walls cut, sum over all steps */
+    int64_t overlap_steps; /* overlaps of cores, and cores that walls cut, summed over all steps */
 } dem__convex_state;
 
 /* ------------------------------------------------------------------------------------------------- >>base/engine.h */
-/* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field:
-   ask grep. */
+/* The private state behind a world, in structs. Their comments say where most of the work is done, not every place that
+   writes a field: ask grep. */
 
-/* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, its surface
-   lies within reach + t tolerance of the point x + t u. The bound holds while its velocity differs from u by less than
-   the tolerance; then it gets a new one. One cache line. */
+/* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, the particle's
+   surface lies within reach + t tolerance of the point x + t u. The bound holds while the velocity differs from u by
+   less than the tolerance; then the particle gets a new bound. One cache line. */
 typedef struct dem__bound {
     double x, y, z, reach;        /* [m] */
     double ux, uy, uz, tolerance; /* [m/s] */
@@ -2283,7 +2298,7 @@ typedef struct dem__bound {
 typedef double dem__two_vec[6];   /* two vectors, which dem__first and dem__second return */
 typedef dem__two_vec dem__wrench; /* force [N] and torque [N m] */
 
-/* Sums of forces and torques on a particle, and what turns them into accelerations. One cache line. */
+/* Sums of forces and torques on a particle, and the factors that turn them into accelerations. One cache line. */
 typedef struct dem__sum {
     dem__wrench load;
     double per_mass, per_inertia; /* [1/kg], [1/(kg m2)] */
@@ -2292,13 +2307,13 @@ typedef struct dem__sum {
 /* Constants that contacts of the same sizes and materials share. */
 typedef struct dem__contact_type {
     double mass, predict; /* m_eff [kg]; factor of the closing speed in contact [-] */
-    double sum, part;     /* r_i + r_j [m]; r_i / (r_i + r_j) [-], at a wall 1 */
+    double sum, part;     /* r_i + r_j [m]; r_i / (r_i + r_j) [-]; at a wall 1 */
     double constant[DEM_CONSTANTS_MAX];
 } dem__contact_type;
 
 /* A chunk holds the contacts whose lower rank (see dem__lower_rank) is at least first_rank and below that of the chunk
    before, in the slots first .. first + count - 1. When it is full, new contacts go to the last chunk, which can grow.
-   So a particle has contacts in its own chunk and in later ones only. */
+   So a particle has contacts only in its own chunk and in later ones. */
 typedef struct dem__chunk {
     ptrdiff_t first, count, capacity;
     ptrdiff_t marked, postponed; /* contacts that begin or end in this step, listed in contacts.slots; number of
@@ -2307,16 +2322,16 @@ typedef struct dem__chunk {
     int at_walls; /* whether a contact with a wall was evaluated in this step */
 } dem__chunk;
 
-/* A force that this thread may not add yet, because another thread must add to that particle first. It stands in the
-   lists of the shares to which i and j belong. */
+/* A force that this thread may not add yet, because another thread must add to that particle first. It is in the lists
+   of the shares to which i and j belong. */
 typedef struct dem__postponed {
     double out[9];
     int32_t i, j, next_i, next_j; /* next_: entry * 2 + (0: its i, 1: its j), or -1 */
 } dem__postponed;
 
-/* Correction of a contact that begins or ends in a step, applied at the end of the step. */
+/* Correction of a partial step of a contact, applied at the end of the step. */
 typedef struct dem__correction {
-    double n[3], shift; /* normal; mass times the distance by which it moves its bodies apart along it [kg m] */
+    double n[3], shift; /* normal; mass times the distance by which it moves the bodies apart along it [kg m] */
     double impulse[9];  /* time integrals of the force on i and the torques on i and j [N s], [N m s] */
 } dem__correction;
 
@@ -2326,8 +2341,8 @@ typedef struct dem__wall_force {
     double belt_power;
 } dem__wall_force;
 
-/* The numbers kept of the place where a contact touches: the arrays of contacts.touch. A sphere at a mesh, a sphere at
-   a cone and a polyhedron use them each in its own way; other contacts have none. */
+/* What contacts keep about the place where they touch: the arrays of contacts.touch. A sphere at a mesh, a sphere at a
+   cone and a polyhedron each use them in their own way; other contacts have none. */
 enum {
     DEM__PLACE_NORMAL = 0,    /* mesh, polyhedron: normal of the place that it follows (3 numbers) */
     DEM__PLACE_GAP = 3,       /* mesh, polyhedron: gap there [m] */
@@ -2335,26 +2350,26 @@ enum {
     DEM__PLACE_CACHE = 4,     /* mesh: dem__face_cache.at (3) */
     DEM__PLACE_SLACK = 7,     /* mesh: dem__face_cache.slack [m]; 0: no face */
     DEM__PLACE_FACE = 8,      /* mesh: dem__face_cache.face */
-    DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
+    DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches [m] (3) */
     DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
     DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
     DEM__PLACE_DAMPING = 9,   /* polyhedron: factor of the closing speed [-] */
-    DEM__PLACE_PULL = 10,     /* polyhedron: part of its pair's pull over its spring [1/m; Hertz 1/m1.5] */
+    DEM__PLACE_PULL = 10,     /* polyhedron: its part of the pair's pull over the spring [1/m; Hertz 1/m1.5] */
     DEM__PLACE_WAS = 14,      /* polyhedron: factor of the force one step before; then the energy of friction that its
                                  change takes [J] */
-    DEM__KEPT_CURVATURE = 0,  /* sphere at a thin sheet: the same */
+    DEM__KEPT_CURVATURE = 0,  /* sphere at a cone: curvature of the wall as the contact began [1/m] */
     DEM__PLACES = 15
 };
 
-/* Two particles that may touch before the list is built anew. */
+/* Two particles that may touch before the list is rebuilt. */
 typedef struct dem__near {
-    int32_t i, j;    /* that of the lower number first */
-    double distance; /* of centres, below which they touch [m] */
+    int32_t i, j;    /* the particle with the lower id first */
+    double distance; /* distance of the centres below which they touch [m] */
 } dem__near;
 
-/* A rigid body that has an orientation. Its state is that at the origin step of its first particle, as that of a sphere
-   is. Its moments are about its principal axes; the first two are equal if any two are. Its particles, which touch for
-   it, are consecutive. */
+/* A rigid body with an orientation. Its state, like that of a sphere, is the one at the origin step of its first
+   particle. Its moments are about its principal axes; the first two are equal if any two are. Its particles, which
+   touch others, are consecutive. */
 typedef struct dem__rigid {
     dem_vec x, v, a;          /* centre of mass [m], [m/s], [m/s2] */
     dem_vec momentum, torque; /* angular momentum [kg m2/s] and torque [N m] about it */
@@ -2364,27 +2379,27 @@ typedef struct dem__rigid {
     double mass;              /* [kg] */
     int32_t first, pieces;    /* of its particles */
     double
-        rotation_steps; /* number of quarter radians of a flight, with three different moments, that are integrated, */
+        rotation_steps; /* rotation steps of a flight, with three different moments, that have been integrated, */
     dem_quaternion ahead; /* and the orientation there; neither is saved */
 } dem__rigid;
 
-/* State of a rigid body at a time: place and velocity of its centre of mass, spin, angular momentum, orientation. */
+/* State of a rigid body at a time: position and velocity of its centre of mass, spin, angular momentum, orientation. */
 typedef struct dem__pose {
     dem_vec x, v, spin, momentum;
     dem_quaternion turn;
 } dem__pose;
 
 /* The functions that the engine calls for rigid bodies, in the order of a step; they are in bodies/rigid.h. The first
-   body of a world sets the table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles
-   none of them. */
+   body of a world sets the table (dem__reserve_bodies), so that a program that neither adds a body nor loads a world
+   compiles none of them. */
 typedef struct dem__body_calls {
     dem__pose (*pose)(const dem_world *w, const dem__rigid *r, double tau); /* returns the state at tau [s] after
                                                                                      the origin step */
     void (*set_origin)(dem_world *w, dem__rigid *r); /* makes the present step the origin */
     void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity,
                        dem_vec spin);           /* sets velocity and spin at the origin */
-    void (*wrap)(dem_world *w, dem__rigid *r);  /* puts the body back into the periodic box */
-    void (*place)(dem_world *w, dem__rigid *r); /* places its particles by its state */
+    void (*wrap)(dem_world *w, dem__rigid *r);  /* wraps the body around the periodic box */
+    void (*place)(dem_world *w, dem__rigid *r); /* places its particles from its state */
     void (*fall)(dem_world *w, dem__rigid *r);  /* computes accelerations without contacts */
     void (*test_due)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part,
                      void *step); /* tests due pairs, in pages of timers */
@@ -2394,51 +2409,51 @@ typedef struct dem__body_calls {
                                                                                       to the end of a step */
     void (*push)(dem_world *w, int32_t c, int has_friction); /* applies impulses of the partial step in slot c */
     void (*shift)(dem_world *w, int32_t c);                  /* applies its shift, after all impulses */
-    double (*turning_speed)(const dem__rigid *r, double arm); /* greatest speed in flight of what is an arm [m]
-                                                                     from the centre, about it [m/s] */
+    /* greatest speed in flight of a point at an arm [m] from the centre, relative to it [m/s] */
+    double (*turning_speed)(const dem__rigid *r, double arm);
 } dem__body_calls;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
 typedef struct dem__timers {
     int64_t from;              /* step from which `due` counts */
     int32_t *due;              /* step after `from`, or DEM__NEVER, or DEM__STOPPED */
-    int32_t *earliest;         /* of each line: no timer of it is due before */
+    int32_t *earliest;         /* for each line: no timer of it is due before */
     int32_t *list;             /* timers found due */
     ptrdiff_t pages, capacity; /* in use; room, in lines */
     void *block;
     size_t bytes;
 } dem__timers;
-/* NEVER: not on the present bounds; STOPPED: as long as it touches, or after it has left. */
+/* NEVER: not on the present bounds; STOPPED: while the pair touches, or after a particle has left. */
 enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX };
 
-/* Activity of a particle: in free flight; taking steps; taking steps, with its bound to be checked at the end of this
+/* Activity of a particle: in free flight; taking steps; taking steps, and its bound is checked at the end of this
    one. */
 enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 
-/* The run: time, the law, and work that is pending. step/step.h sets it for a run; whatever changes a world sets
-   needs_*. */
+/* The run: time, law and pending work. step/step.h sets it for a run; whatever changes a world sets needs_*. */
 typedef struct dem__run {
-    double dt, kernel_dt; /* [s]; kernel_dt is 0 where forces are found but no time passes */
+    double dt, kernel_dt; /* [s]; kernel_dt is 0 where forces are computed but no time passes */
     double start_time;    /* time of start_step [s] */
     int64_t start_step;
     const dem_law *law;
     int features;
     int has_periodic;
-    int needs_forces; /* forces must be found before the first step */
-    int needs_lists;  /* near pairs and timers must be built anew */
+    int needs_forces; /* forces must be computed before the first step */
+    int needs_lists;  /* near pairs and timers must be rebuilt */
     int leaving;      /* a particle passed an exit in this step */
     int running;      /* a run or a removal is in progress: functions of the caller may not change the world */
-    int ending;       /* the law's hook ended is being called: it may not add links either */
+    int ending;       /* the law's hook ended is running: it may not even add links */
     int keeps_wrenches;
-    double power;    /* of the overlap, to which the elastic energy of a contact is proportional: 2, Hertz 2.5 */
-    int turns;       /* whether spins may change in this step: without friction and loads only those of rigid bodies */
+    double power;    /* power of the overlap to which the elastic energy of a contact is proportional: 2, Hertz 2.5 */
+    int turns;       /* whether spins may change in this step: without friction and loads only those of rigid bodies
+                        do */
     double stiffest; /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
     int has_unset_pairs; /* some pair of different materials was never set */
-    int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
+    int only_ledger;     /* the kernel only computes what contacts store and dissipate; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
 
-/* State of a fixed particle: the force on it by contacts and links in the last step, and the time integral of the force
+/* State of a fixed particle: the force of contacts and links on it in the last step, and the time integral of the force
    since it was fixed. */
 typedef struct dem__fixed {
     dem__wrench load;
@@ -2451,8 +2466,8 @@ typedef struct dem__fixed {
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
-    int adds_loads; /* in a run: loads are to be added to the forces of contacts */
-    int loads_on;   /* a particle has had a load of the caller's, or has been fixed */
+    int adds_loads; /* in a run: loads are added to the forces of contacts */
+    int loads_on;   /* a particle has had an external load, or has been fixed */
     int has_fixed;  /* a particle has been fixed since the world was made */
     void *block;
     size_t bytes;
@@ -2465,19 +2480,19 @@ typedef struct dem__bodies {
     double *wall_speed;      /* speed that its wall timers rely on [m/s] */
     double *mass_share;      /* 1 / contacts [-] */
     int32_t *activity;       /* DEM__FLYING .. */
-    int32_t *number;         /* number of particles present before it: its number without gaps */
-    int32_t *rank, *by_rank; /* place in the order in which contacts lie; the particle of a rank. Every particle has a
-                                   rank, those that are gone too, until arrays are made without them */
-    int by_place;               /* in a run: they lie in the order of ranks, */
-    int32_t *given;             /* and this is the number that the caller knows of each */
-    int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
-    int32_t *active_at;         /* where it is in the first list */
+    int32_t *number;         /* number of present particles before it: its index without gaps */
+    int32_t *rank, *by_rank; /* its rank, which orders contacts; the particle of a rank. Removed particles keep a rank
+                                until arrays are rebuilt without them */
+    int by_place;               /* in a run: particles lie in the order of ranks, */
+    int32_t *given;             /* and this is the index that the caller knows */
+    int32_t *active, *to_check; /* lists: particles that take steps; those with DEM__TO_CHECK */
+    int32_t *active_at;         /* position in the first list */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
-    dem__rigid *rigid;            /* bodies with an orientation; NULL without any */
+    dem__rigid *rigid;            /* bodies with an orientation; NULL if there are none */
     const dem__body_calls *calls; /* set with them */
     ptrdiff_t rigid_count, rigid_capacity;
-    int32_t *rigid_of;     /* of a particle: its body's number + 1; 0: a sphere of its own; NULL without any body */
+    int32_t *rigid_of;     /* for a particle: index of its body + 1; 0: a single sphere; NULL if there are no bodies */
     dem__fixed *fixed;     /* NULL unless has_fixed */
     dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's
                               axes, at the origin */
@@ -2489,14 +2504,14 @@ typedef struct dem__wall_state {
     ptrdiff_t capacity;
     int touch_keepers,
         controls;           /* number of walls whose contacts keep a touch (meshes, cones); whether forces drive any
-                                    wall */
-    dem__timers timers;     /* of particle i and wall k: number i * walls + k */
+                               wall */
+    dem__timers timers;     /* for particle i and wall k: index i * walls + k */
     uint32_t *sure;         /* step, modulo 2^32, before which no test is needed, whatever the particle's bound */
-    int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
+    int32_t *first_contact; /* for a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
 
-/* Near pairs and the list's life. search/skin.h chooses how long the list may last, search/neighbour_list.h builds
-   it, step/detect.h tests the pairs. */
+/* Near pairs and the list's life. search/skin.h chooses how long the list may last, search/neighbour_list.h builds it,
+   step/detect.h tests the pairs. */
 typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
     dem__near *near;
@@ -2507,32 +2522,32 @@ typedef struct dem__pairs {
     dem_vec *listed_at;              /* position when the list was built */
     int64_t listed_step, next_check; /* when the list was built; when it must be checked next */
     double steps_per_second;
-    double skin, skin_factor;                   /* gap up to which pairs are listed [m]; its factor, 1 .. 3 */
+    double skin, skin_factor;                   /* gap up to which pairs are listed [m]; factor of the skin, 1 .. 3 */
     double least_tolerance;                     /* of bounds [m/s] */
     double touch_gap;                           /* gap below which a contact may begin [m]: 0, but for linked pairs */
     double wall_reach;                          /* gap up to which walls are searched for [m] */
     double position_tolerance;                  /* how far corrections may shift a particle from its bound [m] */
     double gravity_size;                        /* [m/s2] */
     dem_vec frame_velocity, frame_acceleration; /* frame in which the list measures how far particles have moved */
-    double frame_fall; /* greatest acceleration of particles without contacts in that frame [m/s2] */
+    double frame_fall; /* greatest acceleration in that frame of particles without contacts [m/s2] */
 } dem__pairs;
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by
-   partners; gaps are filled from its end; now and then all are sorted by rank, the last first. The order of slots depends
-   only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits.
+   partners; gaps are filled from its end; now and then all are sorted by rank, the last first. The order of slots
+   depends only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits.
    search/narrow_phase.h and polyhedra/pairs.h begin them, contacts/kernel.h and contacts/first_and_last_step.h evaluate
    them, contacts/contacts.h orders and ends them. */
 typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
     dem__chunk chunk[DEM__CHUNKS];
-    int shares;                      /* into which threads divide the chunks in this step */
+    int shares;                      /* among which threads divide the chunks in this step */
     int32_t share_from[DEM__CHUNKS]; /* least rank of each share's own particles */
     dem__wall_force *wall_force;     /* [chunk][wall], walls.capacity apart */
     int force_chunks;                /* for so many chunks */
     dem__postponed *postponed;       /* with threads */
     int states, constants;           /* number of arrays of each */
-    int has_history;                 /* whether states can be other than zero */
+    int has_history;                 /* whether states can differ from zero */
     uint64_t law;                    /* dem__law_mark of the law that made them; 0: unknown */
     void *block;
     size_t bytes;
@@ -2540,15 +2555,17 @@ typedef struct dem__contacts {
                                                     contact of a polyhedron (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
-    uint8_t *partial; /* its partial step is to be corrected: written by the kernel for the contacts that it lists;
-                      free before it, when dem__follow_meshes notes meshes with places left */
+    uint8_t *partial; /* its partial step is to be corrected: the kernel writes it for the contacts that it lists;
+                         before that dem__follow_meshes marks meshes with places left in it */
     uint8_t *ended; /* has ended */
     double *gap, *force;
     double *state[DEM_STATE_MAX];
     double
-        *touch[DEM__PLACES]; /* of the place where it touches: see DEM__PLACE_NORMAL; only with walls.touch_keepers */
-    double *wrench[9];       /* force on i, torques on i and j, of a run's last step */
-    dem__correction *correction; /* from the kernel to the end of the step; scratch memory of dem__arrange before it */
+        *touch[DEM__PLACES]; /* data of the place where it touches: see DEM__PLACE_NORMAL; only with
+                                walls.touch_keepers */
+    double *wrench[9];       /* force on i, torques on i and j, from a run's last step */
+    dem__correction *correction; /* from the kernel to the end of the step; before that, scratch memory of
+                                    dem__arrange */
     double *elastic, *power[3],
         *loss[4]; /* with a ledger: power by normal, rolling, wall; loss by normal, sliding, rolling, wall */
     dem__contact_type types[DEM__TYPES_MAX];
@@ -2571,8 +2588,8 @@ typedef struct dem__links {
     double *state[DEM_STATE_MAX], *wrench[9], *gap;
     uint8_t *ended;
     int32_t *first_link,
-        *is_loaded; /* of a particle: the first link of its list; whether its load contains forces of links */
-    dem__two_vec *evaluated_at; /* of a particle: position [m] and spin [rad/s] at the last evaluation of links */
+        *is_loaded; /* for a particle: the first link of its list; whether its load contains forces of links */
+    dem__two_vec *evaluated_at; /* for a particle: position [m] and spin [rad/s] at the last evaluation of links */
     int64_t evaluated_step;     /* step of that evaluation */
 } dem__links;
 
@@ -2581,15 +2598,15 @@ typedef struct dem__field {
     int on; /* a field is set; after loading its law may be missing */
     dem_force_field def;
     dem__timers timers;    /* of flights: the step in which the next flight begins */
-    int64_t rebuilds;      /* count of lists at which the timers were made */
+    int64_t rebuilds;      /* number of lists built when the timers were made */
     int32_t *stepping;     /* particles that took the last step */
     ptrdiff_t steppers;    /* their number */
     int64_t *until;        /* step in which a particle's flight ends, or DEM__NO_FLIGHT */
     dem_vec *end_velocity; /* velocity there [m/s] */
     dem_vec *force;        /* on a particle that takes steps, in its last one [N] */
     dem_vec *torque;       /* the same [N m] */
-    double *work;          /* of the field along the flight [J] */
-    double *booked;        /* part of the work that the ledger contains [J] */
+    double *work;          /* work of the field along the flight [J] */
+    double *booked;        /* part of this work that is in the ledger [J] */
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
@@ -2597,7 +2614,7 @@ typedef struct dem__field {
 typedef struct dem__ledger {
     int on, started;      /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
     int counts;           /* whether the last run had DEM_ENERGY */
-    double stored_before; /* in contacts, before forces are found anew [J] */
+    double stored_before; /* in contacts, before forces are computed again [J] */
     double paused_error;  /* error of the balance when a run without DEM_ENERGY began [J] */
     dem_energy_ledger sums;
 } dem__ledger;
@@ -2607,20 +2624,22 @@ typedef struct dem__work dem__work;
 typedef struct dem__scratch {
     char *work; /* of each thread, in a run: see dem__work_of */
     int works;
-    int threads; /* that a run uses: def.threads, or the processors if they are fewer and the threads are not the host's */
+    int threads; /* that a run uses: def.threads, or fewer if there are fewer processors and the threads are not the
+                    host's */
     void *work_block;
     size_t work_bytes;
-    int32_t *index; /* one for each particle; no value outlives the function that fills it and those that it calls */
+    int32_t *index; /* one entry for each particle; no value outlives the function that fills it and those that it
+                       calls */
 } dem__scratch;
 
 /* Whether OpenMP's threads save time. base/parallel.h alone writes it; no result depends on it. */
 typedef struct dem__pace {
-    double loss;              /* time lost by waiting that has not been saved since [s] */
-    double alone_until, rest; /* time until which loops run alone; how long they did so last [s] */
+    double loss;              /* time lost by waiting and not yet made up for [s] */
+    double alone_until, rest; /* time until which loops run on one thread; duration of the last such period [s] */
 } dem__pace;
 
 typedef struct dem__engine {
-    dem__feature feature[DEM__FEATURES_MAX]; /* those that the world has, in the order of `place` */
+    dem__feature feature[DEM__FEATURES_MAX]; /* those of the world, in the order of `place` */
     int features;
     dem__run run;
     dem__bodies bodies;
@@ -2648,21 +2667,21 @@ typedef struct dem__engine {
             if ((w)->engine->feature[f_].member) (w)->engine->feature[f_].member arguments;                            \
         }                                                                                                              \
     } while (0)
-/* The same for a member that returns 0 after a failure: does nothing from then on. ok: an int, 1 at first. */
+/* The same for a member that returns 0 after a failure; after one nothing more is called. ok: an int, 1 at first. */
 #define DEM__ASK(w, ok, member, arguments)                                                                             \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (ok); f_++) {                                                   \
             if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                     \
         }                                                                                                              \
     } while (0)
-/* The same for a member that returns a number to be added to a sum. */
+/* The same for a member that returns a number, which is added to a sum. */
 #define DEM__ADD_UP(w, sum, member, arguments)                                                                         \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
             if ((w)->engine->feature[f_].member) (sum) += (w)->engine->feature[f_].member arguments;                   \
         }                                                                                                              \
     } while (0)
-/* The same for a member that returns a status: nothing after the first that is not DEM_OK. */
+/* The same for a member that returns a status; after the first that is not DEM_OK nothing more is called. */
 #define DEM__CHECK(w, status, member, arguments)                                                                       \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (status) == DEM_OK; f_++) {                                     \
@@ -2670,7 +2689,7 @@ typedef struct dem__engine {
         }                                                                                                              \
     } while (0)
 
-/* Adds a feature to a world that may have it already. */
+/* Adds a feature to a world unless it has it. */
 static inline void dem__add_feature(dem_world *w, dem__feature feature) {
     dem__engine *e = w->engine;
     int k = e->features;
@@ -2712,8 +2731,8 @@ static inline double dem__half_width(const dem_convex *s) {
     for (int f = 0; f < s->faces; f++) least = s->plane[f][3] < least ? s->plane[f][3] : least;
     return least;
 }
-/* Returns the longest way of particle i in a step [m]: half its radius, or less for a thin polyhedron, which could pass
-   a sheet without being cut by it. */
+/* Returns how far particle i may move in a step [m]: half its radius, or less for a thin polyhedron, which could
+   otherwise pass a sheet uncut. */
 DEM_INLINE double dem__longest_step(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     const double half = 0.5 * w->particle[i].radius, width = s ? 2.0 * dem__half_width(s) : half;
@@ -2770,7 +2789,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 
 static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
 
-/* Lists the arrays of contacts, ordered by how long their values are needed: from step to step, ... */
+/* Lists the arrays of contacts, sorted by how long their values are needed: from step to step, ... */
 static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
@@ -2803,8 +2822,7 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     return n;
 }
 
-/* Lists the arrays of contacts, and returns the number of the first ones: those that move with a contact to another
-   slot. */
+/* Lists the arrays of contacts, and returns how many of them, from the first, move with a contact to another slot. */
 static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
     const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS,
               with_own = with_out - DEM__OUT_ARRAYS;
@@ -2814,12 +2832,12 @@ static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
                : with_own - DEM__OWN_ARRAYS - w->engine->contacts.constants;
 }
 
-/* Grows a group of arrays. All lie in one block, so that growing works for all or changes nothing; each begins with a
-   cache line. Returns 0 when out of memory. */
+/* Grows a group of arrays. All lie in one block, so that growing succeeds for all or changes nothing. Each begins with
+   a cache line. Returns 0 when out of memory. */
 static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes,
                                   ptrdiff_t *capacity, ptrdiff_t wanted) {
     ptrdiff_t larger =
-        wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* more arrays alone need no more entries */
+        wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* additional arrays need no more entries */
     size_t total = 64;
     if (larger < wanted) larger = wanted;
     for (int k = 0; k < n; k++) {
@@ -2877,7 +2895,7 @@ static inline void dem__count_from(dem__timers *t, int64_t step) {
     t->from = step;
 }
 
-/* Makes room in a single array, whose values are lost. Returns 0 when out of memory. */
+/* Makes room in a single array and loses its values. Returns 0 when out of memory. */
 static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capacity, ptrdiff_t wanted) {
     if (wanted <= *capacity) return 1;
     ptrdiff_t larger = wanted + wanted / 4 + 64;
@@ -2889,7 +2907,7 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
     return 1;
 }
 
-/* Adds a feature to a world and makes room for its numbers of particles. DEM_BAD_ARGUMENT: another feature excludes it.
+/* Adds a feature to a world and makes room for its data of particles. DEM_BAD_ARGUMENT: another feature excludes it.
    After a failure nothing has changed. */
 static inline dem_status dem__take_feature(dem_world *w, dem__feature feature) {
     dem__bodies *bodies = &w->engine->bodies;
@@ -2970,7 +2988,7 @@ static inline int dem__finite_vec(dem_vec v) { return dem__finite(v.x) && dem__f
 static inline int dem__positive(double v) { return v > 0.0 && v <= DBL_MAX; }
 static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX; }
 
-/* Returns whether an acceleration, a velocity or a spin is small enough that products of three, as in energies, stay
+/* Returns whether an acceleration, a velocity or a spin is so small that products of three, as in energies, stay
    finite. False for NaN. */
 static inline int dem__moderate(double v) { return fabs(v) <= 1e80; }
 static inline int dem__moderate_vec(dem_vec v) {
@@ -2979,18 +2997,18 @@ static inline int dem__moderate_vec(dem_vec v) {
 /* Returns whether squares of distances to a place stay finite. */
 static inline int dem__is_place(dem_vec v) { return fabs(v.x) <= 1e150 && fabs(v.y) <= 1e150 && fabs(v.z) <= 1e150; }
 
-/* Returns whether the squares of a time step, and what is divided by them, stay normal numbers. */
+/* Returns whether the squares of a time step, and quotients by them, stay normal numbers. */
 static inline int dem__is_time_step(double dt) { return dt >= 1e-60 && dt < 1e6; }
 
-/* Returns whether a world has room for the numbers of a law. */
+/* Returns whether a world has room for the data of a law. */
 static inline int dem__is_law(const dem_law *law) {
     return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 &&
            law->history <= law->states && law->vectors <= law->history / 3 && law->constants >= 0 &&
            law->constants <= DEM_CONSTANTS_MAX;
 }
 
-/* Returns a number that stands for the meaning of a law's states: FNV-1a of its name up to a comma and its version; 0
-   without a name. Worlds keep and save it, so that names may be of any length. */
+/* Returns a number that identifies the meaning of a law's states: FNV-1a of its name up to a comma, and its version; 0
+   without a name. Worlds keep and save it instead of the name, which may have any length. */
 static inline uint64_t dem__law_mark(const dem_law *law) {
     uint64_t mark = 0xcbf29ce484222325u;
     const char *c = law->name;
@@ -3000,7 +3018,7 @@ static inline uint64_t dem__law_mark(const dem_law *law) {
     return mark;
 }
 
-/* Returns whether states with a mark can be those of a law. */
+/* Returns whether states with a mark can belong to a law. */
 static inline int dem__is_of_law(uint64_t mark, const dem_law *law) {
     const uint64_t own = dem__law_mark(law);
     return mark == 0 || own == 0 || mark == own;
@@ -3055,7 +3073,7 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field) {
     return bad ? DEM_BAD_DEFINITION : DEM_OK;
 }
 
-/* Makes room for the forces of chunks on walls; they are found anew in each step. Returns 0 when out of memory. */
+/* Makes room for the forces of chunks on walls, which each step computes again. Returns 0 when out of memory. */
 static inline int dem__fit_wall_forces(dem_world *w, int chunks) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem_allocator *a = &w->def.allocator;
@@ -3097,8 +3115,8 @@ static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
     return 1;
 }
 
-/* Makes the private state of an empty world, with room for the first walls, so that the array moves in few scenes.
-   Returns 0 when out of memory. */
+/* Makes the private state of an empty world, with room for the first walls, so that the array rarely moves. Returns 0
+   when out of memory. */
 static inline int dem__make_engine(dem_world *w) {
     dem__engine *e = (dem__engine *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, sizeof *e);
     if (!e) return 0;
@@ -3128,7 +3146,7 @@ DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **f
     return DEM_OK;
 }
 
-/* Returns whether a run of the world is in progress, so that the caller is a law's hook. */
+/* Returns whether a run of the world is in progress: the caller is then a law's hook. */
 static inline int dem__is_running(const dem_world *w) { return w && w->engine && w->engine->run.running; }
 
 static inline void dem__release(const dem_allocator *a, void *block, size_t bytes) {
@@ -3826,21 +3844,22 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
 }
 
 /* -------------------------------------------------------------------------------------------------- >>walls/kind.h */
-/* What a kind of wall is: one row of flags and functions, in the file of that kind. The engine asks the row of a wall
+/* A kind of wall is one row of flags and functions, in a file of its own. The engine uses the row of a wall
    (wall->kind__), which the function that adds the wall sets, so that a program compiles only the kinds that it adds.
-   walls/kinds.h lists all rows. Functions get the place of a centre from the wall's origin, in the world's axes. */
+   walls/kinds.h lists all rows. Positions passed to these functions are relative to the wall's origin, along the
+   world's axes. */
 
-/* A place where a sphere is near a wall. */
+/* A place where a sphere is close to a wall. */
 typedef struct dem__touch {
     double gap, curvature;
     dem_vec normal; /* from the wall to the sphere */
     int32_t element;
-    int32_t face; /* mesh: the triangle that has the nearest point inside its edges; -1: none */
+    int32_t face; /* mesh: the triangle with the nearest point inside its edges; -1: none */
 } dem__touch;
 
 enum {
-    DEM__TOUCHES = 4, /* places of a wall that a sphere touches, at most */
-    DEM__NUMBERS = 16 /* contacts of a particle with a mesh, at most, including those that end in this step */
+    DEM__TOUCHES = 4, /* places of a wall that a sphere touches at most */
+    DEM__NUMBERS = 16 /* contacts of a particle with a mesh at most, including those that end in this step */
 };
 
 /* An edge of a wall that edges of polyhedra can cross: a line, or a capsule about one. */
@@ -3848,29 +3867,30 @@ typedef struct dem__wall_edge {
     dem_vec from, to; /* [m] */
     double radius;    /* 0: sharp */
     int32_t key;
-    int ends;     /* bit 0, bit 1: it ends at a corner of the wall there */
+    int ends;     /* bits 0, 1: it begins, ends at a corner of the wall */
     int is_sided; /* 1: it protrudes along `outward` only; 0: it can be touched from all around */
-    int is_axis;  /* 1: the axis of a bar, into which no core may pass */
-    double sign;  /* 1, -1: it is touched where the normal is on this side of `side`; 0: everywhere */
+    int is_axis;  /* 1: the axis of a bar, which no core may pass */
+    double sign;  /* 1, -1: it is touched only where the normal is on this side of `side`; 0: everywhere */
     dem_vec outward, side;
 } dem__wall_edge;
 
-/* Gets the edges and corners of a wall. A corner is a ball about x; tip: its outward direction, 0: it can be touched
-   from all sides. */
+/* Receives the edges and corners of a wall. A corner is a ball about x. tip: its outward direction; 0: it can be
+   touched from all sides. */
 typedef struct dem__edge_visitor dem__edge_visitor;
 struct dem__edge_visitor {
     void (*corner)(dem__edge_visitor *v, dem_vec x, double radius, dem_vec tip, int32_t key);
     void (*edge)(dem__edge_visitor *v, const dem__wall_edge *e);
 };
 
-/* Keys tell the points of a polyhedron at a wall apart: first those of its corners, DEM_CORNERS_MAX for each place of
-   the wall that has keys of its own; then one for each corner of the wall, and DEM__EDGE_KEYS for each of its edges. */
+/* Keys distinguish the points of a polyhedron at a wall. First come those of its corners, DEM_CORNERS_MAX for each
+   place of the wall that has its own keys; then one for each corner of the wall, and DEM__EDGE_KEYS for each of its
+   edges. */
 enum {
     DEM__CROSSINGS_MAX = 4,                                       /* of an edge with a curved sheet, at most */
     DEM__EDGE_KEYS = 5 * DEM_EDGES_MAX,                           /* of an edge of a wall */
     DEM__SEARCH_KEYS = 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX,    /* of a curved sheet */
-    DEM__ELEMENT_KEYS = DEM_CORNERS_MAX + 2 + 3 * DEM__EDGE_KEYS, /* of a bar: all of its keys */
-    DEM__ELEMENTS_FROM = 1 << 18, /* added to the number of an element, which may be negative */
+    DEM__ELEMENT_KEYS = DEM_CORNERS_MAX + 2 + 3 * DEM__EDGE_KEYS, /* of a bar: all its keys */
+    DEM__ELEMENTS_FROM = 1 << 18, /* added to the index of an element, which may be negative */
     DEM__PLACE_DIRECTIONS = 54    /* directions of normals at a mesh, as places of corners */
 };
 
@@ -3878,25 +3898,25 @@ enum {
 enum {
     DEM__NO_SURFACE = 1, /* nothing touches it: particles beyond it leave */
     DEM__HALF_SPACE = 2, /* a half space: dem__touch_flat finds where it is touched */
-    DEM__CONVEX = 4,     /* seen from where particles are, so that a gap shrinks no faster than along its normal, but
-                            for `closing` */
+    DEM__CONVEX = 4,     /* seen from the particles' side, so that a gap shrinks fastest along its normal, but for
+                            `closing` */
     DEM__KEEPS_CURVATURE = 8, /* a contact keeps the curvature with which it began */
     DEM__TRIANGULATED = 16,   /* made of the triangles in wall->tree: a contact keeps the place that it follows */
-    DEM__CURVED_SHEET = 32    /* where it touches the edges of a polyhedron must be searched along them */
+    DEM__CURVED_SHEET = 32    /* places where it touches the edges of a polyhedron must be searched along them */
 };
 
-/* How corners of a convex body tell its gap to a wall: some other part may be nearer, none is, or they say nothing. */
+/* How corners of a convex body tell its gap to a wall: another part may be nearer, none is, or they tell nothing. */
 enum { DEM__CORNERS_SOME, DEM__CORNERS_ALL, DEM__CORNERS_NONE };
 
-/* A kind of wall. NULL where nothing is said. */
+/* A kind of wall. Functions may be NULL where this is stated. */
 typedef struct dem__wall_kind {
     int kind, flags;                    /* dem_wall_kind; DEM__HALF_SPACE and others */
-    int (*is_sound)(const dem_wall *w); /* returns whether its lengths, from a file, are those of such a wall */
-    /* Finds the places where a sphere's gap is below `limit`, at most DEM__TOUCHES: gap, normal, and what is not 0 of
-       curvature and element. Returns their number; least: a lower limit of the gap. */
+    int (*is_sound)(const dem_wall *w); /* returns whether its lengths, from a file, are valid for such a wall */
+    /* Finds the places where a sphere's gap is below `limit`, at most DEM__TOUCHES: gap, normal, and curvature and
+       element if they are not 0. Returns how many. least: a lower limit of the gap. */
     int (*touch)(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out, double *least);
-    /* With several elements that are touched by themselves: computes the touch at one of them, whose number is set, at
-       any gap; and returns a lower limit of the gap to those that `touch` does not return. NULL: one element. */
+    /* Walls with several elements, each of which is touched by itself: computes the touch at one of them, whose index
+       is set, at any gap; returns a lower limit of the gap to those that `touch` does not return. NULL: one element. */
     void (*touch_element)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem__touch *out);
     double (*other_elements)(const dem_wall *w, double radius, double lowest);
     /* Round walls: computes the vector from the axis or centre to the sphere's centre, and how far from there the
@@ -3906,13 +3926,14 @@ typedef struct dem__wall_kind {
        / distance from the axis of a round wall, with the sign of the side. NULL: 0. */
     dem_vec (*normal_rate)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n, double inverse,
                            dem_vec u);
-    int (*is_endless)(const dem_wall *w, int axis); /* returns whether it is the same all along an axis of the world */
+    /* returns whether it continues unchanged along an axis of the world */
+    int (*is_endless)(const dem_wall *w, int axis);
     /* Returns a limit of the acceleration with which the gap of a place shrinks for a sphere in free fall, at u [m/s]
-       from the wall. NULL: that of gravity and of the wall. */
+       from the wall. NULL: the acceleration of gravity and of the wall. */
     double (*closing)(const dem_wall *w, const dem__touch *touch, double radius, dem_vec gravity, dem_vec u);
     /* For polyhedra. */
     int (*corners)(const dem_wall *w); /* returns DEM__CORNERS_.. */
-    /* Shows a visitor the edges and corners that may be within `reach` of a centre, from which their places are. */
+    /* Presents the edges and corners that may be within `reach` of a centre to a visitor, relative to that centre. */
     void (*edges)(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v);
     int (*crosses)(const dem_wall *w, dem_vec p, dem_vec q); /* sheet: returns whether the line from p to q cuts it */
 } dem__wall_kind;
@@ -3920,7 +3941,7 @@ typedef struct dem__wall_kind {
 /* Returns whether the kind of a wall has one of some flags. */
 DEM_INLINE int dem__has(const dem_wall *w, int flags) { return (w->kind__->flags & flags) != 0; }
 DEM_INLINE int dem__has_surface(const dem_wall *w) { return !dem__has(w, DEM__NO_SURFACE); }
-/* Returns whether a wall has several elements, which are touched by themselves. */
+/* Returns whether a wall has several elements, each of which is touched by itself. */
 DEM_INLINE int dem__has_elements(const dem_wall *w) { return w->kind__->touch_element != NULL; }
 
 /* Returns whether a wall acts on particles of a group. */
@@ -3932,7 +3953,7 @@ DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
     return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
 }
 
-/* Converts a vector to a wall's own frame, and back. */
+/* Transforms a vector to a wall's own frame, and back. */
 DEM_INLINE dem_vec dem__to_frame(const dem_wall *w, dem_vec d) {
     return dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
 }
@@ -3946,8 +3967,8 @@ DEM_INLINE void dem__touch_flat(const dem_wall *w, dem_vec d, double radius, dem
     out->normal = w->axis[2], out->curvature = 0.0;
 }
 
-/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and
-   those that overlap). Returns their number; least: a lower limit of the gap. */
+/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest one and
+   those that overlap). Returns how many. least: a lower limit of the gap. */
 DEM_INLINE int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out,
                                double *least) {
     out[0].element = 0;
@@ -3982,7 +4003,7 @@ DEM_INLINE dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double ra
                : dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* Returns whether a wall's surface runs while it stays. */
+/* Returns whether a wall's surface runs around pulleys. */
 DEM_INLINE int dem__turns_as_belt(const dem_wall *w) {
     return w->asked.belt_turn.x != 0.0 || w->asked.belt_turn.y != 0.0 || w->asked.belt_turn.z != 0.0;
 }
@@ -3999,8 +4020,8 @@ DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_v
     const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
     return dem__add(dem__add(w->velocity, turning), dem__belt_velocity(w, n));
 }
-/* Adds what a push lasting h gives a wall: the integrals of its force and of its torque about its origin, and the work
-   that the wall does meanwhile; belt_power: what its belt does. */
+/* Adds what a push of duration h transfers to a wall: the integrals of its force and of its torque about its origin,
+   and the work that the wall does meanwhile. belt_power: of its belt. */
 DEM_INLINE void dem__book_push(dem_wall *w, double h, dem_vec force, dem_vec torque, double belt_power) {
     const dem_vec spin = dem__scale(w->spin, w->spin_axis);
     w->impulse = dem__plus(w->impulse, h, force);
@@ -4078,10 +4099,10 @@ static inline int dem__add_wall(dem_world *w, const dem__wall_kind *kind, int ma
 }
 
 /* -------------------------------------------------------------------------------------------- >>walls/kinematics.h */
-/* Where a wall is at a time, and how it moves there: vibration, rotation, the caller's function, or a force's drive. */
+/* Where a wall is at a time, and how it moves there: by vibration, rotation, the caller's function, or a force. */
 
-/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter
-   turn. */
+/* Returns the sine of an angle, and its cosine: the same bits as riddle_sin and riddle_cos, each of which reduces the
+   angle again. */
 static DEM__NOINLINE double dem__sine(double angle, double *cosine) {
     int quarter;
     const double r = riddle__within_quarter(angle, &quarter);
@@ -4111,14 +4132,14 @@ DEM_INLINE double dem__vibration(double amplitude, double phase, double start, d
     return amplitude * (s - start);
 }
 
-/* Sets the sines of a vibration's phases, which do not change while it lasts. */
+/* Sets the sines of a vibration's phases, which are constant. */
 static inline void dem__set_phase_sine(dem_wall *w) {
     const dem_vec phase = w->asked.phase;
     w->phase_sine =
         dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
 }
 
-/* Displacement, velocity and acceleration of a wall by vibration. */
+/* Displacement, velocity and acceleration of a vibrating wall. */
 typedef struct dem__oscillation {
     dem_vec shift, velocity, acceleration;
 } dem__oscillation;
@@ -4140,7 +4161,7 @@ DEM_INLINE int dem__oscillates_like(const dem_wall *a, const dem_wall *b) {
            a->asked.frequency == b->asked.frequency && a->asked.motion_start == b->asked.motion_start;
 }
 
-/* Returns the position of a wall in a pose; axis: its axes in the pose. */
+/* Returns the position of a wall in a pose. axis: its axes in the pose. */
 static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
     const double angle = dem__length(pose->turn);
     dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
@@ -4153,7 +4174,7 @@ static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_ve
     return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
 }
 
-/* Moves a prescribed wall to its place at a time. Its velocity, acceleration and spin are central differences. */
+/* Moves a prescribed wall to its pose at a time. Its velocity, acceleration and spin are central differences. */
 static inline void dem__prescribed_wall(dem_wall *w, double time) {
     dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
     const double rate = 0.5 / w->asked.interval;
@@ -4175,7 +4196,8 @@ static inline void dem__prescribed_wall(dem_wall *w, double time) {
     if (w->spin > 0.0) w->spin_axis = dem__scale(1.0 / w->spin, omega);
 }
 
-/* Sets velocity and acceleration of a controlled wall at its present place. rate: its speed [m/s] or spin [rad/s]. */
+/* Sets velocity and acceleration of a controlled wall at its present position. rate: its speed [m/s] or spin
+   [rad/s]. */
 static inline void dem__rated_wall(dem_wall *w, double rate) {
     if (w->asked.drive == DEM_FORCE_CONTROLLED) {
         w->velocity = dem__scale(rate, w->spin_axis), w->acceleration = dem__scale(w->rate_change, w->spin_axis);
@@ -4188,7 +4210,7 @@ static inline void dem__rated_wall(dem_wall *w, double rate) {
         dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
 }
 
-/* Moves a controlled wall to its place at a time: predicted from the last step, as a particle is. */
+/* Moves a controlled wall to its position at a time, predicted from the last step like that of a particle. */
 static inline void dem__controlled_wall(dem_wall *w, double time) {
     const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
     dem_pose pose;
@@ -4199,7 +4221,7 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
     dem__rated_wall(w, w->rate + tau * w->rate_change);
 }
 
-/* Moves a kinematic wall to its place t after its motion began [s]. */
+/* Moves a kinematic wall to where it is t after its motion began [s]. */
 static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__oscillation *sway) {
     const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
     w->velocity = dem__add(sway->velocity, w->asked.drift);
@@ -4218,7 +4240,7 @@ static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__oscilla
     w->position = dem__add(origin, shift);
 }
 
-/* Moves a wall to its place at a time [s]. */
+/* Moves a wall to where it is at a time [s]. */
 static inline void dem__move_wall(dem_wall *w, double time) {
     if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
     else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
@@ -4233,8 +4255,9 @@ static inline void dem__move_wall(dem_wall *w, double time) {
 
 enum { DEM__RIM_POINTS = 16 }; /* points of a rim at which faces of polyhedra can touch it */
 
-/* Returns the rate of change of the normal n [1/s] where a surface or a rim goes around the axis axis[2]. radial: the
-   part of the place that is perpendicular to it; distance: from the rim to the sphere's centre; 0: not at a rim [m]. */
+/* Returns the rate of change of the normal n [1/s] where a surface or a rim goes around the axis axis[2]. radial:
+   the part of the position that is perpendicular to it; distance: from the rim to the sphere's centre; 0: not at a
+   rim [m]. */
 static inline dem_vec dem__turn_about_axis(const dem_wall *w, dem_vec radial, double distance, dem_vec n, dem_vec u) {
     const double from_axis = dem__length(radial);
     if (!(from_axis > 0.0)) return dem_vec3(0.0, 0.0, 0.0);
@@ -4247,7 +4270,7 @@ static inline dem_vec dem__turn_about_axis(const dem_wall *w, dem_vec radial, do
     return dem__plus(rate, 1.0 / distance, up);
 }
 
-/* Shows points of a rim as sharp corners. middle: its centre. */
+/* Presents points of a rim as sharp corners. middle: its centre. */
 static inline void dem__show_rim(const dem_wall *w, dem_vec middle, double radius, double reach, int32_t key,
                                  dem__edge_visitor *v) {
     if (!(dem__length(middle) < radius + reach)) return;
@@ -4261,15 +4284,15 @@ static inline void dem__show_rim(const dem_wall *w, dem_vec middle, double radiu
 /* Cones: frustums and tubes of finite length, as thin sheets. A sheet is touched from both sides and at its rims. */
 
 /* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the
-   centre, from the low end. Returns 0 if the gap is not below `limit`; least: the gap. */
+   centre, from the low end. Returns 0 if the gap is not below `limit`. least: the gap. */
 static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
                                   double *least) {
     const double up = dem__dot(d, w->axis[2]);
     const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
     const double rho = dem__length(radial), rise = w->high_radius - w->radius,
                  slant = sqrt(rise * rise + w->length * w->length);
-    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
-                                                                                       nearest: any point of it */
+    /* on the axis a whole ring is nearest: any point of it will do */
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0];
     const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
     const double x = rho - (w->radius + along * rise), y = up - along * w->length;
     double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
@@ -4282,12 +4305,13 @@ static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double radius, d
     *least = out[0].gap = distance - radius;
     if (!(*least < limit)) return 0;
     out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
-    /* that half way up: one contact type wherever a contact begins; spheres wider than the ring lie on a rim */
+    /* the curvature half way up, so that there is one contact type wherever a contact begins; spheres wider than the
+       ring lie on a rim */
     out[0].curvature = on_rim ? 0.0 : (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
     return 1;
 }
 
-/* Returns the rate of change of the normal [1/s]; at a rim it is that of a ring. */
+/* Returns the rate of change of the normal [1/s]; at a rim, that of a ring. */
 static inline dem_vec dem__turn_at_cone(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
                                         double inverse, dem_vec u) {
     dem__touch touch;
@@ -4321,7 +4345,7 @@ static inline int dem__crosses_cone(const dem_wall *w, dem_vec p, dem_vec q) {
     return 0;
 }
 
-/* Shows points of both rims. */
+/* Presents points of both rims to a visitor. */
 static inline void dem__cone_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
     const dem_vec low = dem__sub(w->position, centre);
     dem__show_rim(w, low, w->radius, reach, DEM_CORNERS_MAX + DEM__SEARCH_KEYS, v);
@@ -4373,7 +4397,8 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
 }
 
 /* ------------------------------------------------------------------------------------------------- >>walls/round.h */
-/* What cylinders and spheres share. `radial` is the part of the place that is perpendicular to an axis, or all of it. */
+/* What cylinders and spheres share. `radial` is the part of the position that is perpendicular to an axis, or all of
+   it. */
 
 /* Finds the touch with a surface of constant radius. part: its mean curvature times the radius [-]. */
 DEM_INLINE int dem__touch_round(const dem_wall *w, dem_vec radial, double part, double radius, double limit,
@@ -4386,7 +4411,7 @@ DEM_INLINE int dem__touch_round(const dem_wall *w, dem_vec radial, double part, 
     return 1;
 }
 
-/* Returns which side of a surface of constant radius a sphere is on; 0 where it has no normal. */
+/* Returns on which side of a surface of constant radius a sphere is; 0 where there is no normal. */
 DEM_INLINE double dem__side_of_round(const dem_wall *w, dem_vec radial, dem_vec *from, double *inner) {
     *from = radial;
     *inner = w->radius;
@@ -4412,7 +4437,7 @@ static inline int dem__add_round(dem_world *w, const dem__wall_kind *kind, int m
 }
 
 /* ---------------------------------------------------------------------------------------------- >>walls/cylinder.h */
-/* Cylinders without ends: with particles inside, or outside. */
+/* Cylinders without ends, with particles inside or outside. */
 
 /* Returns the part of a vector that is perpendicular to the axis. */
 DEM_INLINE dem_vec dem__across_axis(const dem_wall *w, dem_vec d) {
@@ -4439,7 +4464,7 @@ static inline int dem__is_along_cylinder(const dem_wall *w, int axis) {
     return fabs(dem_axis(w->axis[2], axis)) == 1.0;
 }
 
-/* Along the axis nothing closes the gap. From inside, a straight path at u bends towards the surface: the distance from
+/* Motion along the axis does not close the gap. Inside, a straight path at u approaches the surface: the distance from
    the axis grows by no more than the outward velocity and u_side^2 / distance give. */
 static inline double dem__closing_at_cylinder(const dem_wall *w, const dem__touch *touch, double radius,
                                               dem_vec gravity, dem_vec u) {
@@ -4452,7 +4477,7 @@ static inline double dem__closing_at_cylinder(const dem_wall *w, const dem__touc
 
 static inline int dem__cylinder_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_SOME; }
 
-/* From outside, a cylinder is one long edge: as long as edges of a polyhedron can cross it. */
+/* Outside, a cylinder is one long edge, as long as edges of a polyhedron can cross it. */
 static inline void dem__cylinder_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
     const dem_vec foot = dem__across_axis(w, dem__sub(w->position, centre));
     const double far_off = 4.0 * (reach + w->radius);
@@ -4489,9 +4514,10 @@ DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_
 }
 
 /* -------------------------------------------------------------------------------------------------- >>walls/disc.h */
-/* Discs: flat and thin, with or without a round hole in the middle. A disc is touched from both sides and at its rims. */
+/* Discs: flat and thin, with or without a round hole in the middle. A disc is touched from both sides and at its rims.
+   */
 
-/* Finds the touch: the nearest point lies in the plane of axis and centre, at the distance `at` from the axis. */
+/* Finds the touch. The nearest point lies in the plane of axis and centre, at the distance `at` from the axis. */
 static inline int dem__touch_disc(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
                                   double *least) {
     const double up = dem__dot(d, w->axis[2]);
@@ -4502,13 +4528,13 @@ static inline int dem__touch_disc(const dem_wall *w, dem_vec d, double radius, d
     if (!(*least < limit)) return 0;
     out[0].normal = dem__scale(up < 0.0 ? -1.0 : 1.0, w->axis[2]);
     if (beyond == 0.0) return 1;
-    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
-                                                                                       nearest: any point of it */
+    /* on the axis a whole ring is nearest: any point of it will do */
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0];
     out[0].normal = dem__add(dem__scale(beyond / distance, outward), dem__scale(up / distance, w->axis[2]));
     return 1;
 }
 
-/* Returns the rate of change of the normal [1/s]: 0 at a face; at a rim it is that of a ring. */
+/* Returns the rate of change of the normal [1/s]: 0 at a face; at a rim, that of a ring. */
 static inline dem_vec dem__turn_at_disc(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
                                         double inverse, dem_vec u) {
     const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
@@ -4533,7 +4559,7 @@ static inline int dem__crosses_disc(const dem_wall *w, dem_vec p, dem_vec q) {
     return rho >= w->radius && rho <= w->high_radius;
 }
 
-/* Shows points of the rims. */
+/* Presents points of the rims to a visitor. */
 static inline void dem__disc_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
     const dem_vec middle = dem__sub(w->position, centre);
     const int32_t key = DEM_CORNERS_MAX + DEM__SEARCH_KEYS;
@@ -4594,7 +4620,7 @@ static inline int dem__touch_plane(const dem_wall *w, dem_vec d, double radius, 
     return out[0].gap < limit;
 }
 
-/* Returns whether a plane is the same all along an axis of the world. */
+/* Returns whether a plane continues unchanged along an axis of the world. */
 static inline int dem__is_along_plane(const dem_wall *w, int axis) { return dem_axis(w->axis[2], axis) == 0.0; }
 
 static inline int dem__plane_corners(const dem_wall *w) {
@@ -4670,8 +4696,8 @@ DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) {
 }
 
 /* -------------------------------------------------------------------------------------------- >>walls/mesh_touch.h */
-/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a cached face as by
-   a search. */
+/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a cached face as
+   by a search. */
 
 /* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack`
    of `at`, and a contact opens by less than that in a step. */
@@ -4680,9 +4706,10 @@ typedef struct dem__face_cache {
     double slack; /* [m]; 0: search */
     int32_t face;
 } dem__face_cache;
-#define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
+#define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides counts as
+                           round */
 
-/* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same
+/* Returns the vector from the plane of a triangle to p. distance: its length. All triangles in one plane give the same
    vector. */
 DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
     const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
@@ -4724,9 +4751,9 @@ DEM_INLINE int dem__is_far(const dem__node *b, dem_vec p, double reach) {
     return !(x * x + y * y + z * z < reach * reach);
 }
 
-/* Returns whether a place is in the shadow of a nearer one, because a surface is touched only once: their normals agree
-   to 26 degrees, or the place does not rise over the nearer one's tangent plane, as edges and corners of a touched face
-   do not. */
+/* Returns whether a nearer place hides another one, because a surface is touched only once. It does so if their normals
+   agree to 26 degrees, or if the farther place does not rise over the nearer one's tangent plane, as edges and corners
+   of a touched face do not. */
 DEM_INLINE int dem__is_hidden(const dem__touch *far_one, const dem__touch *near_one, double radius) {
     const double flat = (1.0 - 1e-9) * (radius + near_one->gap) / (radius + far_one->gap);
     return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
@@ -4748,8 +4775,8 @@ static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, 
     touch->face = inside ? k : -1;
 }
 
-/* Finds the nearest place of a mesh, if its gap is below `limit`, and those with a gap below `deep` that no nearer one
-   shadows: at most DEM__TOUCHES, nearest first. Returns how many; least: the smallest gap, or limit. */
+/* Finds the nearest place of a mesh, if its gap is below `limit`, and the places with a gap below `deep` that no nearer
+   one hides: at most DEM__TOUCHES, nearest first. Returns how many. least: the smallest gap, or limit. */
 static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit,
                                   dem__touch *out, double *least) {
     const dem__tree *t = w->tree;
@@ -4785,7 +4812,7 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
             while (at < n && out[at].gap <= here.gap && !dem__is_hidden(&here, &out[at], radius)) at++;
             if (at == DEM__TOUCHES || (at < n && out[at].gap <= here.gap)) continue;
             kept = at;
-            for (int q = at; q < n; q++) { /* remove those in its shadow */
+            for (int q = at; q < n; q++) { /* remove those that it hides */
                 if (!dem__is_hidden(&out[q], &here, radius)) out[kept++] = out[q];
             }
             n = kept < DEM__TOUCHES ? kept + 1 : DEM__TOUCHES;
@@ -4812,8 +4839,8 @@ static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q)
     return least;
 }
 
-/* Computes the face cache of a sphere whose only touch is on a face. A triangle that rises above the plane of the face can
-   be touched, or become the nearest, after half its gap. One that does not rise is in the face's shadow; it becomes the
+/* Computes the face cache of a sphere whose only touch is on a face. A triangle that rises above the plane of the face
+   can be touched, or become the nearest, after half its gap. The face hides one that does not rise; that becomes the
    nearest only where the centre leaves the face for it. */
 static inline dem__face_cache dem__find_face_cache(const dem_wall *w, dem_vec d, double radius,
                                                    const dem__touch *touch) {
@@ -4825,7 +4852,7 @@ static inline dem__face_cache dem__find_face_cache(const dem_wall *w, dem_vec d,
     if (face < 0 || !(touch->gap <= 0.0)) return f;
     const dem_vec up = dem__above_face(t, face, f.at, &height), a = t->vertex[t->corner[3 * face]];
     const double inside = dem__inside_edges(t, face, dem__sub(f.at, up));
-    const double above = height - 0.1 * radius; /* near the plane of the face, others are no longer in its shadow */
+    const double above = height - 0.1 * radius; /* near the plane of the face, it does not hide others */
     double slack = 0.25 * radius < inside ? 0.25 * radius : inside;
     slack = above < slack ? above : slack;
     if (!(slack > 0.0)) return f;
@@ -4846,7 +4873,7 @@ static inline dem__face_cache dem__find_face_cache(const dem_wall *w, dem_vec d,
                 const double corner = dem__dot(dem__sub(t->vertex[t->corner[3 * k + c]], a), out);
                 rise = corner > rise ? corner : rise;
             }
-            const double aside = distance * distance - height * height, /* the shadow's tolerance is 1e-9 */
+            const double aside = distance * distance - height * height, /* dem__is_hidden has a tolerance of 1e-9 */
                 reach = rise > 5e-10 * height ? 0.5 * (distance - radius) : sqrt(aside > 0.0 ? aside : 0.0);
             slack = reach < slack ? reach : slack;
         }
@@ -4855,8 +4882,8 @@ static inline dem__face_cache dem__find_face_cache(const dem_wall *w, dem_vec d,
     return f;
 }
 
-/* Computes the touch of a sphere that is still within its face cache. Returns 0 if a search is needed. opens: the most that a
-   contact opens in a step [m]. */
+/* Computes the touch of a sphere that is still within its face cache. Returns 0 if a search is needed. opens: the most
+   that a contact opens in a step [m]. */
 DEM_INLINE int dem__face_cache_holds(const dem_wall *w, const dem__face_cache *f, dem_vec d, double radius,
                                      double opens, dem__touch *out) {
     const dem_vec p = dem__to_frame(w, d), moved = dem__sub(p, f->at);
@@ -4871,7 +4898,7 @@ DEM_INLINE int dem__face_cache_holds(const dem_wall *w, const dem__face_cache *f
 /* --------------------------------------------------------------------------------------------- >>walls/mesh_tree.h */
 /* The tree of a mesh's triangles. */
 
-/* Spreads 21 bits to every third bit of a Morton code. */
+/* Moves each of 21 bits to every third bit of a Morton code. */
 static inline uint64_t dem__interleave(uint64_t v) {
     v = (v | v << 32) & 0x1f00000000ffffu;
     v = (v | v << 16) & 0x1f0000ff0000ffu;
@@ -4946,7 +4973,7 @@ static inline dem__tree *dem__new_tree(const dem_allocator *a, ptrdiff_t vertice
     return t;
 }
 
-/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
+/* Returns twice the area of a triangle as a vector along its normal. The two shorter edges make it accurate for
    slivers. */
 static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
     const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
@@ -4955,7 +4982,7 @@ static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
     return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
 }
 
-/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
+/* Returns whether a triangle has an area beyond the rounding of its corners. unit: its normal. */
 static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
     const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
     double longest = dem__dot(ab, ab);
@@ -4965,7 +4992,7 @@ static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) 
 }
 
 /* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
-   if there is none. */
+   if there are none. */
 static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
                                         ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
     const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
@@ -5012,7 +5039,7 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
     return t;
 }
 
-/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
+/* Returns whether a mesh's numbers are valid. low, high: its bounding box. */
 static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
     if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
         m->triangles > INT32_MAX / 4)
@@ -5032,21 +5059,21 @@ static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
 
 /* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
 /* Meshes of triangles: thin sheets, or closed bodies. Spheres touch them at several places, which their contacts follow
-   (meshes/follow.h); polyhedra touch their sharp edges and corners. */
+   (meshes/follow.h). Polyhedra touch their sharp edges and corners. */
 
 static inline int dem__touch_triangles(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
                                        double *least) {
     return dem__touch_mesh(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
 }
 
-/* Keys of an edge and its corner. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of
-   the tree. */
+/* Keys of an edge and its corner. Beyond 790 000 triangles keys repeat, but only far away, because triangles are in the
+   order of the tree. */
 enum { DEM__SHARP_KEYS = 1 + DEM__EDGE_KEYS, DEM__SHARP_EDGES_MAX = (1 << 30) / DEM__SHARP_KEYS };
 DEM_INLINE int32_t dem__sharp_key(int32_t at) {
     return DEM_CORNERS_MAX * DEM__PLACE_DIRECTIONS + (int32_t)((int64_t)(at % DEM__SHARP_EDGES_MAX) * DEM__SHARP_KEYS);
 }
 
-/* Shows the sharp edges and corners of a triangle. */
+/* Presents the sharp edges and corners of a triangle to a visitor. */
 static inline void dem__show_triangle(const dem_wall *w, int32_t k, dem_vec d, dem__edge_visitor *v) {
     const dem__tree *t = w->tree;
     for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
@@ -5115,7 +5142,7 @@ DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, do
     *from = dem_vec3(da, dc, up);
     if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
     if (w->profile == DEM_ROUND || !(up < 0.0)) return half;
-    /* the flat side is as wide as the wire; its ends are round, seen from below */
+    /* the flat side is as wide as the wire; from below, its ends are round */
     if (!beyond) {
         from->y = dc - dem__clamp(dc, -half, half);
         return 0.0;
@@ -5125,7 +5152,7 @@ DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, do
     return 0.0;
 }
 
-/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such
+/* Computes the touch with bar `index` of a family. Its normal is in (along, across, up). Returns 0 if there is no such
    bar. */
 DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up,
                               double radius, dem__touch *out) {
@@ -5135,21 +5162,22 @@ DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, doubl
     const double distance = dem__length(from);
     out->gap = distance - inner - radius;
     out->curvature =
-        1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
+        1.0 / w->wire; /* that of the round part everywhere, so that a contact's constants do not depend on where it
+                          begins */
     out->normal = dem__scale(1.0 / distance, from);
     out->element = 2 * (int32_t)index + family;
     return distance > 0.0;
 }
 
-/* Converts a vector from (along, across, up) of a family to the world's axes. */
+/* Transforms a vector from (along, across, up) of a family to the world's axes. */
 DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
     const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]),
                   u = dem__scale(v.z, w->axis[2]);
     return dem__add(dem__add(a, c), u);
 }
 
-/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they
-   are the last two. */
+/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck, the
+   last two bars. */
 DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
     const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y,
                  nearest = floor(across / pitch + 0.5);
@@ -5158,7 +5186,7 @@ DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across)
     return dem__clamp(nearest, 1.0 - last, last - 1.0);
 }
 
-/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is
+/* Returns a lower limit of the gap to all other bars [m]. lowest: the smallest gap found, which counts where it is
    negative. */
 DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
     const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
@@ -5190,7 +5218,7 @@ static inline int dem__touch_screen(const dem_wall *w, dem_vec d, double radius,
     return n;
 }
 
-/* Finds the family and the index of a bar from the number of the element. */
+/* Finds the family and the index of a bar from the index of the element. */
 DEM_INLINE int dem__family_of(int32_t element) { return (int)((uint32_t)element & 1u); }
 DEM_INLINE double dem__index_of(int32_t element) { return (double)((element - dem__family_of(element)) / 2); }
 
@@ -5231,7 +5259,7 @@ static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem
     for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
     return 1;
 }
-/* Finds the first and the last bar of a family near a polyhedron at d. reach: its own [m]. */
+/* Finds the first and the last bar of a family near a polyhedron at d. reach: of the polyhedron [m]. */
 DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
     const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]),
                  half = family ? w->half_x : w->half_y;
@@ -5240,8 +5268,8 @@ DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double 
     *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
 }
 
-/* Shows the edges of a bar and its ends. A half-round bar is a capsule when touched from above, and two sharp edges
-   when touched from below. */
+/* Presents the edges of a bar and its ends to a visitor. A half-round bar is a capsule when touched from above, and two
+   sharp edges when touched from below. */
 static inline void dem__show_bar(const dem_wall *w, int family, double index, dem_vec d, dem__edge_visitor *v) {
     const double half = 0.5 * w->wire;
     const int32_t key = DEM__ELEMENT_KEYS * (2 * (int32_t)index + family + DEM__ELEMENTS_FROM) + DEM_CORNERS_MAX;
@@ -5273,7 +5301,7 @@ static inline void dem__screen_edges(const dem_wall *w, dem_vec centre, double r
     }
 }
 
-/* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
+/* Returns whether a screen has lengths, and no more bars and apertures than integers can count. */
 static inline int dem__is_deck(const dem_wall *w) {
     const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
     return (w->profile == DEM_ROUND || w->profile == DEM_SEMICIRCLE) && dem__positive(w->aperture) &&
@@ -5350,7 +5378,7 @@ static inline dem_vec dem__turn_at_sphere(const dem_wall *w, dem_vec d, double r
     return dem__scale(inverse, dem__sub(u, dem__scale(dem__dot(u, n), n)));
 }
 
-/* A solid sphere touches a polyhedron as a corner of a wall does, with all of its surface. */
+/* A solid sphere touches a polyhedron like a corner of a wall, with all of its surface. */
 static inline int dem__sphere_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_NONE; }
 static inline void dem__sphere_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
     (void)reach;
@@ -5404,10 +5432,10 @@ static inline void dem__run_alone(int tasks, void (*task)(void *context, int ind
 }
 
 #ifdef _OPENMP
-/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer
-   than the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task
-   that was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2
-   ms, loops run on one thread for 20 ms, and for twice as long each time that threads lose again soon after. */
+/* Decides whether loops run on one thread. If another program occupies a core, threads wait for each other longer than
+   the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times. A task that
+   was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2 ms,
+   loops run on one thread for 20 ms, and twice as long each time that threads soon lose again. */
 static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
     double alone = 0.0;
     for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
@@ -5453,8 +5481,8 @@ static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *con
     }
 }
 
-/* Returns the number of threads that a run may use. More of OpenMP's than there are processors would wait for each
-   other; a host knows what its threads are. */
+/* Returns the number of threads that a run may use. More OpenMP threads than processors would wait for each other; a
+   host knows what its threads are. */
 static inline int dem__usable_threads(const dem_world *w) {
     int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
     if (w->def.parallel) return threads;
@@ -5465,7 +5493,7 @@ static inline int dem__usable_threads(const dem_world *w) {
 #endif
 }
 
-/* Returns the number of parts to split n items into: as many as there are threads, or as pay for waking them. */
+/* Returns into how many parts to split n items: as many as there are threads, or as pay for waking them. */
 DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
     const int threads = w->engine->scratch.threads;
     if (threads <= 1 || n < 2 * DEM__SHARE) return 1;
@@ -5483,7 +5511,7 @@ DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) {
     return n / parts * part + (n % parts < part ? n % parts : part);
 }
 
-/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no
+/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them. A few entries need no
    long lead. */
 DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
 
@@ -6472,7 +6500,7 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
 /* ------------------------------------------------------------------------------------------------ >>walls/motion.h */
 /* Setting walls in motion: vibrations, rotations, the caller's functions, forces and torques. */
 
-/* Places a wall of the world, or a copy of one, where it is now. Its function may not change the world. */
+/* Moves a wall of the world, or a copy of one, to where it is at present. Its function may not change the world. */
 static inline void dem__place_wall(dem_world *w, dem_wall *a) {
     w->engine->run.running = 1;
     dem__move_wall(a, w->time);
@@ -6489,13 +6517,13 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
     a->asked.motion_start = w->time;
     if (a->asked.drive != DEM_KINEMATIC)
-        a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
+        a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive is the wall's only motion */
     a->asked.drive = DEM_KINEMATIC;
     w->engine->run.needs_lists = 1;
     return a;
 }
 
-/* Sets the limits of a kinematic wall's speed, acceleration and spin, which timers rely on. */
+/* Sets the limits of a kinematic wall's speed, acceleration and spin, on which timers rely. */
 static inline void dem__bound_speed(dem_wall *a) {
     double rate = 2.0 * RIDDLE_PI * a->asked.frequency;
     const dem_vec n = a->axis[2];
@@ -6547,7 +6575,7 @@ DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_ve
     return DEM_OK;
 }
 
-/* Makes a drive the only motion of a wall from now on. */
+/* Makes a drive the only motion of a wall. */
 static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
     dem_wall *a = dem__rebase_wall(w, wall);
     a->asked.amplitude = a->asked.drift = dem_vec3(0.0, 0.0, 0.0);
@@ -6657,8 +6685,8 @@ static inline void dem__kick_walls(dem_world *w, double h) {
     }
 }
 
-/* Applies an impulse at a sphere's place, where the wall's normal is n, and an angular impulse to a wall, in addition
-   to the forces of the step. */
+/* Applies an impulse at a sphere's position, where the wall's normal is n, and an angular impulse to a wall, in
+   addition to the forces of the step. */
 static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec n, dem_vec impulse, dem_vec angular) {
     const dem_vec about_origin = dem__add(angular, dem__cross(dem__sub(place, a->position), impulse));
     dem__book_push(a, 1.0, impulse, about_origin, -dem__dot(impulse, dem__belt_velocity(a, n)));
@@ -9072,7 +9100,7 @@ static inline double dem__little_float(const unsigned char *byte) {
     return (double)value;
 }
 
-/* The number of facets that a binary file's header announces, and the number for which it has bytes. */
+/* How many facets a binary file's header announces, and for how many it has bytes. */
 typedef struct dem__binary_size {
     size_t announced, present, rest; /* rest: bytes after the last whole facet */
 } dem__binary_size;
@@ -9084,8 +9112,8 @@ static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, s
     return s;
 }
 
-/* Returns the number of facets to read: all that are present, or, if the header announces fewer and the file does not
-   end with a facet, those that it announces. */
+/* Returns the number of facets to read: all that are present or, if the header announces fewer and the file does not
+   end with a whole facet, those announced. */
 static inline size_t dem__facets_of_binary(const dem__binary_size *s) {
     return s->announced < s->present && s->rest > 0 ? s->announced : s->present;
 }
@@ -9109,7 +9137,7 @@ static inline void dem__read_facet(const unsigned char *bytes, size_t k, dem__fa
 }
 
 /* Returns whether the bytes are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. In other
-   data (compressed, other byte order, two bytes a letter) hardly any have. */
+   data (compressed, other byte order, two bytes a letter) hardly any facets do. */
 static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) {
     const dem__binary_size s = dem__size_of_binary(bytes, size);
     const size_t n = dem__facets_of_binary(&s);
@@ -9127,7 +9155,7 @@ static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) 
     return good > 0 && good >= n - n / 4;
 }
 
-/* Finds the next word of a text, which ends at a blank of any kind. Returns its length, 0 at the end. */
+/* Finds the next word of a text; any white space ends it. Returns its length, 0 at the end. */
 static inline size_t dem__word(const unsigned char *bytes, size_t size, size_t *at) {
     size_t length = 0;
     while (*at < size && bytes[*at] <= ' ') ++*at;
@@ -9145,7 +9173,7 @@ static inline int dem__is_word(const unsigned char *bytes, size_t at, size_t len
     return k == length;
 }
 
-/* Parses a decimal number, whatever the locale, to within an ulp or two. Returns NaN if it is none. */
+/* Parses a decimal number, whatever the locale, to within an ulp or two. Returns NaN if it is not a number. */
 static inline double dem__number(const unsigned char *text, size_t length) {
     size_t k = 0;
     int digits = 0, point = 0, exponent = 0, down = 0;
@@ -9201,7 +9229,7 @@ static inline int dem__begins_with(const unsigned char *bytes, size_t at, size_t
     return length >= n && dem__is_word(bytes, at, n, name);
 }
 
-/* Skips the rest of a line, whose words are a name or a comment. If a facet ends there, the whole text is one line:
+/* Skips the rest of a line, whose words are a name or a comment. If a facet ends on it, the whole text is one line;
    then skips only the word. */
 static inline void dem__skip_line(dem__stl_text *t, size_t length) {
     size_t end = t->at + length, word;
@@ -9232,7 +9260,7 @@ static inline int dem__fan_start(const dem_vec *corner, int n) {
     return -1;
 }
 
-/* Ends the facet in progress. Keeps its triangles if it is whole. */
+/* Ends the current facet. Keeps its triangles if it is complete. */
 static inline void dem__end_facet(dem__stl_text *t) {
     const int n = t->corners,
               start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
@@ -9276,7 +9304,7 @@ static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
     } else t->bad = 1;
 }
 
-/* Reads a text. A facet stands between "facet" and "endfacet", or the next "facet"; names and comments are ignored. */
+/* Reads a text. A facet extends from "facet" to "endfacet" or the next "facet". Names and comments are ignored. */
 static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__facet *facets, dem_stl_report *report) {
     dem__stl_text t;
     memset(&t, 0, sizeof t);
@@ -9303,8 +9331,8 @@ static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__
 
 enum { DEM__STL_UNKNOWN, DEM__STL_TEXT, DEM__STL_BINARY };
 
-/* Returns what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control
-   characters; a binary file has the length that its count gives. Where these two disagree, the numbers must look like
+/* Tells what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control
+   characters; a binary file has the length that its count gives. If these two disagree, the numbers must look like
    coordinates. */
 static inline int dem__kind_of_stl(const unsigned char *bytes, size_t size) {
     dem_stl_report found;
@@ -9334,8 +9362,8 @@ static inline void dem__count_facets(const unsigned char *bytes, size_t size, de
 }
 
 /* ---------------------------------------------------------------------------------------------- >>walls/stl_mesh.h */
-/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
- */
+/* A mesh from the facets of an STL file. Owns scratch memory while it works. Promises: on failure nothing is left
+   allocated. */
 
 /* ---- from facets to a mesh ---- */
 
@@ -9361,8 +9389,8 @@ static inline uint64_t dem__key_of_cell(const dem__mesh_builder *s, const double
     return key | 1;
 }
 
-/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are
-   chained from the cells of a grid, which are four times as wide as `weld`: few fit into one cell. */
+/* Returns the vertex at a place: an earlier one within `weld`, otherwise a new one. Vertices are chained from the cells
+   of a grid, which are four times as wide as `weld`, so that few fit into one cell. */
 static inline int32_t dem__weld(dem__mesh_builder *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
     for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
         double place[3];
@@ -9407,7 +9435,7 @@ static inline void dem__count_edges_of(dem__mesh_builder *s, const int32_t *t) {
     }
 }
 
-/* Returns how many edges of a triangle have one other triangle, which runs the other way. */
+/* Returns how many edges of a triangle have exactly one other triangle, in the opposite direction. */
 static inline int dem__closes(dem__mesh_builder *s, const int32_t *t) {
     int closed = 0;
     for (int e = 0; e < 3; e++) {
@@ -9418,9 +9446,9 @@ static inline int dem__closes(dem__mesh_builder *s, const int32_t *t) {
     return closed;
 }
 
-/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area.
-   In a fan of these one closes after the other; sixteen passes, forward and backward in turn, suffice for any order
-   that a program writes. */
+/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with triangles without area. In
+   a fan of these one closes after the other. Sixteen passes, forward and backward in turn, suffice for any order that a
+   program writes. */
 static inline void dem__close_junctions(dem__mesh_builder *s) {
     int changed = 1;
     for (int pass = 0; pass < 16 && changed; pass++) {
@@ -9435,8 +9463,8 @@ static inline void dem__close_junctions(dem__mesh_builder *s) {
     }
 }
 
-/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their
-   bounding box. */
+/* Scales the facets and drops those that are not finite. Returns how many are left; the report gets their bounding
+   box. */
 static inline ptrdiff_t dem__keep_finite(dem__mesh_builder *s, double scale, dem_stl_report *report) {
     dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
     ptrdiff_t kept = 0;
@@ -9583,12 +9611,12 @@ DEM_API void dem_free_mesh(dem_mesh *mesh) {
 }
 
 /* ------------------------------------------------------------------------------------------------- >>walls/solid.h */
-/* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not
-   closed has no inside; in a closed one only points within round-off of the surface depend on how it is cut into
+/* Closed meshes and what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not
+   closed has no inside; in a closed one only points within round-off of the surface depend on the division into
    triangles. */
 
 /* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the
-   same order, so that a line through an edge or a corner crosses the surface as often as one beside it. */
+   same order, so that a line through an edge or a corner crosses the surface as often as a line beside it. */
 static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
     const dem_vec corner[3] = {a, b, c};
     int inside = 0;
@@ -9641,9 +9669,9 @@ static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
     return inside;
 }
 
-/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, even with different
-   indices; triangles without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that
-   is there twice, DEM_TOO_MANY or DEM_OUT_OF_MEMORY. */
+/* Returns DEM_OK if every edge of a surface has an even number of triangles. Corners at the same place are one, even
+   with different indices; triangles without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a
+   triangle that exists twice, DEM_TOO_MANY or DEM_OUT_OF_MEMORY. */
 static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex,
                                            const int32_t *corner) {
     const size_t n = (size_t)triangles;
@@ -9701,7 +9729,7 @@ DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {
     return region;
 }
 
-/* Returns the volume of a closed mesh [m3]; all its triangles may be turned either way. */
+/* Returns the volume of a closed mesh [m3], whichever way all its triangles are oriented. */
 static inline double dem__mesh_volume(const dem_mesh *m) {
     const dem_vec from = dem__mesh_vertex(m, 0, 0);
     double sum = 0.0;
@@ -9743,7 +9771,7 @@ DEM_API dem_region dem_sphere_region(dem_vec centre, double radius) {
     return region;
 }
 
-/* Returns whether a length of a region is 0, or large enough for its volume to be a number. */
+/* Returns whether a length of a region is 0, or in a range in which its volume is a normal number. */
 static inline int dem__is_extent(double v) { return v == 0.0 || (v >= 1e-100 && v <= 1e100); }
 
 static inline int dem__is_region(const dem_region *r) {
@@ -9797,14 +9825,14 @@ static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *
 }
 
 /* ---------------------------------------------------------------------------------------------- >>removal/remove.h */
-/* Particles that leave: by an exit, by dem_remove, or with a region. One that is gone is in no list, and one that has no
-   contact left is in flight. */
+/* Particles that leave: by an exit, by dem_remove, or with a region. A removed particle is in no list; a particle that
+   has lost its last contact is in flight. */
 
 /* Removes particle i from all lists. Its entries in the arrays are removed by a later rebuild. */
 static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
-    w->alive[i] = DEM_LEAVING; /* so that the law can tell a removal from a rupture */
+    w->alive[i] = DEM_LEAVING; /* so that the law can distinguish a removal from a rupture */
     DEM__TELL(w, remove_particle, (w, i));
     w->alive[i] = 0;
     w->engine->bodies.dropped++;
@@ -9822,7 +9850,7 @@ static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
     for (ptrdiff_t k = own.first; k < own.end; k++) dem__detach_one(w, k);
 }
 
-/* Removes the force of ended contacts from the acceleration of particles that touch nothing any more. */
+/* Removes the force of ended contacts from the acceleration of particles that touch nothing else. */
 static inline void dem__free_untouched(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->active_count; k++) {
@@ -10230,10 +10258,9 @@ static inline void dem__order_memory(dem_world *w, const dem_kernel *kernel, int
 
 /* --------------------------------------------------------------------------------------------- >>records/records.h */
 /* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows
-   bytes and memory, no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use
-   both. */
+   bytes and memory, no physics. save/fields.h names what is saved, save/save.h and save/load.h use both. */
 
-/* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
+/* A field that becomes a record. Its entries, of some numbers each, are `stride` bytes apart in memory. */
 enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
 typedef struct dem__saved_field {
     char name[DEM__NAME_BYTES]; /* at most 23 characters */
@@ -10292,7 +10319,7 @@ static inline void dem__begin_record(dem__stream *s, const dem__saved_field *f, 
     dem__stream_u64(s, &bytes), dem__stream_u64(s, &n);
 }
 
-/* A record that was found: where its entries begin, the bytes of an entry, the number of entries. */
+/* A record in a file: where its entries begin, the bytes of an entry, the number of entries. */
 typedef struct dem__record {
     size_t at;
     uint64_t bytes, count;
@@ -10309,7 +10336,7 @@ static inline int dem__read_head(const unsigned char *file, size_t end, size_t a
     return r->bytes > 0 && r->count <= (end - r->at) / r->bytes;
 }
 
-/* Returns whether the bytes from `at` to `end` are whole records. */
+/* Returns whether the bytes from `at` to `end` are complete records. */
 static inline int dem__are_records(const unsigned char *file, size_t at, size_t end) {
     dem__record r;
     while (at < end) {
@@ -10319,7 +10346,7 @@ static inline int dem__are_records(const unsigned char *file, size_t at, size_t 
     return at == end;
 }
 
-/* Finds the first record with a name among whole ones. Returns 0 if there is none. */
+/* Finds the first of these records with a name. Returns 0 if there is none. */
 static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
     memset(r, 0, sizeof *r);
     for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {
@@ -10363,7 +10390,7 @@ static inline void dem__add_fields(dem__group *g, const char *name, double *cons
     }
 }
 
-/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among
+/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its index among
    those present. */
 static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at,
                                     int is_body) {
@@ -10384,13 +10411,13 @@ static inline void dem__write_group(dem__stream *s, const dem_world *w, const de
     }
 }
 
-/* A file that is read: its bytes, and where its records begin and end. */
+/* A file being read: its bytes, and where its records begin and end. */
 typedef struct dem__file {
     const unsigned char *bytes;
     size_t first, end;
 } dem__file;
 
-/* Returns whether the bytes are a whole and unchanged saved world of this format. */
+/* Returns whether the bytes are a complete and unchanged saved world of this format. */
 static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
     uint64_t magic, version, check;
     dem__stream s = {NULL, (const unsigned char *)buffer, 0};
@@ -10402,7 +10429,7 @@ static inline int dem__open_file(dem__file *file, const void *buffer, size_t siz
            dem__are_records(file->bytes, file->first, file->end);
 }
 
-/* Returns the number of entries of a group in a file: of its first field, which is required. */
+/* Returns the number of entries of a group in a file, from its first field, which is required. */
 static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
     char name[DEM__NAME_BYTES];
     dem__record r;
@@ -10413,8 +10440,8 @@ static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first
                : 0;
 }
 
-/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of
-   another kind. */
+/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required and
+   missing, or of another kind. */
 static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
     const dem__saved_field *f = &g->field[field];
     dem__record r;
@@ -10423,8 +10450,8 @@ static inline int dem__find_field(const dem__file *file, const dem__group *g, in
     return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
 }
 
-/* Reads entries first .. end-1 of a group of n into consecutive ones from `to` on. Returns 0 if the file is not valid.
- */
+/* Reads entries first .. end-1 of a group of n into consecutive ones from `to` on. Returns 0 if the file is not
+   valid. */
 static inline int dem__read_some(const dem__file *file, const dem__group *g, ptrdiff_t n, ptrdiff_t first,
                                  ptrdiff_t end, ptrdiff_t to) {
     for (int q = 0; q < g->fields && n > 0; q++) {
@@ -10445,7 +10472,7 @@ static inline int dem__read_group(const dem__file *file, const dem__group *g, pt
 
 static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
 
-/* Returns whether i is a particle, and j another one or a wall. */
+/* Returns whether i is a particle, and j another particle or a wall. */
 static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
     return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
 }
@@ -10471,7 +10498,7 @@ static inline void dem__hash_quaternion(uint64_t *hash, dem_quaternion q) {
         dem__hash_f64(hash, &q.z, 1);
 }
 
-/* Adds the bodies of a contact or a link, numbered among those present, and its element. */
+/* Adds the bodies of a contact or a link, as indices among those present, and its element. */
 static inline void dem__hash_bodies(uint64_t *hash, const dem_world *w, int32_t i, int32_t j, int32_t element) {
     const int32_t *number = w->engine->bodies.number;
     dem__hash_i64(hash, number[i]), dem__hash_i64(hash, j >= 0 ? number[j] : j), dem__hash_i64(hash, element);
@@ -14658,7 +14685,7 @@ DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double 
     return dem__sizes(DEM_SIZES_ROSIN_RAMMLER, scale, exponent, smallest, largest, by_mass);
 }
 
-/* Returns the logarithm of the share per ln d at d = scale e^y, but for a constant. It is concave in y for every
+/* Returns the logarithm of the share per ln d at d = scale e^y, up to a constant. It is concave in y for every
    distribution. */
 static inline double dem__log_share(const dem_sizes *s, double y) {
     if (s->kind == DEM_SIZES_LOGNORMAL) return -0.5 * y * y / (s->spread * s->spread);
@@ -14670,8 +14697,9 @@ static inline double dem__log_number(const dem_sizes *s, double y) {
     return s->by_mass ? f - 3.0 * y : f;
 }
 
-/* Returns an end of the interval of ln d: the cut, or, nearer to the peak, where the density is e^-60 of that at the
-   peak. Nothing is drawn beyond, and the pieces of the rest are so fine that one draw in ten is accepted. */
+/* Returns an end of the interval of ln d: the cut-off or, if that is closer to the peak, where the density is e^-60 of
+   that at the peak. Nothing is drawn beyond it, and the rest is cut into pieces so fine that one draw in ten is
+   accepted. */
 static inline double dem__tail(const dem_sizes *s, double end, double peak) {
     const double least = dem__log_number(s, peak) - 60.0;
     double inside = peak;
@@ -14684,7 +14712,7 @@ static inline double dem__tail(const dem_sizes *s, double end, double peak) {
     return end;
 }
 
-/* Returns whether a size distribution is valid; smallest, largest: its diameters. */
+/* Returns whether a size distribution is valid. smallest, largest: its diameters. */
 static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *largest) {
     *smallest = s->smallest, *largest = s->largest;
     if (s->kind == DEM_SIZES_LIST) {
@@ -14708,14 +14736,14 @@ static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *l
             ? !(s->spread >= 1e-3 && s->spread <= 5.0)
             : s->kind != DEM_SIZES_ROSIN_RAMMLER || !(s->spread >= 0.1 && s->spread <= 100.0))
         return 0;
-    /* the largest density between the cuts is at least 1e-20 of the peak's, which is at the scale: otherwise a unit is
-       wrong */
+    /* the largest density between the cut-offs is at least 1e-20 of that at the peak, which is at the scale; otherwise
+       a unit is wrong */
     const double nearest = riddle_log(dem__clamp(s->scale, s->smallest, s->largest) / s->scale);
     return dem__log_share(s, nearest) - dem__log_share(s, 0.0) > -46.0;
 }
 
-/* Draws a diameter by rejection. The interval of ln d is cut into pieces; the bound of each is the largest density in
-   it. The place of the peak is known in closed form. */
+/* Draws a diameter by rejection. The interval of ln d is cut into pieces, each bounded by the largest density in it.
+   The position of the peak is known in closed form. */
 static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) {
     enum { PIECES = 32, TRIES = 10000 };
     const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale, lost = s->by_mass ? 3.0 : 0.0;
@@ -14770,7 +14798,7 @@ DEM_API dem_feed dem_default_feed(void) {
 }
 
 /* --------------------------------------------------------------------------------------------------- >>feed/room.h */
-/* The spheres in and near a region that is being filled: what tells whether a place is free. */
+/* The spheres in and near a region that is being filled, which tell whether a place is free. */
 
 /* Spheres in and near a region, present and new, in linked lists by level and cell. */
 typedef struct dem__room {
@@ -14780,12 +14808,12 @@ typedef struct dem__room {
     int32_t *head, *next;
     ptrdiff_t count, capacity, cells;
     size_t bytes;
-    dem_wall inside;  /* the triangles of a mesh region; without a tree for other regions */
+    dem_wall inside;  /* the triangles of a mesh region; for other regions there is no tree */
     ptrdiff_t looked; /* places tried */
     int stopped;      /* by def.stop */
 } dem__room;
 
-/* Returns whether the host wants the call to end; asked in every 1024th step of its work. */
+/* Returns whether the host wants the call to end. Asks in every 1024th step of the work. */
 static inline int dem__is_stopped(const dem_world *w, ptrdiff_t step) {
     return (step & 1023) == 1023 && w->def.stop && w->def.stop(w->def.stop_user) != 0;
 }
@@ -14807,7 +14835,7 @@ static inline void dem__count_in(dem__room *room, double radius) {
     room->capacity++;
 }
 
-/* Returns whether sphere i reaches into a box; x: its position. Periodic axes are not compared. */
+/* Returns whether sphere i reaches into a box. x: its position. Periodic axes are not compared. */
 static inline int dem__reaches_box(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
     *x = dem_position(w, i);
     for (int a = 0; a < 3 && w->alive[i]; a++) {
@@ -14839,7 +14867,7 @@ static inline void dem__clear_room(dem__room *room, const dem_world *w) {
     room->centre = NULL, room->inside.tree = NULL;
 }
 
-/* Makes a room for the spheres present around a region and n new ones with given radii. reach: of the largest new body
+/* Makes a room for the present spheres around a region and n new ones with given radii. reach: of the largest new body
    [m]. */
 static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region,
                                         const double *radius, ptrdiff_t n, double reach) {
@@ -14852,7 +14880,7 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     for (ptrdiff_t k = 0; k < n; k++) {
         room->smallest = radius[k] < room->smallest ? radius[k] : room->smallest;
     }
-    const dem_vec out = dem_vec3(reach, reach, reach); /* spheres in a flat region stand out of it */
+    const dem_vec out = dem_vec3(reach, reach, reach); /* spheres protrude from a flat region */
     low = dem__sub(low, out), high = dem__add(high, out);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (dem__reaches_box(w, i, low, high, &x) && w->particle[i].radius < room->smallest)
@@ -14919,13 +14947,13 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
 }
 
 /* ------------------------------------------------------------------------------------------------- >>feed/places.h */
-/* Where bodies of a source find a place: shapes of bodies, free places by random tries. Pure but for the generator.
- */
+/* Where bodies of a source find room: shapes of bodies, free places by random tries. Pure functions but for the
+   generator. */
 
-/* Draws a place at which a sphere lies within a region; along directions in which the region is flat, its centre does.
-   Returns 0 if the region is too small. */
+/* Draws a place at which a sphere lies inside a region; in directions in which the region is flat, only its centre
+   does. Returns 0 if the region is too small. */
 static inline int dem__random_place(const dem_region *r, double radius, uint64_t *random, dem_vec *x) {
-    if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* of a mesh: in the box around it */
+    if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* mesh: in its bounding box */
         for (int a = 0; a < 3; a++) {
             const double low = dem_axis(r->low, a), room = dem_axis(r->high, a) - low - 2.0 * radius;
             if (room + 2.0 * radius > 0.0 && !(room >= 0.0)) return 0;
@@ -14979,7 +15007,8 @@ static inline const dem_convex *dem__feed_shape(const dem_world *w, const dem_fe
 static inline double dem__convex_diameter(const dem_convex *s) {
     return 2.0 * riddle_cbrt(s->volume / (4.0 / 3.0 * RIDDLE_PI));
 }
-/* Returns the factor of a clump's lengths for a body whose volume is that of a sphere of radius 1. */
+/* Returns the factor by which a clump's lengths are multiplied in a body whose volume is that of a sphere of radius
+   1. */
 static inline double dem__feed_scale(const dem_feed *feed) {
     return feed->clump ? 2.0 / dem_clump_diameter(feed->clump) : 1.0;
 }
@@ -14990,7 +15019,7 @@ static inline double dem__feed_reach(const dem_world *w, const dem_feed *feed) {
     return feed->clump ? dem__feed_scale(feed) * dem__clump_reach(feed->clump) : 1.0;
 }
 
-/* Returns where particle k of a clump is in a body with the volume of a sphere of the given radius; piece: the
+/* Returns the position of particle k of a clump in a body with the volume of a sphere of the given radius. piece: the
    particle's radius. */
 static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed, dem_vec x, dem_quaternion turn,
                                        double radius, int k, double *piece) {
@@ -14999,7 +15028,7 @@ static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed,
     return dem__in_box(w, dem__plus(x, scale, dem__to_lab(turn, feed->clump->centre[k])));
 }
 
-/* Returns whether a body of a feed is free at x. */
+/* Returns whether there is room for a body of a feed at x. */
 static inline int dem__has_room(const dem_world *w, const dem__room *room, const dem_feed *feed, dem_vec x,
                                 dem_quaternion turn, double radius) {
     if (!feed->clump) return dem__is_free(w, room, x, radius * dem__feed_reach(w, feed), feed->group);
@@ -15012,7 +15041,7 @@ static inline int dem__has_room(const dem_world *w, const dem__room *room, const
 }
 
 /* Finds a free place for a body of a feed by random tries in the region of its source, with the source's generator.
-   Returns 0 if there was none. */
+   Returns 0 if there is none. */
 static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *source, const dem_feed *feed, double radius,
                                   dem_vec *x, dem_quaternion *turn) {
     const double reach = radius * dem__feed_reach(w, feed);
@@ -15042,8 +15071,7 @@ static inline void dem__settle_body(const dem_world *w, dem__room *room, const d
 
 /* ------------------------------------------------------------------------------------------------ >>feed/filling.h */
 /* Bodies of a source: drawn class by class, placed without overlap, added. Owns nothing; writes a world through its
-   public functions.
- */
+   public functions. */
 
 /* Moves a radius and its class down a heap, whose root is the smallest. */
 static inline void dem__sift_size(double *heap, int32_t *line, ptrdiff_t root, ptrdiff_t n) {
@@ -15074,11 +15102,11 @@ static inline void dem__sort_sizes(double *radius, int32_t *line, ptrdiff_t n) {
 /* A class of a source while bodies are drawn and placed. */
 typedef struct dem__queue {
     dem_feed feed;
-    double share, given;  /* of what all classes have been given: [kg] or number */
-    ptrdiff_t now, first; /* placed by this call; the first of them in the list */
+    double share, given;  /* share that the class has been given of what all have: [kg] or number */
+    ptrdiff_t now, first; /* placed by this call; position of the first of them in the list */
 } dem__queue;
 
-/* Returns a number that differs for distributions that differ, not 0: a diameter drawn ahead belongs to one. */
+/* Returns a number, not 0, that differs for different distributions: a diameter drawn ahead belongs to one of them. */
 static inline uint64_t dem__mark_of(const dem_sizes *s, int polyhedron) {
     const double of[4] = {s->scale, s->spread, s->smallest, s->largest};
     uint64_t mark = (uint64_t)s->kind * 64u + (uint64_t)(s->by_mass != 0) * 32u + (uint64_t)polyhedron * 1024u;
@@ -15103,7 +15131,7 @@ static inline void dem__draw_ahead(dem_feed *feed, uint64_t *random) {
     feed->waiting_of = mark;
 }
 
-/* Returns the class whose turn it is: the one that comes nearest to its share if it gets its next body (Webster). */
+/* Returns the class whose turn it is: the one that comes closest to its share with its next body (Webster). */
 static inline int dem__next_line(const dem_world *w, dem__queue *line, int classes, int by_number) {
     double earliest = HUGE_VAL;
     int next = 0;
@@ -15117,9 +15145,9 @@ static inline int dem__next_line(const dem_world *w, dem__queue *line, int class
     return next;
 }
 
-/* Draws the bodies that are due one after the other, at most `most`. Returns their number; radius, of: their radii and
-   classes, or NULL. The first that is not due is kept in its feed's `waiting`: to leave it out would favour small ones.
-   -1: stopped. */
+/* Draws the bodies that are due one after the other, at most `most`. Returns how many, -1: stopped. radius, of: their
+   radii and classes, or NULL. The first body that is not due is kept in its feed's `waiting`; dropping it would favour
+   small ones. */
 static inline ptrdiff_t dem__draw_due(const dem_world *w, dem__queue *line, const dem_source *source, double number,
                                       double mass, ptrdiff_t most, double *radius, int32_t *of) {
     for (ptrdiff_t n = 0; n < most; n++) {
@@ -15143,7 +15171,8 @@ typedef struct dem__batch {
     double *radius, *piece, *place, *turn;              /* [n], [n][pieces], [n][3], [n][4] */
     double *diameter, *centre, *orientation, *velocity; /* [n], [n][3], [n][4], [n][3] */
     int32_t *of, *first;                                /* [n] class; the first of its pieces among those placed */
-    ptrdiff_t pieces, bodies;                           /* in all, as drawn; those in several pieces or of a shape */
+    ptrdiff_t pieces, bodies;                           /* of all bodies, as drawn; bodies of several pieces or of a
+                                                           shape */
     size_t bytes;
 } dem__batch;
 static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, ptrdiff_t n, ptrdiff_t pieces) {
@@ -15156,10 +15185,10 @@ static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, pt
     return 1;
 }
 
-/* Returns how many bodies a call draws at most; a limit for a source that was blocked for long. */
+/* Returns how many bodies a call draws at most: a limit for a source that was blocked for long. */
 static inline ptrdiff_t dem__most_drawn(int at_once) { return at_once ? INT32_MAX / 8 : 100000; }
 
-/* Draws n radii, and computes those of their particles. Returns the largest radius about a body's centre, or -1:
+/* Draws n radii, and computes those of their particles. Returns the largest radius of a body about its centre, or -1:
    stopped. */
 static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__queue *line, const dem_source *source,
                                      double number, double mass, ptrdiff_t n, int at_once) {
@@ -15186,8 +15215,7 @@ static inline void dem__keep_waiting(dem__queue *line, const dem__batch *b, ptrd
 }
 
 /* Finds places for n bodies, and counts them as given by number or, with by_mass, by mass. at_once: bodies without a
-   place are counted as missed; otherwise the first of them waits, and with it those after it. Returns how many have a
-   place. */
+   place count as missed; otherwise the first of them waits, and so do those after it. Returns how many have a place. */
 static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__queue *line, dem_source *source,
                                          dem__batch *b, ptrdiff_t n, int by_mass, int at_once) {
     ptrdiff_t found = 0, pieces = 0;
@@ -15219,7 +15247,7 @@ static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__que
     return found;
 }
 
-/* Returns the body that has a piece; bodies: n. */
+/* Returns the body to which a piece belongs. bodies: n. */
 static inline ptrdiff_t dem__body_of_piece(const dem__batch *b, ptrdiff_t n, ptrdiff_t piece) {
     ptrdiff_t low = 0, high = n;
     while (high - low > 1) {
@@ -15271,7 +15299,7 @@ static inline dem_status dem__add_moving(dem_world *w, const dem__queue *line, c
     return status;
 }
 
-/* Adds all new bodies, or none: where there are several classes, there is room for all before the first. */
+/* Adds all new bodies, or none: with several classes, makes room for all before the first. */
 static inline dem_status dem__add_lines(dem_world *w, const dem__queue *line, int classes, const dem__batch *b) {
     ptrdiff_t pieces = 0, bodies = 0;
     dem_status status = DEM_OK;
@@ -15306,8 +15334,7 @@ static inline dem_status dem__place_batch(dem_world *w, dem__queue *line, dem_so
 }
 
 /* ------------------------------------------------------------------------------------------------ >>feed/sources.h */
-/* Sources: fills and feeds of one class or several, at once or over time.
- */
+/* Sources: fills and feeds of one class or several, at once or over time. */
 
 /* The classes of a source as they are before a call. */
 static inline void dem__open_queues(const dem_world *w, const dem_source *source, dem__queue *line) {
@@ -15320,8 +15347,8 @@ static inline void dem__open_queues(const dem_world *w, const dem_source *source
     }
 }
 
-/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are
-   missed; otherwise in the order drawn, up to the first without a place, which waits. line: room for twice the
+/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place
+   are missed; otherwise in the order drawn, up to the first without a place, which waits. line: room for twice the
    classes. */
 static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem__queue *line, double number,
                                            double mass, int at_once) {
@@ -15343,7 +15370,7 @@ static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem
         pieces = dem__feed_pieces(&after[k].feed) > pieces ? dem__feed_pieces(&after[k].feed) : pieces;
     }
     if (at_once && number > most && mass > most * heaviest) return DEM_TOO_MANY;
-    w->engine->run.running = 1; /* def.stop finds the world busy */
+    w->engine->run.running = 1; /* functions of the caller must find the world busy */
     const int is_counted = at_once && number >= 1.0 && !(mass < HUGE_VAL);
     const ptrdiff_t n = is_counted
                             ? (ptrdiff_t)number
@@ -15379,7 +15406,7 @@ static inline dem_status dem__insert(dem_world *w, dem_source *source, double nu
     return status;
 }
 
-/* A feed as a source of one class; what it owes stands in the feed. */
+/* Returns a feed as a source of one class. The feed stores what it owes. */
 static inline dem_source dem__source_of(dem_feed *feed) {
     dem_source s;
     memset(&s, 0, sizeof s);
@@ -15411,8 +15438,8 @@ DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
     dem_source source = dem__source_of(feed);
     return dem__insert(world, &source, (double)count, HUGE_VAL, 1);
 }
-/* Returns a volume [m3] that the bodies placed in a region cannot exceed; of a mesh, that of the box around it. Where
-   the region is flat, bodies stand out of it. */
+/* Returns a volume [m3] that the bodies placed in a region cannot exceed; for a mesh, that of its bounding box. Bodies
+   protrude from a flat region. */
 static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) {
     dem_region r = feed->region;
     double smallest, diameter;
@@ -16095,7 +16122,8 @@ DEM_API dem_status dem_measure_order(const dem_world *world, const dem_region *r
 }
 
 /* ------------------------------------------------------------------------------------------------- >>save/fields.h */
-/* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none. */
+/* What a save of a world contains, as tables of fields: one row for each field. Knows the state of every part; writes
+   none. */
 
 /* Lists single numbers of the world. */
 static inline void dem__world_fields(dem_world *w, dem__group *g) {
@@ -16274,8 +16302,8 @@ static inline void dem__passed_fields(dem_passed *p, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 7);
 }
 
-/* A chunk, which tells the slots of its contacts. In a file a count has 8 bytes on every machine. first_rank: without the
-   ranks of particles that are gone. */
+/* A chunk, which gives the slots of its contacts. In a file a count has 8 bytes on every machine. first_rank: not
+   counting the ranks of removed particles. */
 typedef struct dem__saved_chunk {
     int64_t count, capacity;
     int32_t first_rank;
@@ -16310,8 +16338,8 @@ static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, 
 }
 
 /* --------------------------------------------------------------------------------------------------- >>save/save.h */
-/* Saving: writes the groups of save/fields.h as records. Reads a const world and writes nothing of it, so that several
-   threads may save one. */
+/* Saving: writes the groups of save/fields.h as records. It only reads the world, so several threads may save the same
+   one. */
 
 static inline void dem__write_particles(dem__stream *s, dem_world *w, dem__group *g) {
     const ptrdiff_t present = w->count - w->engine->bodies.dropped;
@@ -16368,7 +16396,7 @@ static inline void dem__write_meshes(dem__stream *s, const dem_world *w, dem__gr
 
 static inline void dem__write_materials(dem__stream *s, dem_world *w, dem__group *g) {
     const int n = w->def.materials;
-    dem_pair_def pair[DEM_MATERIALS_MAX * DEM_MATERIALS_MAX]; /* without gaps: DEM_MATERIALS_MAX may change */
+    dem_pair_def pair[DEM_MATERIALS_MAX * DEM_MATERIALS_MAX]; /* without gaps, because DEM_MATERIALS_MAX may change */
     for (int k = 0; k < n * n; k++) pair[k] = w->def.pair[k / n][k % n];
     dem__material_fields(w->def.material, g), dem__write_group(s, w, g, n, 0);
     dem__pair_fields(pair, g), dem__write_group(s, w, g, n * n, 0);
@@ -20667,8 +20695,8 @@ DEM_API int64_t dem_core_overlap_steps(const dem_world *world) {
 }
 
 /* --------------------------------------------------------------------------------------------------- >>save/load.h */
-/* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and
-   number that the engine relies on is checked here. */
+/* Loading: makes a world from the records that save/save.h writes, and trusts none of them. Every index, count and
+   number on which the engine relies is checked here. */
 
 /* Reads contacts into their slots. Returns 0 if the file is not valid. */
 static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__group *g) {
@@ -20684,11 +20712,11 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
     return 1;
 }
 
-/* Steps that a run may owe: half a one, and more after a change of the time step. */
+/* Steps that a run may owe: half a step, and more after a change of the time step. */
 #define DEM__OWED_STEPS 1e5
 
-/* Reads materials and their pairs. Files have as many as the world, older ones DEM_MATERIALS_MAX of the program that
-   wrote them. Returns 0 if the file is not valid. */
+/* Reads materials and their pairs. Files have as many as the world; older ones have as many as the DEM_MATERIALS_MAX of
+   the program that wrote them. Returns 0 if the file is not valid. */
 static inline int dem__read_materials(const dem__file *file, dem_world *w, dem__group *g) {
     const ptrdiff_t used = w->def.materials, n = dem__entries_of(file, "material.density");
     if (used < 1 || used > DEM_MATERIALS_MAX || n < used || n > INT16_MAX) return 0;
@@ -20696,7 +20724,8 @@ static inline int dem__read_materials(const dem__file *file, dem_world *w, dem__
     if (!dem__read_some(file, g, n, 0, used, 0)) return 0;
     dem__pair_fields(&w->def.pair[0][0], g);
     for (ptrdiff_t a = 0; a < used; a++) {
-        for (ptrdiff_t b = 0; b < used; b++) w->def.pair[a][b].given = 1; /* still older ones do not say what was set */
+        /* still older files do not tell which pairs were set */
+        for (ptrdiff_t b = 0; b < used; b++) w->def.pair[a][b].given = 1;
         if (!dem__read_some(file, g, n * n, a * n, a * n + used, a * DEM_MATERIALS_MAX)) return 0;
     }
     return 1;
@@ -20723,11 +20752,11 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
     if (!dem__is_thread_count(w->def.threads))
-        w->def.threads = 1; /* the caller of the saved world had set it to something else */
+        w->def.threads = 1; /* the caller of the saved world changed it */
     return dem__bad_field(&w->def) == NULL;
 }
 
-/* Reads the triangles of a mesh, and builds its tree anew. */
+/* Reads the triangles of a mesh, and rebuilds its tree. */
 static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocator *memory, int wall, dem_wall *a,
                                         dem__group *g) {
     dem__group triangles;
@@ -20752,7 +20781,7 @@ static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocat
     return status == DEM_BAD_ARGUMENT ? DEM_BAD_DATA : status;
 }
 
-/* Returns whether a loaded wall could come from the functions that make and move walls. */
+/* Returns whether a loaded wall could result from the functions that make and move walls. */
 static inline int dem__is_sound_wall(const dem_world *w, const dem_wall *a) {
     const dem_wall_motion *asked = &a->asked;
     if (a->material < 0 || a->material >= w->def.materials || !a->kind__) return 0;
@@ -20893,7 +20922,7 @@ static inline int dem__are_sound_particles(const dem_world *w) {
     return 1;
 }
 
-/* Returns whether the bodies and elements of contacts and links exist, and no contact is there twice. */
+/* Returns whether the bodies and elements of contacts and links exist, and no contact exists twice. */
 static inline int dem__are_sound_contacts(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     ptrdiff_t n = 0;
@@ -20907,14 +20936,14 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
         contacts->slots[n++] = (int32_t)c;
     }
     if (!dem__are_sound_chunks(w)) return 0;
-    dem__sort(w, contacts->slots, n); /* no contact is there twice */
+    dem__sort(w, contacts->slots, n); /* no contact exists twice */
     for (ptrdiff_t c = 1; c < n; c++) {
         if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;
     }
     return 1;
 }
 
-/* Derives what is not saved from the rest: lists of contacts, activity. */
+/* Derives from the rest what is not saved: lists of contacts, activity. */
 static inline void dem__derive_loaded(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *first = w->engine->walls.first_contact;
@@ -20937,7 +20966,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     }
 }
 
-/* Adds every feature that a file may contain: a loaded world keeps those that it uses. */
+/* Adds every feature that a file may contain. A loaded world keeps those that it uses. */
 static inline void dem__expect_features(dem_world *w) {
     dem__add_feature(w, dem__feature_ledger());
     dem__add_feature(w, dem__feature_links());

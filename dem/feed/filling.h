@@ -1,6 +1,5 @@
 /* Bodies of a source: drawn class by class, placed without overlap, added. Owns nothing; writes a world through its
-   public functions.
- */
+   public functions. */
 #pragma once
 #include "places.h"
 
@@ -33,11 +32,11 @@ static inline void dem__sort_sizes(double *radius, int32_t *line, ptrdiff_t n) {
 /* A class of a source while bodies are drawn and placed. */
 typedef struct dem__queue {
     dem_feed feed;
-    double share, given;  /* of what all classes have been given: [kg] or number */
-    ptrdiff_t now, first; /* placed by this call; the first of them in the list */
+    double share, given;  /* share that the class has been given of what all have: [kg] or number */
+    ptrdiff_t now, first; /* placed by this call; position of the first of them in the list */
 } dem__queue;
 
-/* Returns a number that differs for distributions that differ, not 0: a diameter drawn ahead belongs to one. */
+/* Returns a number, not 0, that differs for different distributions: a diameter drawn ahead belongs to one of them. */
 static inline uint64_t dem__mark_of(const dem_sizes *s, int polyhedron) {
     const double of[4] = {s->scale, s->spread, s->smallest, s->largest};
     uint64_t mark = (uint64_t)s->kind * 64u + (uint64_t)(s->by_mass != 0) * 32u + (uint64_t)polyhedron * 1024u;
@@ -62,7 +61,7 @@ static inline void dem__draw_ahead(dem_feed *feed, uint64_t *random) {
     feed->waiting_of = mark;
 }
 
-/* Returns the class whose turn it is: the one that comes nearest to its share if it gets its next body (Webster). */
+/* Returns the class whose turn it is: the one that comes closest to its share with its next body (Webster). */
 static inline int dem__next_line(const dem_world *w, dem__queue *line, int classes, int by_number) {
     double earliest = HUGE_VAL;
     int next = 0;
@@ -76,9 +75,9 @@ static inline int dem__next_line(const dem_world *w, dem__queue *line, int class
     return next;
 }
 
-/* Draws the bodies that are due one after the other, at most `most`. Returns their number; radius, of: their radii and
-   classes, or NULL. The first that is not due is kept in its feed's `waiting`: to leave it out would favour small ones.
-   -1: stopped. */
+/* Draws the bodies that are due one after the other, at most `most`. Returns how many, -1: stopped. radius, of: their
+   radii and classes, or NULL. The first body that is not due is kept in its feed's `waiting`; dropping it would favour
+   small ones. */
 static inline ptrdiff_t dem__draw_due(const dem_world *w, dem__queue *line, const dem_source *source, double number,
                                       double mass, ptrdiff_t most, double *radius, int32_t *of) {
     for (ptrdiff_t n = 0; n < most; n++) {
@@ -102,7 +101,8 @@ typedef struct dem__batch {
     double *radius, *piece, *place, *turn;              /* [n], [n][pieces], [n][3], [n][4] */
     double *diameter, *centre, *orientation, *velocity; /* [n], [n][3], [n][4], [n][3] */
     int32_t *of, *first;                                /* [n] class; the first of its pieces among those placed */
-    ptrdiff_t pieces, bodies;                           /* in all, as drawn; those in several pieces or of a shape */
+    ptrdiff_t pieces, bodies;                           /* of all bodies, as drawn; bodies of several pieces or of a
+                                                           shape */
     size_t bytes;
 } dem__batch;
 static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, ptrdiff_t n, ptrdiff_t pieces) {
@@ -115,10 +115,10 @@ static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, pt
     return 1;
 }
 
-/* Returns how many bodies a call draws at most; a limit for a source that was blocked for long. */
+/* Returns how many bodies a call draws at most: a limit for a source that was blocked for long. */
 static inline ptrdiff_t dem__most_drawn(int at_once) { return at_once ? INT32_MAX / 8 : 100000; }
 
-/* Draws n radii, and computes those of their particles. Returns the largest radius about a body's centre, or -1:
+/* Draws n radii, and computes those of their particles. Returns the largest radius of a body about its centre, or -1:
    stopped. */
 static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__queue *line, const dem_source *source,
                                      double number, double mass, ptrdiff_t n, int at_once) {
@@ -145,8 +145,7 @@ static inline void dem__keep_waiting(dem__queue *line, const dem__batch *b, ptrd
 }
 
 /* Finds places for n bodies, and counts them as given by number or, with by_mass, by mass. at_once: bodies without a
-   place are counted as missed; otherwise the first of them waits, and with it those after it. Returns how many have a
-   place. */
+   place count as missed; otherwise the first of them waits, and so do those after it. Returns how many have a place. */
 static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__queue *line, dem_source *source,
                                          dem__batch *b, ptrdiff_t n, int by_mass, int at_once) {
     ptrdiff_t found = 0, pieces = 0;
@@ -178,7 +177,7 @@ static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__que
     return found;
 }
 
-/* Returns the body that has a piece; bodies: n. */
+/* Returns the body to which a piece belongs. bodies: n. */
 static inline ptrdiff_t dem__body_of_piece(const dem__batch *b, ptrdiff_t n, ptrdiff_t piece) {
     ptrdiff_t low = 0, high = n;
     while (high - low > 1) {
@@ -230,7 +229,7 @@ static inline dem_status dem__add_moving(dem_world *w, const dem__queue *line, c
     return status;
 }
 
-/* Adds all new bodies, or none: where there are several classes, there is room for all before the first. */
+/* Adds all new bodies, or none: with several classes, makes room for all before the first. */
 static inline dem_status dem__add_lines(dem_world *w, const dem__queue *line, int classes, const dem__batch *b) {
     ptrdiff_t pieces = 0, bodies = 0;
     dem_status status = DEM_OK;

@@ -1,5 +1,4 @@
-/* Sources: fills and feeds of one class or several, at once or over time.
- */
+/* Sources: fills and feeds of one class or several, at once or over time. */
 #pragma once
 #include "filling.h"
 
@@ -14,8 +13,8 @@ static inline void dem__open_queues(const dem_world *w, const dem_source *source
     }
 }
 
-/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are
-   missed; otherwise in the order drawn, up to the first without a place, which waits. line: room for twice the
+/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place
+   are missed; otherwise in the order drawn, up to the first without a place, which waits. line: room for twice the
    classes. */
 static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem__queue *line, double number,
                                            double mass, int at_once) {
@@ -37,7 +36,7 @@ static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem
         pieces = dem__feed_pieces(&after[k].feed) > pieces ? dem__feed_pieces(&after[k].feed) : pieces;
     }
     if (at_once && number > most && mass > most * heaviest) return DEM_TOO_MANY;
-    w->engine->run.running = 1; /* def.stop finds the world busy */
+    w->engine->run.running = 1; /* functions of the caller must find the world busy */
     const int is_counted = at_once && number >= 1.0 && !(mass < HUGE_VAL);
     const ptrdiff_t n = is_counted
                             ? (ptrdiff_t)number
@@ -73,7 +72,7 @@ static inline dem_status dem__insert(dem_world *w, dem_source *source, double nu
     return status;
 }
 
-/* A feed as a source of one class; what it owes stands in the feed. */
+/* Returns a feed as a source of one class. The feed stores what it owes. */
 static inline dem_source dem__source_of(dem_feed *feed) {
     dem_source s;
     memset(&s, 0, sizeof s);
@@ -105,8 +104,8 @@ DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
     dem_source source = dem__source_of(feed);
     return dem__insert(world, &source, (double)count, HUGE_VAL, 1);
 }
-/* Returns a volume [m3] that the bodies placed in a region cannot exceed; of a mesh, that of the box around it. Where
-   the region is flat, bodies stand out of it. */
+/* Returns a volume [m3] that the bodies placed in a region cannot exceed; for a mesh, that of its bounding box. Bodies
+   protrude from a flat region. */
 static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) {
     dem_region r = feed->region;
     double smallest, diameter;

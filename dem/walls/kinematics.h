@@ -1,10 +1,10 @@
-/* Where a wall is at a time, and how it moves there: vibration, rotation, the caller's function, or a force's drive. */
+/* Where a wall is at a time, and how it moves there: by vibration, rotation, the caller's function, or a force. */
 #pragma once
 #include "../base/vectors.h"
 #include "../../base/portable_math.h"
 
-/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter
-   turn. */
+/* Returns the sine of an angle, and its cosine: the same bits as riddle_sin and riddle_cos, each of which reduces the
+   angle again. */
 static DEM__NOINLINE double dem__sine(double angle, double *cosine) {
     int quarter;
     const double r = riddle__within_quarter(angle, &quarter);
@@ -34,14 +34,14 @@ DEM_INLINE double dem__vibration(double amplitude, double phase, double start, d
     return amplitude * (s - start);
 }
 
-/* Sets the sines of a vibration's phases, which do not change while it lasts. */
+/* Sets the sines of a vibration's phases, which are constant. */
 static inline void dem__set_phase_sine(dem_wall *w) {
     const dem_vec phase = w->asked.phase;
     w->phase_sine =
         dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
 }
 
-/* Displacement, velocity and acceleration of a wall by vibration. */
+/* Displacement, velocity and acceleration of a vibrating wall. */
 typedef struct dem__oscillation {
     dem_vec shift, velocity, acceleration;
 } dem__oscillation;
@@ -63,7 +63,7 @@ DEM_INLINE int dem__oscillates_like(const dem_wall *a, const dem_wall *b) {
            a->asked.frequency == b->asked.frequency && a->asked.motion_start == b->asked.motion_start;
 }
 
-/* Returns the position of a wall in a pose; axis: its axes in the pose. */
+/* Returns the position of a wall in a pose. axis: its axes in the pose. */
 static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
     const double angle = dem__length(pose->turn);
     dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
@@ -76,7 +76,7 @@ static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_ve
     return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
 }
 
-/* Moves a prescribed wall to its place at a time. Its velocity, acceleration and spin are central differences. */
+/* Moves a prescribed wall to its pose at a time. Its velocity, acceleration and spin are central differences. */
 static inline void dem__prescribed_wall(dem_wall *w, double time) {
     dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
     const double rate = 0.5 / w->asked.interval;
@@ -98,7 +98,8 @@ static inline void dem__prescribed_wall(dem_wall *w, double time) {
     if (w->spin > 0.0) w->spin_axis = dem__scale(1.0 / w->spin, omega);
 }
 
-/* Sets velocity and acceleration of a controlled wall at its present place. rate: its speed [m/s] or spin [rad/s]. */
+/* Sets velocity and acceleration of a controlled wall at its present position. rate: its speed [m/s] or spin
+   [rad/s]. */
 static inline void dem__rated_wall(dem_wall *w, double rate) {
     if (w->asked.drive == DEM_FORCE_CONTROLLED) {
         w->velocity = dem__scale(rate, w->spin_axis), w->acceleration = dem__scale(w->rate_change, w->spin_axis);
@@ -111,7 +112,7 @@ static inline void dem__rated_wall(dem_wall *w, double rate) {
         dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
 }
 
-/* Moves a controlled wall to its place at a time: predicted from the last step, as a particle is. */
+/* Moves a controlled wall to its position at a time, predicted from the last step like that of a particle. */
 static inline void dem__controlled_wall(dem_wall *w, double time) {
     const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
     dem_pose pose;
@@ -122,7 +123,7 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
     dem__rated_wall(w, w->rate + tau * w->rate_change);
 }
 
-/* Moves a kinematic wall to its place t after its motion began [s]. */
+/* Moves a kinematic wall to where it is t after its motion began [s]. */
 static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__oscillation *sway) {
     const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
     w->velocity = dem__add(sway->velocity, w->asked.drift);
@@ -141,7 +142,7 @@ static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__oscilla
     w->position = dem__add(origin, shift);
 }
 
-/* Moves a wall to its place at a time [s]. */
+/* Moves a wall to where it is at a time [s]. */
 static inline void dem__move_wall(dem_wall *w, double time) {
     if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
     else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);

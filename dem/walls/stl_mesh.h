@@ -1,5 +1,5 @@
-/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
- */
+/* A mesh from the facets of an STL file. Owns scratch memory while it works. Promises: on failure nothing is left
+   allocated. */
 #pragma once
 #include "stl.h"
 
@@ -27,8 +27,8 @@ static inline uint64_t dem__key_of_cell(const dem__mesh_builder *s, const double
     return key | 1;
 }
 
-/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are
-   chained from the cells of a grid, which are four times as wide as `weld`: few fit into one cell. */
+/* Returns the vertex at a place: an earlier one within `weld`, otherwise a new one. Vertices are chained from the cells
+   of a grid, which are four times as wide as `weld`, so that few fit into one cell. */
 static inline int32_t dem__weld(dem__mesh_builder *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
     for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
         double place[3];
@@ -73,7 +73,7 @@ static inline void dem__count_edges_of(dem__mesh_builder *s, const int32_t *t) {
     }
 }
 
-/* Returns how many edges of a triangle have one other triangle, which runs the other way. */
+/* Returns how many edges of a triangle have exactly one other triangle, in the opposite direction. */
 static inline int dem__closes(dem__mesh_builder *s, const int32_t *t) {
     int closed = 0;
     for (int e = 0; e < 3; e++) {
@@ -84,9 +84,9 @@ static inline int dem__closes(dem__mesh_builder *s, const int32_t *t) {
     return closed;
 }
 
-/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area.
-   In a fan of these one closes after the other; sixteen passes, forward and backward in turn, suffice for any order
-   that a program writes. */
+/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with triangles without area. In
+   a fan of these one closes after the other. Sixteen passes, forward and backward in turn, suffice for any order that a
+   program writes. */
 static inline void dem__close_junctions(dem__mesh_builder *s) {
     int changed = 1;
     for (int pass = 0; pass < 16 && changed; pass++) {
@@ -101,8 +101,8 @@ static inline void dem__close_junctions(dem__mesh_builder *s) {
     }
 }
 
-/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their
-   bounding box. */
+/* Scales the facets and drops those that are not finite. Returns how many are left; the report gets their bounding
+   box. */
 static inline ptrdiff_t dem__keep_finite(dem__mesh_builder *s, double scale, dem_stl_report *report) {
     dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
     ptrdiff_t kept = 0;
