@@ -10,7 +10,7 @@ typedef struct filtration_near {
     double normal[3]; /* unit vector from the sphere's centre to the surface */
 } filtration_near;
 
-/* A solid at rest, described by functions of the caller. filtration_fluid_init calls them, and a step does when spheres
+/* A solid at rest, described by functions of the caller. filtration_fluid_init calls them, and filtration_move where spheres
    touch the solid. */
 typedef struct filtration_solid {
     /* Signed distance from a point to the surface [m], > 0 in the fluid. Its sign and its zero must be right; elsewhere
