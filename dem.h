@@ -2674,6 +2674,13 @@ typedef struct dem__engine {
             if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                     \
         }                                                                                                              \
     } while (0)
+/* The same for a member whose result, the last one, is wanted. */
+#define DEM__GET(w, result, member, arguments)                                                                         \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
+            if ((w)->engine->feature[f_].member) (result) = (w)->engine->feature[f_].member arguments;                 \
+        }                                                                                                              \
+    } while (0)
 /* The same for a member that returns a number, which is added to a sum. */
 #define DEM__ADD_UP(w, sum, member, arguments)                                                                         \
     do {                                                                                                               \
@@ -3526,10 +3533,7 @@ DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
    positions at both ends of a flight, but not the right velocities. */
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
     dem_vec error = dem_vec3(0.0, 0.0, 0.0);
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = &w->engine->feature[k];
-        if (f->velocity_error) error = f->velocity_error(w, i, tau);
-    }
+    DEM__GET(w, error, velocity_error, (w, i, tau));
     return error;
 }
 /* Returns the velocity as accurately as it is known. */
@@ -6111,10 +6115,7 @@ static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t
 /* Returns whether a feature needs the contact of particle i with an element of a wall before they touch. */
 static inline int dem__begins_early(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
     int early = 0;
-    for (int k = 0; k < w->engine->features && !early; k++) {
-        const dem__feature *f = &w->engine->feature[k];
-        if (f->begins_early) early = f->begins_early(w, i, -1 - wall, element);
-    }
+    DEM__ADD_UP(w, early, begins_early, (w, i, -1 - wall, element));
     return early;
 }
 
@@ -6523,6 +6524,11 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     return a;
 }
 
+/* Returns whether a wall's surface moves unlike its origin: it may rotate, or is a belt. */
+static inline int dem__slides(const dem_wall *a) {
+    return a->asked.drive != DEM_KINEMATIC || a->spin != 0.0 || dem__is_belt(a);
+}
+
 /* Sets the limits of a kinematic wall's speed, acceleration and spin, on which timers rely. */
 static inline void dem__bound_speed(dem_wall *a) {
     double rate = 2.0 * RIDDLE_PI * a->asked.frequency;
@@ -6534,7 +6540,7 @@ static inline void dem__bound_speed(dem_wall *a) {
         rate * rate *
         (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
     a->spin_bound = fabs(a->spin);
-    a->slides = a->spin != 0.0 || dem__is_belt(a);
+    a->slides = dem__slides(a);
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
@@ -6581,8 +6587,8 @@ static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
     a->asked.amplitude = a->asked.drift = dem_vec3(0.0, 0.0, 0.0);
     a->spin = a->spin_rate = a->coordinate = a->rate = a->rate_change = 0.0;
     a->speed_bound = a->spin_bound = 0.0; /* the first step sets them */
-    a->slides = 1;
     a->asked.drive = (int)drive;
+    a->slides = dem__slides(a);
     w->engine->run.needs_forces = 1; /* its acceleration must be computed */
     return a;
 }
@@ -6649,7 +6655,7 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
     world->wall[wall].asked.belt = velocity;
-    world->wall[wall].slides = 1;
+    world->wall[wall].slides = dem__slides(&world->wall[wall]);
     return DEM_OK;
 }
 
@@ -6660,7 +6666,7 @@ DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, doubl
         !dem__moderate(speed))
         return DEM_BAD_ARGUMENT;
     world->wall[wall].asked.belt_turn = dem__scale(speed, unit);
-    world->wall[wall].slides = 1;
+    world->wall[wall].slides = dem__slides(&world->wall[wall]);
     return DEM_OK;
 }
 
@@ -11709,9 +11715,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
         if (w->step % DEM__RANK_STEPS == 1 && going) dem__order_memory(w, kernel, n - 1); /* ranks are new */
     }
     dem__lie_by_number(w);
-    for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k].end_run) going = w->engine->feature[k].end_run(w, going);
-    }
+    DEM__GET(w, going, end_run, (w, going));
     w->engine->run.running = 0;
     const double met = 0.5 * sqrt(w->engine->run.stiffest); /* the stiffest contact that has begun */
     if (met > w->step_ratio) w->step_ratio = met;
@@ -13052,16 +13056,15 @@ typedef struct dem__turning {
     double c, inertia; /* c = 0: none */
     dem_vec spin;
 } dem__turning;
-/* Returns the torque on particle i at x, which spins, or on its body. */
-DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin, double time,
+/* Returns the torque on particle i, which spins, or on its body. The velocity of the point does not count. */
+DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, const dem_force_point *at, dem_vec spin,
                                         dem__turning_fn turning) {
-    const dem_force_point at = dem__field_point(w, i, x, dem_vec3(0.0, 0.0, 0.0), time);
     const dem__rigid *r = dem__rigid_of(w, i);
     dem__turning q;
     q.spin = spin, q.c = 0.0, q.inertia = 1.0;
     if (!turning || (!r && !(w->engine->run.features & DEM_FRICTION) && dem__is_zero(spin)))
         return q; /* spheres without friction do not turn */
-    q.c = turning(&at, &q.spin);
+    q.c = turning(at, &q.spin);
     const double square = dem__dot(q.spin, q.spin);
     if (!(q.c > 0.0 && square > 0.0 && square <= DBL_MAX)) {
         q.c = 0.0;
@@ -13192,7 +13195,8 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     const dem_vec x = dem__centre_at(w, i, tau),
                   v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
     const dem_vec g = dem__free_fall(w), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
-    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
+    const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
     dem__flown q;
     const int n = dem__choose_flight(w, i, x, v, &turn, &q, law), brakes = turn.c > 0.0 && passed > 0.0;
     const double h = (double)n * dt;
@@ -13236,9 +13240,8 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     const dem_vec a = dem__centre_pull(w, i);
     const double tau = dem__now(w, i), passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
     const dem_vec x = dem__centre_at(w, i, tau), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
-    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
     dem_vec v = dem__drift_at(w, i, tau);
-    const int falls = dem__falls_freely(w, i), brakes = turn.c > 0.0 && passed > 0.0;
+    const int falls = dem__falls_freely(w, i);
     field->work[i] = 0.0;
     if (tau > 0.0 && !falls) {
         const dem_vec begun = dem__drift_at(w, i, 0.0);
@@ -13247,7 +13250,10 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
         v = dem__add(begun, q.gain);
         field->work[i] = q.work;
     }
-    const dem_vec pull = dem__field_pull(w, i, x, v, w->time, law);
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
+    const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
+    const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
+    const int brakes = turn.c > 0.0 && passed > 0.0;
     field->force[i] = dem__scale(w->particle[i].mass, pull);
     field->until[i] = DEM__NO_FLIGHT;
     if (falls && dem__is_zero(pull) && !brakes) return; /* the same bits as without a field */
@@ -13269,15 +13275,16 @@ DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_ve
         w->engine->field.force[i] = none;
         return;
     }
-    const dem_vec pull = dem__field_pull(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
-                                         dem__time_of(w, w->step + (h > 0.0)), law);
+    const dem_force_point at =
+        dem__field_point(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
+                         dem__time_of(w, w->step + (h > 0.0)));
+    const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
     const dem_vec force = dem__scale(p->mass, pull);
     double *load = w->engine->bodies.sum[i].load;
     if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
     w->engine->field.force[i] = force;
     if (!turning) return;
-    const dem__turning turn =
-        dem__turning_of(w, i, r ? r->x : p->x, p->spin, dem__time_of(w, w->step + (h > 0.0)), turning);
+    const dem__turning turn = dem__turning_of(w, i, &at, p->spin, turning);
     const dem_vec torque = turn.c > 0.0 ? dem__scale(-turn.c, turn.spin) : none;
     load[3] += torque.x, load[4] += torque.y, load[5] += torque.z;
     w->engine->field.torque[i] = torque;

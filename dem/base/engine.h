@@ -391,6 +391,13 @@ typedef struct dem__engine {
             if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                     \
         }                                                                                                              \
     } while (0)
+/* The same for a member whose result, the last one, is wanted. */
+#define DEM__GET(w, result, member, arguments)                                                                         \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
+            if ((w)->engine->feature[f_].member) (result) = (w)->engine->feature[f_].member arguments;                 \
+        }                                                                                                              \
+    } while (0)
 /* The same for a member that returns a number, which is added to a sum. */
 #define DEM__ADD_UP(w, sum, member, arguments)                                                                         \
     do {                                                                                                               \

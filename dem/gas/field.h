@@ -81,16 +81,15 @@ typedef struct dem__turning {
     double c, inertia; /* c = 0: none */
     dem_vec spin;
 } dem__turning;
-/* Returns the torque on particle i at x, which spins, or on its body. */
-DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin, double time,
+/* Returns the torque on particle i, which spins, or on its body. The velocity of the point does not count. */
+DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, const dem_force_point *at, dem_vec spin,
                                         dem__turning_fn turning) {
-    const dem_force_point at = dem__field_point(w, i, x, dem_vec3(0.0, 0.0, 0.0), time);
     const dem__rigid *r = dem__rigid_of(w, i);
     dem__turning q;
     q.spin = spin, q.c = 0.0, q.inertia = 1.0;
     if (!turning || (!r && !(w->engine->run.features & DEM_FRICTION) && dem__is_zero(spin)))
         return q; /* spheres without friction do not turn */
-    q.c = turning(&at, &q.spin);
+    q.c = turning(at, &q.spin);
     const double square = dem__dot(q.spin, q.spin);
     if (!(q.c > 0.0 && square > 0.0 && square <= DBL_MAX)) {
         q.c = 0.0;
@@ -221,7 +220,8 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     const dem_vec x = dem__centre_at(w, i, tau),
                   v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
     const dem_vec g = dem__free_fall(w), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
-    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
+    const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
     dem__flown q;
     const int n = dem__choose_flight(w, i, x, v, &turn, &q, law), brakes = turn.c > 0.0 && passed > 0.0;
     const double h = (double)n * dt;
@@ -265,9 +265,8 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     const dem_vec a = dem__centre_pull(w, i);
     const double tau = dem__now(w, i), passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
     const dem_vec x = dem__centre_at(w, i, tau), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
-    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
     dem_vec v = dem__drift_at(w, i, tau);
-    const int falls = dem__falls_freely(w, i), brakes = turn.c > 0.0 && passed > 0.0;
+    const int falls = dem__falls_freely(w, i);
     field->work[i] = 0.0;
     if (tau > 0.0 && !falls) {
         const dem_vec begun = dem__drift_at(w, i, 0.0);
@@ -276,7 +275,10 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
         v = dem__add(begun, q.gain);
         field->work[i] = q.work;
     }
-    const dem_vec pull = dem__field_pull(w, i, x, v, w->time, law);
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
+    const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
+    const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
+    const int brakes = turn.c > 0.0 && passed > 0.0;
     field->force[i] = dem__scale(w->particle[i].mass, pull);
     field->until[i] = DEM__NO_FLIGHT;
     if (falls && dem__is_zero(pull) && !brakes) return; /* the same bits as without a field */
@@ -298,15 +300,16 @@ DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_ve
         w->engine->field.force[i] = none;
         return;
     }
-    const dem_vec pull = dem__field_pull(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
-                                         dem__time_of(w, w->step + (h > 0.0)), law);
+    const dem_force_point at =
+        dem__field_point(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
+                         dem__time_of(w, w->step + (h > 0.0)));
+    const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
     const dem_vec force = dem__scale(p->mass, pull);
     double *load = w->engine->bodies.sum[i].load;
     if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
     w->engine->field.force[i] = force;
     if (!turning) return;
-    const dem__turning turn =
-        dem__turning_of(w, i, r ? r->x : p->x, p->spin, dem__time_of(w, w->step + (h > 0.0)), turning);
+    const dem__turning turn = dem__turning_of(w, i, &at, p->spin, turning);
     const dem_vec torque = turn.c > 0.0 ? dem__scale(-turn.c, turn.spin) : none;
     load[3] += torque.x, load[4] += torque.y, load[5] += torque.z;
     w->engine->field.torque[i] = torque;

@@ -113,10 +113,7 @@ DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
    positions at both ends of a flight, but not the right velocities. */
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
     dem_vec error = dem_vec3(0.0, 0.0, 0.0);
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = &w->engine->feature[k];
-        if (f->velocity_error) error = f->velocity_error(w, i, tau);
-    }
+    DEM__GET(w, error, velocity_error, (w, i, tau));
     return error;
 }
 /* Returns the velocity as accurately as it is known. */

@@ -219,10 +219,7 @@ static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t
 /* Returns whether a feature needs the contact of particle i with an element of a wall before they touch. */
 static inline int dem__begins_early(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
     int early = 0;
-    for (int k = 0; k < w->engine->features && !early; k++) {
-        const dem__feature *f = &w->engine->feature[k];
-        if (f->begins_early) early = f->begins_early(w, i, -1 - wall, element);
-    }
+    DEM__ADD_UP(w, early, begins_early, (w, i, -1 - wall, element));
     return early;
 }
 

@@ -305,9 +305,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
         if (w->step % DEM__RANK_STEPS == 1 && going) dem__order_memory(w, kernel, n - 1); /* ranks are new */
     }
     dem__lie_by_number(w);
-    for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k].end_run) going = w->engine->feature[k].end_run(w, going);
-    }
+    DEM__GET(w, going, end_run, (w, going));
     w->engine->run.running = 0;
     const double met = 0.5 * sqrt(w->engine->run.stiffest); /* the stiffest contact that has begun */
     if (met > w->step_ratio) w->step_ratio = met;

@@ -26,6 +26,11 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     return a;
 }
 
+/* Returns whether a wall's surface moves unlike its origin: it may rotate, or is a belt. */
+static inline int dem__slides(const dem_wall *a) {
+    return a->asked.drive != DEM_KINEMATIC || a->spin != 0.0 || dem__is_belt(a);
+}
+
 /* Sets the limits of a kinematic wall's speed, acceleration and spin, on which timers rely. */
 static inline void dem__bound_speed(dem_wall *a) {
     double rate = 2.0 * RIDDLE_PI * a->asked.frequency;
@@ -37,7 +42,7 @@ static inline void dem__bound_speed(dem_wall *a) {
         rate * rate *
         (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
     a->spin_bound = fabs(a->spin);
-    a->slides = a->spin != 0.0 || dem__is_belt(a);
+    a->slides = dem__slides(a);
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
@@ -84,8 +89,8 @@ static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
     a->asked.amplitude = a->asked.drift = dem_vec3(0.0, 0.0, 0.0);
     a->spin = a->spin_rate = a->coordinate = a->rate = a->rate_change = 0.0;
     a->speed_bound = a->spin_bound = 0.0; /* the first step sets them */
-    a->slides = 1;
     a->asked.drive = (int)drive;
+    a->slides = dem__slides(a);
     w->engine->run.needs_forces = 1; /* its acceleration must be computed */
     return a;
 }
@@ -152,7 +157,7 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
     world->wall[wall].asked.belt = velocity;
-    world->wall[wall].slides = 1;
+    world->wall[wall].slides = dem__slides(&world->wall[wall]);
     return DEM_OK;
 }
 
@@ -163,7 +168,7 @@ DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, doubl
         !dem__moderate(speed))
         return DEM_BAD_ARGUMENT;
     world->wall[wall].asked.belt_turn = dem__scale(speed, unit);
-    world->wall[wall].slides = 1;
+    world->wall[wall].slides = dem__slides(&world->wall[wall]);
     return DEM_OK;
 }
 
