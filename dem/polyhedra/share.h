@@ -20,7 +20,7 @@
 #include "../motion/motion.h"
 #include "walls.h"
 
-/* Returns the overlap to the power of the energy, or of the force, from its square. */
+/* Returns an overlap to the power of the energy, or of the force. square: of the overlap. */
 DEM_INLINE double dem__energy_at(double square, double power) {
     return power > 2.0 ? square * sqrt(sqrt(square)) : square;
 }
@@ -33,8 +33,7 @@ DEM_INLINE void dem__divide_point(dem__convex_point *p, int springs) {
     p->weight /= (double)springs, p->count /= (double)springs;
 }
 
-/* The number of springs that the points of a pair are to be divided by, and its slope, from c: 1 up to 2, c/2 from 2.5
-   on. */
+/* The number by which the springs of a pair's points are divided, and its slope, from c: 1 up to 2, c/2 from 2.5 on. */
 typedef struct dem__division {
     double by, slope;
 } dem__division;
@@ -46,17 +45,18 @@ DEM_INLINE dem__division dem__divide(double c) {
     return d;
 }
 
-/* What a pair's springs have together: its energy over k/p, and whether they are no more than the parts of its points in
+/* The springs of a pair together: their energy over k/p, and whether they are no more than the parts of its points in
    the law, as where only corners touch. */
 typedef struct dem__springs {
     double energy;
     int are_parts;
 } dem__springs;
 
-/* Sets the parts of a pair's n points in its law and the factors of their springs. */
+/* Sets the parts of a pair's n points in its law, and the factors of their springs. */
 static inline dem__springs dem__share_points(dem__convex_point *p, int n, double power) {
     const double half = 0.5 * power;
-    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0, head = 1.0; /* head: t of an end's crossing */
+    /* head: t of the crossing to which an end belongs */
+    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0, head = 1.0;
     dem__springs of = {0.0, 1};
     for (int k = 0; k < n; k++) most = p[k].gap * p[k].gap > most ? p[k].gap * p[k].gap : most;
     for (int k = 0; k < n; k++) {
@@ -79,7 +79,8 @@ static inline dem__springs dem__share_points(dem__convex_point *p, int n, double
     return of;
 }
 
-/* Sums of a pair: its energy over k/p; over the stiffness the forces of the law by the parts, and of the springs. */
+/* Sums of a pair: its energy over k/p; divided by the stiffness, the forces of the law by the parts, and those of the
+   springs. */
 typedef struct dem__shared {
     double energy, parts, springs, whole; /* whole: sum of the parts */
     dem_vec normal, on_i, on_j;           /* the forces by the parts, and their moments about the centres */
@@ -95,8 +96,8 @@ DEM_INLINE double dem__per_turning(const dem_world *w, ptrdiff_t i, dem_vec mome
     return s->volume * sum / w->particle[i].mass;
 }
 
-/* Returns the factor of the closing speed that makes the pair's dashpot that of the resultant: the law's own is that of
-   the whole masses and of the pair's spring. */
+/* Returns the factor of the closing speed with which the pair's dashpot becomes that of the resultant. The law's own
+   dashpot is that of the whole masses and of the pair's spring. */
 static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, const dem__shared *s,
                                      double power) {
     const double length = dem__length(s->normal), least = 0.5 * s->parts; /* normals may face each other */
@@ -107,12 +108,12 @@ static inline double dem__damping_of(const dem_world *w, const dem__convex_pair 
         whole += dem__is_fixed(w, pair->j) ? 0.0 : 1.0 / w->particle[pair->j].mass;
         turning += dem__per_turning(w, pair->j, dem__scale(per, s->on_j));
     }
-    const double stiffness = s->energy / dem__energy_at(depth * depth, power); /* over that of the pair */
+    const double stiffness = s->energy / dem__energy_at(depth * depth, power); /* over the stiffness of the pair */
     return whole > 0.0 ? sqrt(stiffness * whole / (whole + turning)) / s->whole : 1.0;
 }
 
-/* Sets the pull of a pair, and each point's part in it, and removes ends. raise: of the parts, so that friction, which
-   they limit, counts on the whole force. Returns the number of points left. */
+/* Sets the pull of a pair and each point's part in it, and removes ends. raise: factor of the parts, so that friction,
+   which they limit, sees the whole force. Returns how many points are left. */
 static DEM__NOINLINE int dem__set_pull(dem__convex_pair *pair, dem_vec apart, double power, double parts, double raise,
                                        dem__convex_point *p, int n) {
     int kept = 0;
@@ -132,7 +133,7 @@ static DEM__NOINLINE int dem__set_pull(dem__convex_pair *pair, dem_vec apart, do
     return kept;
 }
 
-/* Completes the n points of a pair. apart: from the centre of j to that of i. Returns the number of points left. */
+/* Completes the n points of a pair. apart: from the centre of j to that of i. Returns how many points are left. */
 static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__springs of,
                                      dem__convex_point *p, int n) {
     const double power = w->engine->run.power;
