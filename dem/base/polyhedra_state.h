@@ -22,7 +22,6 @@ typedef struct dem__convex_point {
     double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1; then the
                            part that it has in its pair's law */
     double count;       /* of a corner 1, of a crossing what its ends leave, of an end 0; over the springs of its body */
-    double spring;      /* factor of the force of its spring: polyhedra/share.h */
     double pull;        /* the part that it has in its pair's pull, over the force of its spring */
     double damping;     /* factor of the closing speed in the law */
 } dem__convex_point;
