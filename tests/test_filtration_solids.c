@@ -17,7 +17,7 @@
 #include "filtration.h"
 #include "../examples/common/random.h"
 
-static const double pi = 3.14159265358979323846, um = 1e-6;
+static const double um = 1e-6;
 static uint64_t stream = 1;
 
 static double uniform(void) { return random_inner(&stream); }
@@ -86,7 +86,7 @@ static void test_cloth_against_brute_force(void **state) {
                                   next = ((i + j + 1) % mod + mod) % mod < half ? 1 : -1;
                         const double side = warp ? 1.0 : -1.0;
                         const double z =
-                            100 * um + side * 14 * um * (here == next ? here : here * cos(pi * (place - j)));
+                            100 * um + side * 14 * um * (here == next ? here : here * cos(RIDDLE_PI * (place - j)));
                         const double away = z - p[2];
                         const double d = sqrt(across * across + away * away + (s - along) * (s - along)) - 14 * um;
                         if (d < least) least = d;

@@ -1,10 +1,10 @@
-/* Two cores that are in each other: they are pushed apart along the direction of least overlap. Reads shapes, places
-   and the points of a pair; adds one point and lowers the weights of the others. Promises: forces stay the gradient of a
-   potential (of a linear law); nothing changes where cores begin to overlap; deep cores have one way only, apart. */
+/* Two overlapping cores are pushed apart along the direction of least overlap. Reads shapes, places and the points of a
+   pair; adds one point and lowers the weights of the others. Promises: forces stay the gradient of a potential (of a
+   linear law); nothing jumps where cores begin to overlap; deep cores can only move apart. */
 #pragma once
 #include "share.h"
 
-#define DEM__DEEP 1.0 /* overlap of cores over the radii of the roundings from which on nothing else acts */
+#define DEM__DEEP 1.0 /* overlap of cores, over the radii of the roundings, from which on only this point acts */
 
 /* The corners of a core that are farthest along a direction: how many, their mean, and two of them. */
 typedef struct dem__farthest_part {
@@ -25,7 +25,7 @@ static inline dem__farthest_part dem__find_part(const dem_convex *s, const dem__
     return part;
 }
 
-/* Returns the point at which two cores touch that have moved apart along n: of a's part. */
+/* Returns the point, on a, at which two cores touch once they have moved apart along n. */
 static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem__farthest_part *b) {
     if (a->n == 2 && b->n == 2) {
         const dem_vec u = dem__sub(a->end[1], a->end[0]), v = dem__sub(b->end[1], b->end[0]),
@@ -46,10 +46,10 @@ static inline void dem__scale_shared(dem__shared *s, double by) {
     s->pull = dem__scale(by, s->pull), s->pull_on_i = dem__scale(by, s->pull_on_i);
 }
 
-/* Adds the point at which two overlapping cores are pushed apart to the n points of a pair. With U, the energy of these
-   over k/p, and that of the point, V = (radii + depth)^p, the energy of the pair is (1 - s) U + s V, where s goes from 0
-   to 1 with the depth. Forces are its gradient. Returns the number of points, of which n must leave room for one.
-   power: p. */
+/* Adds to the n points of a pair the one at which two overlapping cores are pushed apart. With U, the energy of the
+   other points over k/p, and V = (radii + depth)^p, that of the new one, the energy of the pair is (1 - s) U + s V,
+   where s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. There must be room for
+   one more. power: p. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                          const dem__placed *pb, const dem__gap_of_cores *gap, double power,
                                          dem__shared *sums, dem__convex_point *out, int n) {

@@ -1,12 +1,12 @@
 /* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Promises: a
-   point depends on its own two features alone; weight times overlap along the normals is the gradient of a potential
-   (of a linear law), and continuous in the motion. */
+   point depends only on its own two features; weight times overlap along the normals is the gradient of a potential (of
+   a linear law), and continuous in the motion. */
 #pragma once
 #include "distance.h"
 
 enum {
     DEM__POINTS_MAX = 256
-}; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
+}; /* greatest number of points of a pair, enough for a plate on 60 wires; further points are left out */
 #define DEM__WINDOW                                                                                                    \
     1.000001 /* features are tested up to this multiple of the radii, so that rounding of directions does not decide   \
               */
@@ -35,8 +35,8 @@ DEM_INLINE int dem__weigh_crossing(dem__convex_point *p, int n, double part) {
     return 1;
 }
 
-/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`,
-   any larger value without a direction. */
+/* Returns the signed distance of a point p from a box, in its frame. n: the direction away from it. Beyond `enough`,
+   returns any larger value without a direction. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec *n) {
     const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
     const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
@@ -53,7 +53,7 @@ DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec 
     return dem_axis(out, k);
 }
 
-/* Returns whether the foot of a point p lies within face f. */
+/* Returns whether the projection of a point p on face f lies within it. */
 DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     const dem_vec n = dem__point(s->plane[f]);
     for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
@@ -64,8 +64,8 @@ DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     return 1;
 }
 
-/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. Beyond `enough`,
-   any larger value. */
+/* Returns the signed distance of a point p from a core that is not a box. n: the direction away from it. Beyond
+   `enough`, returns any larger value. */
 static inline double dem__from_near_faces(const dem_convex *s, dem_vec p, double enough, dem_vec *n) {
     int top = -1;
     double highest = -HUGE_VAL, least = HUGE_VAL;
@@ -99,8 +99,8 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
     return dem__from_near_faces(s, p, HUGE_VAL, n);
 }
 
-/* Returns the signed distance of a point, given in the frame of a core, from the core; n: the direction away from it, in
-   the world. Beyond `enough`, any larger value. */
+/* Returns the signed distance of a point, given in the frame of a core, from the core. n: the direction away from it, in
+   the world. Beyond `enough`, returns any larger value. */
 DEM_INLINE double dem__from_core_in(const dem_convex *s, const dem__placed *place, dem_vec x, double enough,
                                     dem_vec *n) {
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);
@@ -114,15 +114,15 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
     return dem__from_core_in(s, place, dem__into_core(place, dem__sub(p, place->x)), enough, n);
 }
 
-/* An edge in the world: where it begins, its direction, its length; in each of its two faces the direction away from
-   it; the sum of their normals. */
+/* An edge in the world: where it begins, its direction and length; in each of its two faces the direction away from it;
+   the sum of their normals. */
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
     double length, middle,
-        half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
-    int number, ends; /* ends: bits of the ends that are corners, which have points of their own */
-    int sided;        /* of a wall's edge: whether it is touched only from the side of `outward` */
-    double deep;      /* of a wall's edge: how much deeper than the radii it may be in the core [m] */
+        half; /* [m]; of the part near the other core: its middle, along the edge, and half its length */
+    int number, ends; /* ends: bits of the ends that are corners, which have their own points */
+    int sided;        /* edge of a wall: whether it is touched only from the side of `outward` */
+    double deep;      /* edge of a wall: how much deeper than the radii it may be in the core [m] */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -167,7 +167,7 @@ DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, do
 DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
     side->n = 0, side->limit = low, side->sign = sign;
     for (int k = 0; k < side->shape->corners;
-         k++) { /* without branches, as is all that follows: they could not be predicted */
+         k++) { /* without branches here and below: they could not be predicted */
         side->corner[side->n] = (uint8_t)k;
         side->n += side->is_near[k] = sign * side->height[k] < low;
     }
@@ -188,7 +188,7 @@ DEM_INLINE int dem__is_near_edge(const dem__side *side, int e) {
     return side->is_near[side->shape->edge[e][0]] | side->is_near[side->shape->edge[e][1]];
 }
 
-/* Places edge e in the world. apart: the cores do not overlap, and the directions in its faces are not needed. */
+/* Places edge e in the world. apart: the cores do not overlap, and the directions in its faces are not used. */
 static inline void dem__place_edge(const dem__side *side, int e, int apart, dem__placed_edge *p) {
     const dem_convex *s = side->shape;
     const int from = s->edge[e][0], to = s->edge[e][1];
@@ -212,8 +212,7 @@ static inline void dem__place_edge(const dem__side *side, int e, int apart, dem_
     if (dem__dot(p->outward, p->outward) < 1e-6) p->outward = dem__scale(-1.0, p->in[0]); /* the rim of a sheet */
 }
 
-/* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals.
- */
+/* Returns how far the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals. */
 DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
     double lean = 0.0;
     for (int f = 0; f < 2; f++) {
@@ -242,7 +241,7 @@ DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *
 }
 
 /* Finds where two edges cross: s along p, the unit vector from q to p, and the signed distance. Returns 0 if they do
-   not cross. apart: the cores do not overlap, so that nearest points tell the direction. */
+   not cross. apart: the cores do not overlap, so the nearest points give the direction. */
 static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s,
                                      dem_vec *normal, double *distance) {
     const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
@@ -250,7 +249,7 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
     const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), s_square = c * on_q - on_p,
                  t_square = on_q - c * on_p;
-    const double wide = DEM__WINDOW * square; /* most do not cross, which is seen without a division */
+    const double wide = DEM__WINDOW * square; /* most do not cross, which shows without a division */
     if (!((s_square > 0.0) & (s_square < p->length * wide) & (t_square > 0.0) & (t_square < q->length * wide)))
         return 0;
     const double t = t_square / square;
@@ -276,7 +275,8 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
     double s, distance;
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
-    if (!(overlap > 0.0) || !(overlap < 2.0 * radii + q->deep)) return 0; /* deeper: on far sides of the cores */
+    /* deeper: they lie on far sides of the cores */
+    if (!(overlap > 0.0) || !(overlap < 2.0 * radii + q->deep)) return 0;
     int n = 1;
     out->key = key, out->taken = 0;
     out->gap = -overlap;
@@ -302,8 +302,8 @@ DEM_INLINE int dem__passes_box(dem_vec half, dem_vec x, double distance) {
     return (fabs(x.x) > half.x + distance) | (fabs(x.y) > half.y + distance) | (fabs(x.z) > half.z + distance);
 }
 
-/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0,
-   a and b have changed places. */
+/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if it is
+   above 0, a and b are exchanged. */
 static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out,
                                           int n) {
     const double radii = a->shape->radius + b->shape->radius, part = dem__part_of(a->shape);
@@ -317,7 +317,7 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
         if (!(distance < radii)) continue;
         p->key = key + k, p->at = x;
         dem__count_point(p, part, distance - radii);
-        if (key > 0) { /* a and b have changed places */
+        if (key > 0) { /* a and b are exchanged */
             p->at = dem__plus(x, -distance, p->normal);
             p->normal = dem__scale(-1.0, p->normal);
         }
@@ -326,9 +326,8 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
     return n;
 }
 
-/* Returns which sides of a box the near part of edge e of another core comes near to: bits 2 k and 2 k + 1 for the
-   lower and the upper side across axis k; 0 if it is not near to two sides that meet, where an edge of the box could
-   be. */
+/* Returns to which sides of a box the near part of edge e of another core comes close: bits 2 k and 2 k + 1 for the
+   lower and the upper side across axis k. Returns 0 if these are not two sides that meet in an edge. */
 DEM_INLINE unsigned dem__sides_near(const dem__side *side, int e, const dem_convex *box, double radii) {
     const uint8_t *end = side->shape->edge[e];
     const double a = side->sign * side->height[end[0]], b = side->sign * side->height[end[1]];
@@ -354,8 +353,8 @@ DEM_INLINE unsigned dem__sides_near(const dem__side *side, int e, const dem_conv
 typedef struct dem__edge_list {
     int n;
     uint8_t number[DEM_EDGES_MAX];
-    uint8_t sides[DEM_EDGES_MAX]; /* of a box: those at which an edge lies; or those of the other box that it is not
-                                     near to */
+    uint8_t sides[DEM_EDGES_MAX]; /* of a box: the sides that meet at an edge; otherwise the sides of the other box that
+                                     it is not close to */
 } dem__edge_list;
 
 /* Lists the edges that end at a near corner. */
@@ -366,7 +365,7 @@ static inline void dem__list_near_edges(const dem__side *side, dem__edge_list *l
         list->n += dem__is_near_edge(side, e);
     }
 }
-/* Finds the sides of a box at which its edges lie: its two faces. */
+/* Finds the sides of a box that meet at its edges. */
 static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) {
     const dem_convex *s = side->shape;
     unsigned of[6] = {0, 0, 0, 0, 0, 0};
@@ -380,7 +379,7 @@ static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) 
         list->sides[m] = s->is_box ? (uint8_t)(of[face[0]] | of[face[1]]) : 0;
     }
 }
-/* Keeps the edges of a list that can cross one of the other core. */
+/* Keeps the edges of a list that can cross an edge of the other core. */
 static inline void dem__keep_edges(const dem__side *side, const dem__side *other, double radii, dem__edge_list *list) {
     int kept = 0;
     for (int m = 0; m < list->n; m++) {
@@ -400,15 +399,16 @@ DEM_INLINE int dem__are_apart(const dem__placed_edge *p, const dem__placed_edge 
     return dem__dot(d, d) >= far_off * far_off;
 }
 
-/* Appends the points where edges cross to a list of n. Returns the new number. The core with fewer near edges is looked
-   at first: if none of these can cross one of the other core, nothing else is done. Edges are placed as soon as they
-   are needed. */
+/* Appends the points where edges cross to a list of n. Returns the new number. Begins with the core that has fewer near
+   edges: if none of these can cross an edge of the other core, nothing else is done. Edges are placed when they are
+   needed. */
 static DEM__NOINLINE int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart,
                                                dem__convex_point *out, int n) {
     const double radii = a->shape->radius + b->shape->radius, window = DEM__WINDOW * radii;
     const double part = dem__part_of(a->shape->springs > b->shape->springs ? a->shape : b->shape);
     uint8_t is_placed[DEM_EDGES_MAX], other[DEM_EDGES_MAX];
-    dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of a, and all of b: a second table would make the frame too large */
+    dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of a, and all of b: a second table would make the stack frame too
+                                                large */
     dem__edge_list of_a, of_b;
     dem__list_near_edges(a, &of_a), dem__list_near_edges(b, &of_b);
     const int a_first = of_a.n <= of_b.n, boxes = a->shape->is_box && b->shape->is_box;
@@ -434,8 +434,8 @@ static DEM__NOINLINE int dem__find_edge_points(const dem__side *a, const dem__si
     return n;
 }
 
-/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. Returns
-   their number. If a core is a point, only its own corner counts; otherwise it would be counted twice. */
+/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, sorted by key. Returns how
+   many. If a core is a point, only its own corner counts; otherwise it would be counted twice. */
 static DEM__NOINLINE int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                           const dem__placed *pb, dem_vec normal, dem__convex_point *out) {
     dem__side sa, sb;

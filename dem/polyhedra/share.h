@@ -25,8 +25,7 @@ DEM_INLINE double dem__force_at(double overlap, double power) {
     return power > 2.0 ? overlap * sqrt(overlap) : overlap;
 }
 
-/* The number of springs that the points of a pair are to be divided by, and its slope, from c: 1 up to 2, c/2 from 2.5
-   on. */
+/* The number by which the springs of a pair's points are divided, and its slope, from c: 1 up to 2, c/2 from 2.5 on. */
 typedef struct dem__division {
     double by, slope;
 } dem__division;

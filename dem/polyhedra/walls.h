@@ -1,4 +1,4 @@
-/* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own
+/* Contacts of a polyhedron with a wall. Its corners are spheres, its edges capsules, and its faces touch the wall's own
    corners. Reads a wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a
    potential, as between polyhedra. */
 #pragma once
@@ -16,12 +16,12 @@ typedef struct dem__at_wall {
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
     int edges;  /* length of the list; 0 until edges are needed */
-    int is_cut; /* whether a sheet may cut the core: only then corners can be behind it */
+    int is_cut; /* whether a sheet may cut the core: only then can corners be behind it */
     int n;
     dem__convex_point *out;
 } dem__at_wall;
 
-/* Returns the key of a corner at an element of a wall, by its number, or at a place of a mesh, by the direction of its
+/* Returns the key of a corner: at an element of a wall by its index, at a place of a mesh by the direction of its
    normal in the wall's frame. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
     if (dem__has_elements(wall)) return corner + DEM__ELEMENT_KEYS * (touch->element + DEM__ELEMENTS_FROM);
@@ -43,7 +43,7 @@ DEM_INLINE int32_t dem__element_of_key(const dem_wall *wall, int32_t key) {
     return dem__has_elements(wall) ? key / DEM__ELEMENT_KEYS - DEM__ELEMENTS_FROM : 0;
 }
 
-/* Lists the edges of the polyhedron unless that is done. */
+/* Lists the edges of the polyhedron unless they are listed. */
 static inline void dem__list_edges(dem__at_wall *q) {
     dem__side side;
     if (q->edges > 0) return;
@@ -77,7 +77,7 @@ static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_e
     return 0;
 }
 
-/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
+/* Returns whether a part of the line from p to q, given in the core's frame, lies in the core. */
 static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
     double low = 0.0, high = 1.0;
     for (int f = 0; f < s->faces; f++) {
@@ -90,8 +90,8 @@ static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q
     return low < high;
 }
 
-/* Finds the direction in which an edge of a wall, which is in the core, is nearest to its surface, among those at which
-   edges of the core cross it. Returns 0 if there is none. */
+/* For an edge of a wall inside the core, finds the direction in which it is nearest to the core's surface, among those
+   at which edges of the core cross it. Returns 0 if there is none. */
 static DEM__NOINLINE int dem__find_way_out(const dem__at_wall *q, const dem__placed_edge *e, dem_vec *way) {
     double nearest = HUGE_VAL, s, distance;
     dem_vec n;
@@ -102,8 +102,8 @@ static DEM__NOINLINE int dem__find_way_out(const dem__at_wall *q, const dem__pla
     return nearest < HUGE_VAL;
 }
 
-/* Adds the points of all edges of the polyhedron at an edge of a wall. Where this is in the core, edges of the core
-   tell the side, and only those count through which it came. */
+/* Adds the points of all edges of the polyhedron at an edge of a wall. If that edge is in the core, edges of the core
+   tell its side, and only those count through which it entered. */
 static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_edge *of) {
     dem__at_wall *q = (dem__at_wall *)(void *)v;
     dem__placed_edge e;
@@ -140,8 +140,8 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
     q->n++;
 }
 
-/* Finds the touches of a sphere of the rounding at x with a sheet that may cut the core. Behind the sheet its overlap
-   counts on, along the normal to the front. Returns their number. */
+/* Finds where a sphere of the rounding at x touches a sheet that may cut the core. Behind the sheet its overlap goes on
+   growing, along the normal to the front. Returns how many touches there are. */
 static DEM__NOINLINE int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double limit, dem__touch *touch) {
     const dem_wall *wall = q->wall;
     dem__touch behind;
@@ -156,7 +156,7 @@ static DEM__NOINLINE int dem__touch_cutting(const dem__at_wall *q, dem_vec x, do
     }
     if (!is_behind) return found;
     behind.gap -= q->shape->radius;
-    for (int m = 0; m < found; m++) { /* other surfaces stay, this one's far side does not */
+    for (int m = 0; m < found; m++) { /* touches of other surfaces stay, those of this one's far side do not */
         if (dem__dot(touch[m].normal, behind.normal) > -0.5 && dem__dot(touch[m].normal, behind.normal) < 0.5)
             touch[kept++] = touch[m];
     }
@@ -216,7 +216,7 @@ static inline double dem__nearest_between(const dem__at_wall *q, const dem__plac
 }
 
 /* Finds the places at which an edge touches a sheet between its ends, by steps along it: long ones where no contact is
-   possible, otherwise short ones. Returns their number. */
+   possible, otherwise short ones. Returns how many. */
 static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
     const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
     dem__touch was = dem__touch_sheet_along(q, e, 0.0);
@@ -234,7 +234,7 @@ static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_ed
     return n;
 }
 
-/* Adds the point of an edge at t with a sheet, and the points of the edge's ends, with weights as for crossing edges. */
+/* Adds the point of an edge at t with a sheet, and the points of the edge's ends, weighted as for crossing edges. */
 static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
     int n = 1;
@@ -263,13 +263,13 @@ static inline void dem__touch_sheet_with_edges(dem__at_wall *q) {
     }
 }
 
-/* How corners of a polyhedron tell its gap to a wall. */
+/* How the corners of a polyhedron tell its gap to a wall. */
 DEM_INLINE int dem__corners_at(const dem_wall *wall) {
     return wall->kind__->corners ? wall->kind__->corners(wall) : DEM__CORNERS_SOME;
 }
 
-/* Finds the points of a polyhedron at a wall, both at the end of the step; the sphere around it touches the wall.
-   Returns their number; may_cut: whether a sheet may cut its core. */
+/* Finds the points of a polyhedron at a wall, both at the end of the step. The sphere around it touches the wall.
+   Returns how many. may_cut: whether a sheet may cut its core. */
 static DEM__NOINLINE int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
                                                     dem__convex_point *out, int *may_cut) {
     dem__at_wall q;
@@ -287,7 +287,7 @@ static DEM__NOINLINE int dem__touch_with_polyhedron(const dem_wall *wall, const 
     return q.n;
 }
 
-/* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: of the core. */
+/* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: the core's. */
 static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
     const dem__tree *t = wall->tree;
     const dem__placed core = dem__in_frame(wall, place);
@@ -352,7 +352,7 @@ static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s,
     }
     return 0;
 }
-/* Looks for the axis of a bar that passes through a core. */
+/* Looks for a bar's axis that passes through a core. */
 typedef struct dem__axis_visitor {
     dem__edge_visitor visitor;
     const dem_convex *shape;
@@ -368,8 +368,8 @@ static inline void dem__look_at_axis(dem__edge_visitor *v, const dem__wall_edge 
     q->found = dem__core_holds_line(q->shape, dem__into_core(q->place, e->from), dem__into_core(q->place, e->to));
 }
 
-/* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners
-   touch nothing. */
+/* Returns whether a core has passed into a sheet, a mesh, a cone, or the axis of a bar. Beyond them its corners touch
+   nothing. */
 static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
     dem_vec corner[DEM_CORNERS_MAX];
     if (dem__has_elements(w)) {
