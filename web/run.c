@@ -11,7 +11,7 @@
 enum { FLOATS = 5, CORNER = 4 };
 static job now;
 static picture_def look;
-static float *points; /* x, y, z, radius [m], colour as 65536 red + 256 green + blue */
+static float *points;  /* x, y, z, radius [m], colour as 65536 red + 256 green + blue */
 static float *corners; /* x, y, z [m], colour; below 0: glass. Three a triangle */
 static ptrdiff_t point_room, corner_room;
 static int n_points, n_corners;
@@ -107,7 +107,9 @@ static void put_corners(const dem_io_surface *s, const int *kind) {
         const int v = s->triangle[k], owner = s->wall[s->triangle[k - k % 3]];
         float *c = corners + CORNER * n_corners++;
         for (int axis = 0; axis < 3; axis++) c[axis] = (float)s->vertex[3 * v + axis];
-        c[3] = !kind ? number_of(colour_of(w, &look, owner)) : kind[owner] == PICTURE_GLASS ? -1.0f : number_of(picture_steel());
+        c[3] = !kind                          ? number_of(colour_of(w, &look, owner))
+               : kind[owner] == PICTURE_GLASS ? -1.0f
+                                              : number_of(picture_steel());
     }
 }
 
@@ -151,6 +153,7 @@ const char *EXPORT(page_template_name)(int k) { return templates[k].name; }
 const char *EXPORT(page_template)(int k) {
     static char text[16384];
     text[0] = '\0';
-    for (const char *const *line = templates[k].line; *line; line++) strncat(text, *line, sizeof text - strlen(text) - 1);
+    for (const char *const *line = templates[k].line; *line; line++)
+        strncat(text, *line, sizeof text - strlen(text) - 1);
     return text;
 }
