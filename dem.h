@@ -78,10 +78,10 @@
 #define DEM__BODIES
 #endif
 
-/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built
-   with. Clang fuses only if told to by -ffp-contract=fast. Without these options gcc leaves a loop scalar if a root in
-   it may set errno or arithmetic may trap, and most loops at -O2. The loops of a step (DEM__FAST) are compiled as with
-   -O3, all else as with -O2: that takes a quarter off the time of a compiler, and nothing off the speed. With the
+/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever the options of the
+   host. Clang fuses only if told to by -ffp-contract=fast. Without these options gcc does not vectorise most loops at
+   -O2, or a loop with a root that may set errno or with arithmetic that may trap. The loops of a step (DEM__FAST) are
+   compiled as with -O3, the rest as with -O2: that saves a quarter of the compile time and costs no speed. With the
    address sanitizer the command line decides. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__NO_MATH_ERRNO__)
 #pragma GCC diagnostic push
@@ -101,8 +101,9 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__FAST
 #endif
 
-/* Functions that are no part of their callers (DEM__NOINLINE), or of which the compiler decides (DEM__STATIC). Without
-   optimisation both are inline by name: gcc then emits every other static function, whether or not anything calls it. */
+/* Functions that are never inlined (DEM__NOINLINE), or for which the compiler decides (DEM__STATIC). Without
+   optimisation both are declared inline, because gcc then emits every other static function, whether or not anything
+   calls it. */
 #if !defined(__GNUC__)
 #define DEM__NOINLINE
 #define DEM__STATIC static
@@ -124,14 +125,14 @@ extern double sqrt(double) __attribute__((const));
 #define DEM_RESTRICT
 #endif
 
-/* dem_run is compiled where it is called: with constant features, only the kernel that they choose. */
+/* dem_run is compiled where it is called: constant features then leave only the kernel that they choose. */
 #if defined(__GNUC__) && !defined(DEM_IMPLEMENTATION)
 #define DEM__CHOICE static inline __attribute__((always_inline))
 #else
 #define DEM__CHOICE DEM_API
 #endif
 
-/* Particles are scattered in memory: those needed soon are prefetched into the second cache, because the first is full
+/* Particles are scattered in memory. Those needed soon are prefetched into the second cache, because the first is full
    of the current block. */
 #if defined(__GNUC__)
 #define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
@@ -139,10 +140,10 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__PREFETCH(address) ((void)(address))
 #endif
 
-/* gcc: the law's loop writes its results directly to the contacts; ivdep tells that no iteration reads what another one
-   writes. Clang's pragma would also promise that arrays do not alias within an iteration, which is wrong here. With
-   clang the loop writes to rows, which are copied afterwards. gcc unrolls a short loop before it tries to vectorise it;
-   `unroll 1` stops that. */
+/* gcc: the law's loop writes its results directly to the contacts; ivdep promises that no iteration reads what another
+   one writes. Clang's pragma would also promise that arrays do not alias within an iteration, which is wrong here, so
+   with clang the loop writes to rows, which are copied afterwards. gcc unrolls a short loop before it tries to
+   vectorise it; `unroll 1` prevents that. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
 #define DEM__NO_UNROLL _Pragma("GCC unroll 1")
@@ -154,8 +155,8 @@ extern double sqrt(double) __attribute__((const));
 #endif
 
 /* x86-64: the loops that vectorise are compiled twice, with AVX2 and without. The bits are the same, because neither
-   fuses. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412): there -mavx2 for the
-   whole program gives the speed. */
+   version fuses. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412); there -mavx2 for
+   the whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
     __attribute__((target("avx2"))) DEM__FAST DEM__STATIC void name##_wide parameters { call; }                        \
@@ -184,12 +185,12 @@ extern "C" {
 /* Declarations, and the pure functions that laws of a user call. */
 
 /* ---------------------------------------------------------------------------------------------- >>base/constants.h */
-/* Constants that tune the engine, each with its reason. With the public ones (DEM_ and one underscore) nothing changes
-   but what fits; with the others results change in their last bits. Saves hold what is there, not what would fit: they
-   load in a program with other public constants, if all of it fits. */
+/* Constants that tune the engine, each with its reason. The public ones (DEM_ and one underscore) change only how much
+   fits; the others change results in their last bits. Saves hold what is present, not what would fit: they load in a
+   program with other public constants if everything fits. */
 
-/* Materials of a world; -DDEM_MATERIALS_MAX=12 in all files of a program gives more. The default leaves a table of 64
-   pairs in the definition. */
+/* Materials of a world at most; -DDEM_MATERIALS_MAX=12 in all files of a program gives more. The default leaves a table
+   of 64 pairs in the definition. */
 #ifndef DEM_MATERIALS_MAX
 #define DEM_MATERIALS_MAX 8
 #endif
@@ -198,13 +199,13 @@ extern "C" {
 #define DEM_STATE_MAX 16     /* doubles that a law may keep for each contact */
 /* Sets of constants that contacts share: enough for a few sizes and materials. */
 #define DEM__TYPES_MAX 32
-/* Contacts evaluated together: 30 arrays of a block fit the first-level cache. */
+/* Contacts evaluated together: 30 arrays of a block fit into the first-level cache. */
 #define DEM__BLOCK 64
-/* Longest life of a list, and longest delay of a test, in steps: rounding errors grow with it. */
+/* Longest life of a list, and longest delay of a test, in steps. Rounding errors grow with it. */
 #define DEM__STEPS_MAX (1 << 20)
-/* Longest delay of a test at turning walls, in steps: beyond it another test costs little. */
+/* Longest delay of a test at rotating walls, in steps. A further test after it costs little. */
 #define DEM__RETEST_STEPS 1024
-/* Flights in a field that a bound should last: with more of them neighbours are tested sooner. */
+/* Flights in a field that a bound should last. With more of them, neighbours are tested sooner. */
 #define DEM__FLIGHTS 8.0
 #define DEM__AHEAD 16                     /* entries ahead for which memory is prefetched */
 #define DEM__LINE 16                      /* timers of a line, which are compared together: a cache line */
@@ -212,20 +213,20 @@ extern "C" {
 #define DEM__REORDER_STEPS 256            /* steps between two reorderings of contacts */
 /* Steps that a list should last: building it takes as long as about thirty steps of a gas. */
 #define DEM__LIST_STEPS 100
-/* Near pairs a sphere: with fewer a wide margin costs little, and lists should last four times as long. */
+/* Near pairs for each sphere. With fewer, a wide skin costs little, and lists should last four times as long. */
 #define DEM__FEW_PAIRS 3
-/* Contacts from which on they lie in chunks, contacts of a chunk, and the most chunks: more threads than that do not
-   share contacts. A chunk is a few blocks, so that as many threads as pay have equal shares. */
+/* Number of contacts from which on they lie in chunks, contacts of a chunk, and the most chunks, which is also the most
+   threads that share contacts. A chunk is a few blocks, so that shares are equal for as many threads as pay. */
 #define DEM__CHUNKED 8192
 #define DEM__OF_CHUNK (6 * DEM__BLOCK)
 #define DEM__CHUNKS 256
-#define DEM__RANK_STEPS 2048 /* steps between two renewals of the order of particles by place: they move little in them */
-/* Steps of a run that pay for putting particles into another order in memory and back, which takes as long as three or
-   four of a dense bed. */
+#define DEM__RANK_STEPS 2048 /* steps between two renewals of ranks, in which particles move little */
+/* Steps of a run that pay for sorting particles in memory and back, which takes as long as three or four steps of a
+   dense bed. */
 #define DEM__MOVE_STEPS 64
 #define DEM__SHARE 256       /* items that pay for waking a thread, at about 20 ns each */
 #define DEM__PARTS_MAX 256 /* threads that share a step: arrays of this size lie on the stack */
-/* Speeds, spins and histories of contacts are rounded to 2^-52 of this: what decays ends at 0. */
+/* Speeds, spins and histories of contacts are rounded to 2^-52 of this, so that what decays ends at 0. */
 #define DEM__LEAST 1e-84
 #define DEM__MAGIC 0x0a1a64656d52u /* first bytes of a saved world */
 #define DEM__FORMAT 12u            /* version of its records: new fields do not change it */
@@ -268,8 +269,8 @@ DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
     return v;
 }
 
-/* Returns component 0, 1 or 2. By name, because a compiler may assume that an access beyond the address of x is not to
-   the vector. */
+/* Returns component 0, 1 or 2. Named members, because a compiler may assume that an access beyond the address of x does
+   not reach y. */
 DEM_INLINE double dem_axis(dem_vec v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 DEM_INLINE double *dem_axis_of(dem_vec *v, int axis) { return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z; }
 
@@ -287,7 +288,7 @@ enum {
     DEM_ENERGY = 16   /* energy ledger, dem_energy() */
 };
 
-/* Layers of skipping; all are on by default. They change no bit of a result, only the time that a run takes. */
+/* Layers of skipping, all on by default. They change no bit of a result, only the time that a run takes. */
 enum {
     DEM_SKIP_PAIRS = 1, /* pairs are not tested before they can touch */
     DEM_SKIP_SPACE = 2, /* particles are not tested with walls that they cannot reach */
@@ -303,8 +304,8 @@ typedef enum dem_restitution {
 struct dem_world;
 #define DEM_CLUMP_MAX 64 /* spheres of a clump, at most */
 
-/* A shape of spheres that are fixed to each other, overlapping or not. Made by dem_make_clump(). Volume, moments and
-   axes may be replaced by better ones; the centres are then from the true centre of mass. */
+/* A shape of spheres fixed to each other, overlapping or not. Made by dem_make_clump(). Volume, moments and axes may be
+   replaced by better ones; then make the centres relative to the true centre of mass. */
 typedef struct dem_clump {
     int spheres;                   /* 1 .. DEM_CLUMP_MAX; only those that can touch something */
     dem_vec centre[DEM_CLUMP_MAX]; /* from the centre of mass, in the frame in which the shape was given [m] */
@@ -313,8 +314,7 @@ typedef struct dem_clump {
     double volume;                 /* of the union [m3] */
     dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
     dem_quaternion axes; /* from the principal axes to the frame in which the shape was given */
-    /* private: dem_add_clumps, which feeds call through it, so that a program without clumps does not compile rigid
-       bodies */
+    /* private: dem_add_clumps. Feeds call through it, so that a program without clumps does not compile rigid bodies */
     dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_clump *clump, const double *centres,
                         const double *diameters, const double *orientations, int material, int group);
 } dem_clump;
@@ -325,14 +325,14 @@ typedef struct dem_material {
     double poisson_ratio; /* [-] 0 .. 0.5 */
 } dem_material;
 
-/* Parameters of contacts between two materials. For two different materials no defaults would suit: if they touch and
-   their pair was never set, the run gives DEM_PAIR_NOT_SET. */
+/* Parameters of contacts between two materials. No defaults would suit two different materials: if they touch and their
+   pair was never set, the run gives DEM_PAIR_NOT_SET. */
 typedef struct dem_pair_def {
     double stiffness;        /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
     double tangential_ratio; /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
     double restitution;      /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
     double friction;         /* Coulomb coefficient [-] >= 0; default 0.3 */
-    double rolling; /* lever arm of rolling resistance [m] >= 0; default 0. On a slope below this limit a ball creeps at
+    double rolling; /* lever arm of rolling resistance [m] >= 0; default 0. On a slope below its limit a ball creeps at
                        5 g sin(slope) dt; the law contact_epsd in dem_laws.h holds it by a spring */
     double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
     dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
@@ -353,21 +353,21 @@ typedef struct dem_def {
     int threads;     /* number of threads >= 1; default 1; world->def.threads may be changed between runs */
     int skip;        /* DEM_SKIP_*; default DEM_SKIP_ALL */
     double dt;       /* time step [s] 1e-60 .. 1e6; default 1e-6; dem_advise() gives a good one */
-    double skin;     /* margin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. Where lists last
-                        under 100 steps (400 where pairs are few) the engine takes up to three times as much, in a narrow
-                        periodic box less */
+    double skin;     /* skin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. If lists last less
+                        than 100 steps (400 where pairs are few), the engine takes up to three times as much; in a
+                        narrow periodic box, less */
     dem_vec gravity; /* [m/s2]; default (0, 0, -9.81) */
-    int periodic[3]; /* 1: the axis is periodic from low to high, over more than 2.2 of the largest diameters; default
-                        0. Walls are not repeated: extend them a diameter past the box */
+    int periodic[3]; /* 1: the axis is periodic from low to high, a length of more than 2.2 times the largest diameter;
+                        default 0. Walls are not repeated: extend them a diameter past the box */
     dem_vec low, high;       /* [m]; used on periodic axes only; default 0 and 1 */
     dem_allocator allocator; /* default: realloc and free */
     /* Runs task(context, index) for every index below tasks, in any order and on any thread, and returns when all are
-       done. At most `threads` tasks run at a time. Default NULL: OpenMP where the compiler has it, otherwise one after
-       the other. Not saved. */
+       done. At most `threads` tasks run at a time. Default NULL: OpenMP if the compiler has it, otherwise one after the
+       other. Not saved. */
     void (*parallel)(void *user, int tasks, void (*task)(void *context, int index), void *context);
     void *parallel_user;
-    /* Asked now and then, on the calling thread, while dem_fill, dem_fill_mass and the feeds look for places: other
-       than 0 ends the call with DEM_STOPPED, and nothing has changed. It may read the world. Default NULL: never asked.
+    /* Called now and then, on the calling thread, while dem_fill, dem_fill_mass and the feeds look for places. A result
+       other than 0 ends the call with DEM_STOPPED, and nothing has changed. It may read the world. Default NULL.
        dem_run needs none: call it with short durations. Not saved. */
     int (*stop)(void *user);
     void *stop_user;
@@ -379,7 +379,7 @@ typedef struct dem_def {
 
 typedef enum dem_profile {
     DEM_ROUND,     /* full round wires */
-    DEM_SEMICIRCLE /* round above, flat below: the section is the upper half of a circle */
+    DEM_SEMICIRCLE /* round above, flat below: the cross-section is the upper half of a circle */
 } dem_profile;
 
 /* A woven screen: two crossing families of bars in one plane, with square apertures. Made by dem_default_screen(). */
@@ -388,13 +388,13 @@ typedef struct dem_screen {
     double wire;         /* width of a bar [m] > 0; default 2e-3 */
     dem_profile profile; /* default DEM_SEMICIRCLE */
     int circular;        /* 1: disc of radius half_x; 0: rectangle; default 1 */
-    double half_x; /* radius, or half length along x [m] > 0; default 0.095. With (n + 1/2) pitches a bar runs along the
+    double half_x; /* radius, or half length along x [m] > 0; default 0.095. With (n + 1/2) pitches a bar lies along the
                       edge */
     double half_y; /* half length along y [m] > 0 if rectangular */
     dem_vec
-        centre; /* centre of the deck, in the plane of the wire axes and at the centre of an aperture [m]; default 0 */
+        centre; /* centre of the deck, in the plane of the wire axes and in the middle of an aperture [m]; default 0 */
     dem_vec normal;    /* up; default (0, 0, 1) */
-    dem_vec direction; /* along one family of bars, made perpendicular to the normal; default (1, 0, 0) */
+    dem_vec direction; /* along one family of bars; made perpendicular to the normal; default (1, 0, 0) */
 } dem_screen;
 
 /* The lateral surface of a frustum or, with equal radii, a tube of finite length: a thin sheet, touched from inside,
@@ -405,8 +405,8 @@ typedef struct dem_cone {
     double high_radius; /* at high [m] >= 0, not both 0; default 0.1 */
 } dem_cone;
 
-/* A flat disc, with or without a round hole in its middle: a thin sheet, touched from both sides and at its rims. Made by
-   dem_default_disc(). */
+/* A flat disc, with or without a round hole in its middle: a thin sheet, touched from both sides and at its rims. Made
+   by dem_default_disc(). */
 typedef struct dem_disc {
     dem_vec centre;     /* [m]; default 0 */
     dem_vec normal;     /* of any length but 0; default (0, 0, 1) */
@@ -425,7 +425,7 @@ typedef enum dem_wall_kind {
     DEM_DISC
 } dem_wall_kind;
 
-/* Triangles, your own or read by dem_read_stl(). For your own arrays, set the first four fields; the rest is 0. */
+/* Triangles, your own or read by dem_read_stl(). For your own arrays, set the first four fields; the others are 0. */
 typedef struct dem_mesh {
     ptrdiff_t vertices, triangles; /* at most INT32_MAX / 4 */
     double *vertex;                /* shape [vertices][3] [m] */
@@ -442,10 +442,10 @@ typedef struct dem_stl_report {
     ptrdiff_t facets;   /* whole triangles in the file; a facet of n corners counts as the n - 2 triangles into which it
                            is cut */
     ptrdiff_t polygons; /* facets of more than three corners */
-    ptrdiff_t missing;  /* facets that a binary file announces and does not contain, that a text breaks off or garbles,
-                           or whose  corners no fan of triangles covers; 1 more if a text that begins with "solid" ends
-                           without "endsolid" */
-    ptrdiff_t unannounced;   /* facets of a binary file beyond its count; read, because they end with the file */
+    ptrdiff_t missing;  /* facets that are announced by a binary file and absent, cut off or garbled in a text, or not
+                           covered by a fan of triangles; 1 more if a text that begins with "solid" lacks "endsolid" */
+    ptrdiff_t unannounced;   /* facets of a binary file beyond its count; read, because the file ends with a whole
+                                one */
     ptrdiff_t surplus;       /* bytes of a binary file after its facets; not read */
     ptrdiff_t not_finite;    /* left out: a coordinate is NaN or infinite */
     ptrdiff_t degenerate;    /* left out: no area after welding; where one closes a T-junction there is no hole */
@@ -460,13 +460,14 @@ typedef struct dem_stl_report {
     dem_vec low, high;       /* corners of its bounding box [m] */
 } dem_stl_report;
 
-/* Place of a wall in a prescribed motion: turned about the centre given to dem_prescribe(), then shifted. */
+/* Pose of a wall in a prescribed motion: turned about the centre given to dem_prescribe(), then shifted. */
 typedef struct dem_pose {
     dem_vec shift; /* [m] */
     dem_vec turn;  /* axis times angle [rad] */
 } dem_pose;
 /* Motion of a wall: a pure function of time [s] (and of *user, which must not change), as smooth as the motion of a
-   body is. It is called for times in any order, also one time step before and after the run. *pose is zero at entry. */
+   body is. It is called for times in any order, including one time step before and after the run. *pose is zero at
+   entry. */
 typedef void (*dem_motion_fn)(void *user, double time, dem_pose *pose);
 
 typedef enum dem_drive {
@@ -490,45 +491,46 @@ typedef struct dem_wall_motion {
     dem_vec drift;       /* constant velocity [m/s] */
     dem_vec spin_centre; /* centre of a rotation [m] */
     dem_vec belt;        /* velocity of its surface within itself [m/s] */
-    dem_vec belt_turn;   /* the same around pulleys: axis times speed; along its product with the normal [m/s] */
+    dem_vec belt_turn;   /* the same around pulleys: axis times speed; the surface moves along its cross product with
+                            the normal [m/s] */
     double inertia, load, damping; /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
     dem_motion_fn motion;          /* prescribed */
     void *motion_user;
     double interval; /* prescribed: interval of the finite differences [s] */
 } dem_wall_motion;
 
-/* A wall: its shape, the motion that was set, and its state now. Read only; functions change it. */
+/* A wall: its shape, the motion that was set, and its present state. Read only; functions change it. */
 typedef struct dem_wall {
     int kind, material, enabled;
     double radius;              /* cylinder, sphere; cone: at its low end, which is the origin; disc: of its hole [m] */
-    double high_radius, length; /* cone: radius at the other end; distance of the ends; disc: radius; 0 [m] */
+    double high_radius, length; /* cone: radius at the other end, distance of the ends; disc: radius, 0 [m] */
     int inside;                 /* cylinder, sphere: 1 if particles are inside, 0 if outside */
     double aperture, wire;      /* screen [m] */
     int profile, circular;      /* screen */
     double half_x, half_y;      /* screen [m] */
     struct dem__tree *tree;     /* mesh: the triangles, owned */
-    int solid;                  /* mesh: 1: a closed body, whose inside is occupied; 0: a sheet */
+    int solid;                  /* mesh: 1: a closed body with an occupied inside; 0: a sheet */
     uint32_t groups;            /* bit g: acts on particles of group g; bit 31: on those of all other groups; set by
                                    dem_set_wall_groups */
 
     dem_wall_motion asked;
 
-    dem_vec axis[3]; /* its own frame, in the world's; axis[2] is the normal or the cylinder's axis */
+    dem_vec axis[3]; /* axes of its own frame in the world's; axis[2] is the normal or the cylinder's axis */
     dem_vec position, velocity, acceleration; /* of its origin */
     dem_vec spin_axis;                        /* axis of its rotation; controlled: of the motion */
     double spin, spin_rate;                   /* [rad/s], [rad/s2] */
     double coordinate, rate,
         rate_change;         /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
-    dem_vec force, torque;   /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
+    dem_vec force, torque;   /* on the wall in this step [N], about its origin [N m]; use the impulse for means */
     dem_vec impulse;         /* time integral of the force [N s] */
     dem_vec angular_impulse; /* time integral of the torque about the world's origin [N m s]; see
                                 dem_wall_angular_impulse */
     double work;             /* done on the particles by its motion and its belt [J] */
 
     const struct dem__wall_kind *kind__; /* private: the functions of its kind */
-    int slides;                          /* private: 1 if its surface moves otherwise than its origin */
+    int slides;                          /* private: 1 if its surface moves unlike its origin */
     double speed_bound, spin_bound;      /* private: limits of its origin's speed, apart from rotation, and of its spin,
-                                       until timers are reset */
+                                            until timers are reset */
     double acceleration_bound; /* private: kinematic: limit of the acceleration of its origin, apart from rotation
                                        [m/s2] */
     double side_bound;         /* private: the same perpendicular to axis[2] */
@@ -546,9 +548,9 @@ typedef struct dem_passed {
 
 /* ---- laws ---- */
 
-/* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states,
-   history, vectors: 0, 0, 0; with friction 3, 3, 1); the same for hertz (0, 0, 0; 4, 4, 1). Their constants come first;
-   yours follow (docs/dem.md). */
+/* For laws of your own: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling
+   (states, history, vectors: 0, 0, 0; with friction 3, 3, 1); the same for hertz (0, 0, 0; 4, 4, 1). Their constants
+   come first; yours follow (docs/dem.md). */
 enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
 
 /* ---- force fields ---- */
@@ -573,8 +575,9 @@ typedef struct dem_force_field {
     dem_field_fn
         kernel; /* made from a law by DEM_FORCE_FIELD(name, law); the law: dem_vec law(const dem_force_point *at) [N] */
     const void *user; /* passed to the law; default NULL */
-    double length; /* longest way of one step in flight [m] > 0: half the size of the finest detail; default HUGE_VAL */
-    double interval; /* longest time of one step in flight [s] > 0: a tenth of that in which the field changes there;
+    double length; /* longest distance of one step in flight [m] > 0: half the size of the finest detail; default
+                      HUGE_VAL */
+    double interval; /* longest time of one step in flight [s] > 0: a tenth of the time in which the field changes;
                         default HUGE_VAL */
     double accuracy; /* largest error of position in one step in flight, over the particle's radius [-] 1e-12 .. 1e-4;
                         default 1e-6 */
@@ -603,16 +606,17 @@ typedef struct dem_gas {
 
 /* ---- the world ---- */
 
-/* Energies now, and where energy went [J]; sums since the first run with DEM_ENERGY. */
+/* Present energies, and where energy went [J]; sums since the first run with DEM_ENERGY. */
 typedef struct dem_energy_ledger {
-    double kinetic, rotational, elastic, potential; /* now; the potential energy is that of gravity, 0 at the origin */
+    double kinetic, rotational, elastic, potential; /* at present; the potential energy is that of gravity, 0 at the
+                                                       origin */
     double normal_loss, sliding_loss, rolling_loss; /* dissipated, as the laws compute it */
-    double wall_work, external_work; /* done on the particles by moving walls; by loads and moving fixed particles */
+    double wall_work, external_work; /* done on the particles: by moving walls; by loads and moving fixed particles */
     double field_work;               /* done on the particles by a force field */
-    double link_work; /* done on the particles by links: minus what links store and lost, apart from walls' work through
-                         them */
-    double added, removed; /* carried in and out by particles, and by what the caller changes between runs: contacts
-                              that begin, end or get other constants, gravity */
+    double link_work; /* done on the particles by links: minus what links store and lost, apart from the work of walls
+                         through them */
+    double added, removed; /* carried in and out by particles, and by changes of the caller between runs: contacts that
+                              begin, end or get other constants, gravity */
     double start, start_potential, added_potential,
         removed_potential; /* energy when the ledger began; the potential parts */
     double released;       /* potential energy released so far, at least 0 */
@@ -620,7 +624,7 @@ typedef struct dem_energy_ledger {
 } dem_energy_ledger;
 
 /* A body: a sphere, or several particles that move as one. The particles of a body are consecutive in the arrays of the
-   world; the mass of each (dem_particle.mass) is the body's. */
+   world; each has the mass of the body (dem_particle.mass). */
 typedef struct dem_body {
     ptrdiff_t first, pieces;    /* its particles */
     double mass;                /* [kg] */
@@ -632,9 +636,9 @@ typedef struct dem_body {
     dem_quaternion axes;        /* from the principal axes to the world's */
 } dem_body;
 
-/* A sphere as the engine keeps it: radius, mass, and the state at its own origin step, which may be long past; from
-   there it moves by x + v t + a t^2/2. dem_position(), dem_velocity() and dem_spin() return the state now. In a law's
-   hooks v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
+/* A sphere as the engine keeps it: radius, mass, and the state at its own origin step, which may be long past. From
+   there it moves by x + v t + a t^2/2. dem_position(), dem_velocity() and dem_spin() return the present state. In a
+   law's hooks v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
 typedef struct dem_particle {
     dem_vec x;               /* [m] */
     double radius;           /* [m] */
@@ -643,24 +647,24 @@ typedef struct dem_particle {
     dem_vec a;               /* [m/s2] */
     int64_t origin;          /* step of the state */
     dem_vec spin;            /* [rad/s] */
-    double tolerance_left__; /* private: by how much its velocity can change before it may leave its bound, at least
+    double tolerance_left__; /* private: by how much its velocity can change at least before it may leave its bound
                                 [m/s] */
 } dem_particle;
 
 enum { DEM_LEAVING = -1, DEM_GONE = 0, DEM_PRESENT = 1 };
 
 /* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are read only unless a
-   function says otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs.
-   */
+   function says otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or
+   runs. */
 typedef struct dem_world {
     dem_def def;
-    void *user;      /* yours: passed to the law's hooks; not saved */
+    void *user;      /* the caller's: passed to the law's hooks; not saved */
     int64_t step;    /* steps done */
     double time;     /* [s] */
     double owed;     /* time requested and not yet run, at most half a step [s]; the next run makes up for it. 0 after a
-                        failed run:     request the rest again */
-    ptrdiff_t count; /* entries of the arrays; one that left or was removed stays, with alive = DEM_GONE, until the gaps
-                        are closed */
+                        failed run: then request the rest again */
+    ptrdiff_t count; /* entries of the arrays; a particle that left stays, with alive = DEM_GONE, until the gaps are
+                        closed */
     dem_status status; /* first failure of a run; failed_id and step then name the particle and the step */
     uint64_t failed_id;
     int failed_pair[2]; /* with DEM_PAIR_NOT_SET: the two materials, the smaller index first */
@@ -673,16 +677,16 @@ typedef struct dem_world {
     int64_t contact_steps;  /* sum over steps of contacts present */
     int64_t looks;          /* tests of pairs and of particles with walls */
     int64_t rebuilds;       /* of the neighbour list */
-    double step_ratio; /* time step over the largest that is stable; 0 before the first run. Computed when a run begins
-                          after a change, for the smallest and stiffest pair present (for a particle of a body, with its
-                          least effective mass). Contacts that begin later raise it if their law's prepare function
-                          returns a stiffness. Above 1 contacts create energy. dem_advise() advises 0.08 or less. With
-                          DEM_HERTZ, whose contacts stiffen in an impact, from the time of Rayleigh waves alone. Links
+    double step_ratio; /* time step over the largest stable one; 0 before the first run. Computed when a run begins
+                          after a change, for the smallest and stiffest present pair (a particle of a body has its least
+                          effective mass). Contacts that begin later raise it if their law's prepare function returns a
+                          stiffness. Above 1 contacts create energy; dem_advise() advises 0.08 or less. With DEM_HERTZ,
+                          whose contacts stiffen in an impact, it follows from the time of Rayleigh waves alone. Links
                           are not included: the caller chooses their interval */
 
-    dem_particle *particle; /* states at origin steps, not now: dem_position() and its like return these */
+    dem_particle *particle; /* states at origin steps; dem_position() and the like return present ones */
     dem_vec *spin_rate;     /* since the origin step [rad/s2] */
-    uint64_t *id;           /* stable; counts up from 0 in the order of adding */
+    uint64_t *id;           /* never changes; counts up from 0 in the order of adding */
     int32_t *material, *group;
     int32_t *alive;    /* DEM_PRESENT, DEM_GONE; within a step DEM_LEAVING */
     int32_t *touching; /* number of its contacts */
@@ -691,7 +695,7 @@ typedef struct dem_world {
 } dem_world;
 
 /* ---------------------------------------------------------------------------------------------------- >>base/law.h */
-/* What a law of contact gets and returns, and the kernels that are made of it: public types. */
+/* What a law of contact gets and returns, and the kernels made from it: public types. */
 
 /* Input of a law for one contact. i is a sphere, j a sphere or a wall; n points from j to i. */
 typedef struct dem_contact {
@@ -702,7 +706,7 @@ typedef struct dem_contact {
     double spin[3];          /* w_i - w_j [rad/s] */
     double normal[3];        /* n */
     double mass;             /* m_eff = m_i m_j/(m_i + m_j); wall: m_i [kg] */
-    double dt;               /* time by which the history advances [s]; 0 when only the force is wanted */
+    double dt;               /* time by which the history advances [s]; 0 when only the force is needed */
     double rate;             /* 1 / time step of the world [1/s] */
     double share;            /* 1 / number of contacts of the partner that has more [-] */
     const double *constants; /* as the law's prepare function set them */
@@ -711,10 +715,10 @@ typedef struct dem_contact {
 
 /* Output of a law: forces on i. A law sets normal, contact and ended; with DEM_FRICTION tangential, and remaining if
    there is any; with DEM_ROLLING rolling; with DEM_ENERGY the rest. A law of links sets normal, tangential and ended.
-   What a law does not set is 0. */
+   Members that a law does not set are 0. */
 typedef struct dem_response {
     double normal;        /* along n; positive repels [N] */
-    double contact;       /* the part of normal that the overlap makes; 0 without overlap [N] */
+    double contact;       /* the part of normal that stems from the overlap; 0 without overlap [N] */
     double tangential[3]; /* perpendicular to n [N]; acts at the point that divides the distance of the centres as the
                              radii do */
     double remaining[3];  /* the part of tangential that stays however small `contact` is: lubrication, adhesion [N];
@@ -724,7 +728,7 @@ typedef struct dem_response {
     double normal_power;  /* dissipated by the normal dashpot [W] */
     double slide_loss;    /* dissipated by sliding in this step [J] */
     double rolling_power; /* dissipated by rolling and tangential dashpot [W] */
-    double ended; /* 1: the contact has ended, its state may be dropped and its forces end with this step; otherwise 0
+    double ended; /* 1: the contact has ended; its state may be dropped, and its forces end with this step. Otherwise 0
                      (a double, so that all vectors have one type) */
 } dem_response;
 
@@ -742,26 +746,26 @@ typedef struct dem_birth {
     void *user;                /* world->user */
 } dem_birth;
 
-/* A law. It is a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
+/* A law. It is a constant, so that the loop that DEM_KERNEL makes from it has no indirect call. */
 typedef struct dem_law {
-    /* Name and version say what the states mean. Contacts and links go on, in a run and from a save, only under a law
-       of the same name, up to a comma if there is one, the same version and the same number of states: "linear,
-       friction" and "linear, with attraction" understand each other, "linear" and "Luding" do not
-       (DEM_LAW_MISMATCH). Give a law that means something else by its states a name or a version of its own. NULL: only
-       the number of states is compared. */
+    /* Name and version identify the meaning of the states. Contacts and links go on, in a run and from a save, only
+       under a law with the same name (up to a comma), the same version and the same number of states. "linear,
+       friction" and "linear, with attraction" understand each other; "linear" and "Luding" do not
+       (DEM_LAW_MISMATCH). Give a law whose states mean something else another name or version. NULL: only the number
+       of states is compared. */
     const char *name;
     int version;
     int states;    /* doubles for each contact, 0 when it begins, <= DEM_STATE_MAX */
-    int history;   /* the first of them, which force may change; only dem_set_contact_state() changes the rest */
+    int history;   /* the first of them, which force may change; the rest changes only by dem_set_contact_state() */
     int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
     int constants; /* doubles that prepare sets, <= DEM_CONSTANTS_MAX */
-    /* Sets the constants. Returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its
-       restitution accurate to third order; otherwise 0. */
+    /* Sets the constants. Returns the k_n of a linear law with the pair's damping ratio [N/m], with which the
+       restitution is accurate to third order; otherwise 0. */
     double (*prepare)(const dem_birth *birth, double *constants);
     void (*force)(const dem_contact *contact, double *state,
                   dem_response *response); /* always inline, no calls, few branches */
     /* Both may be NULL; they get world->user. born: for the contacts that begin in a step, before their first force,
-       sorted by partners. ended: for a contact that has ended: by itself, or because a particle was removed (its
+       sorted by partners. ended: for a contact that has ended, by itself, or because a particle was removed (its
        world->alive is not DEM_PRESENT) or a wall no longer acts (dem_wall_acts). dem_get_contact() (for a link
        dem_get_link()) and dem_set_contact_state() take their numbers. */
     void (*born)(struct dem_world *world, const int32_t *numbers, ptrdiff_t n, void *user);
@@ -791,8 +795,9 @@ typedef struct dem_link_kernel {
 
 DEM_API const char *dem_status_text(dem_status status); /* never NULL */
 
-/* Returns 1 if this header, as built, computes the same bits as elsewhere: doubles evaluated as doubles, no fused
-   multiply-add. Tested at run time. The code around it is not tested: compile that with -ffp-contract=off. */
+/* Returns 1 if this header, as built, computes the same bits as elsewhere: doubles are evaluated as doubles, and
+   products are not fused with sums. Tested at run time. The code around the header is not tested: compile that with
+   -ffp-contract=off. */
 DEM_API int dem_build_is_deterministic(void);
 
 /* ---- definition ---- */
@@ -800,65 +805,65 @@ DEM_API int dem_build_is_deterministic(void);
 DEM_API dem_def dem_default_def(void);
 /* Adds a material. Returns its index, or -1 if there are DEM_MATERIALS_MAX already. Units as in dem_material. */
 DEM_API int dem_add_material(dem_def *def, double density, double young_modulus, double poisson_ratio);
-/* Returns the parameters of a pair of materials, in either order, to be edited; NULL if an index is out of range. From
-   then on the pair counts as set, even to its defaults. */
+/* Returns the parameters of a pair of materials, in either order, for editing; NULL if an index is out of range. The
+   pair then counts as set, even if it keeps its defaults. */
 DEM_API dem_pair_def *dem_pair(dem_def *def, int a, int b);
-/* Returns DEM_OK, or DEM_BAD_DEFINITION; then *field is the name of the first bad field (field may be NULL). */
+/* Returns DEM_OK, or DEM_BAD_DEFINITION with the name of the first bad field in *field (field may be NULL). */
 DEM_API dem_status dem_check_def(const dem_def *def, const char **field);
 
 /* ---- a world ---- */
 
-/* Makes an empty world with a copy of the definition. What the memory of *world contained is not read, so that it need
-   not be set: a world that is in use must be freed before, or all its memory is lost. On failure nothing is allocated,
-   and *field (if not NULL) names what is wrong. */
+/* Makes an empty world with a copy of the definition. *world need not be set before, because its contents are not read.
+   Free a world that is in use first, or all its memory is lost. On failure nothing is allocated, and *field (if not
+   NULL) names what is wrong. */
 DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **field);
 DEM_API void dem_free(dem_world *world); /* frees everything; safe on a zeroed or freed world */
 
-/* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of
-   yours, kept in records. Overlaps are allowed and push. On failure nothing is added. Ids, world->id[i], count up in
+/* Adds n spheres at rest. centres: shape [n][3] [m]; diameters: [n] [m] > 0; material: index; group: any number of your
+   choice, kept in records. Overlaps are allowed and push. On failure nothing is added. Ids, world->id[i], count up in
    array order. */
 DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *centres, const double *diameters,
                                    int material, int group);
-/* Makes a shape of n spheres, overlapping or not. centres: shape [n][3] [m], in a frame of the shape's own, anywhere;
-   diameters: [n] [m] > 0. Volume, centre of mass and moments are those of the union at one density, to 1e-8 of the
-   whole in the worst case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere
-   within another is left out: it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
+/* Makes a shape of n spheres, overlapping or not. centres: shape [n][3] [m], in any frame; diameters: [n] [m] > 0.
+   Volume, centre of mass and moments are those of the union with uniform density, to 1e-8 of the whole in the worst
+   case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere inside another one
+   is left out, because it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
-/* Makes a capsule along the x axis: spheres in a row, so near that the grooves between them are 1 % of the radius deep.
-   diameter, length: over all [m] > 0, length >= diameter. DEM_TOO_MANY from 9.8 diameters on. */
+/* Makes a capsule along the x axis: a row of spheres so close that the grooves between them are 1 % of the radius deep.
+   diameter, length: overall [m] > 0, length >= diameter. DEM_TOO_MANY from 9.8 diameters on. */
 DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double length);
 DEM_API double dem_clump_diameter(const dem_clump *clump); /* of the sphere of the same volume [m] */
-/* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]; diameters: of spheres of the same volume, [n]
-   [m], to which the shape is scaled, NULL: as it was made; orientations: shape [n][4], quaternions (scalar first, of
-   any length but 0) from the shape's frame to the world's, NULL: as it was made. Each sphere is a particle; those of a
-   clump are consecutive, move as one and do not touch each other. A contact counts with the mass of the whole clump. On
+/* Adds n clumps of one shape at rest. centres: of mass, shape [n][3] [m]. diameters: of spheres of the same volume, [n]
+   [m], to which the shape is scaled; NULL: unscaled. orientations: shape [n][4], quaternions (scalar first, of any
+   length but 0) from the shape's frame to the world's; NULL: as it was made. Each sphere is a particle. The particles
+   of a clump are consecutive, move as one and do not touch each other. A contact sees the mass of the whole clump. On
    failure nothing is added. */
 DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump *clump, const double *centres,
                                   const double *diameters, const double *orientations, int material, int group);
-/* Sets velocity [m/s] and spin [rad/s] of particle i (array index), or of the rigid body that it is a part of, at its
+/* Sets velocity [m/s] and spin [rad/s] of particle i (array index), or of the rigid body of which it is a part, at its
    centre of mass. */
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin);
-/* Sets a constant external force [N] at the centre of particle i, and a torque [N m]; they act until changed.
+/* Sets a constant external force [N] at the centre of particle i, and a torque [N m]. They act until changed.
    DEM_BAD_ARGUMENT also for accelerations above 1e80. */
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque);
-/* Fixes particle i and the body that it is a part of (1), or releases it (0). A fixed particle stops at once. From then
-   on it stays at rest, or moves with the velocity of dem_set_motion (bodies: without spin), whatever forces act on it.
-   To other particles it is an obstacle of its shape; the mass of a contact is theirs, as at a wall. Gravity, loads,
-   walls, exits and other fixed particles have no effect on it. The ledger counts no energy of it, and books its work on
-   others as external_work. */
+/* Fixes particle i and the body of which it is a part (1), or releases it (0). A fixed particle stops at once. It then
+   stays at rest, or moves with the velocity of dem_set_motion (bodies: without spin), whatever forces act on it. To
+   other particles it is an obstacle of its shape; the mass of a contact is theirs, as at a wall. Gravity, loads, walls,
+   exits and other fixed particles have no effect on it. It has no energy in the ledger, which books its work on others
+   as external_work. */
 DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed);
 DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i); /* 1 or 0 */
-/* Returns the forces of contacts and links on a fixed particle, or on the whole fixed body that it is a part of: force
-   [N], and torque about the centre [N m], at the end of the last step; time integral of the force since it was fixed [N
-   s]. For other particles, DEM_BAD_ARGUMENT and NaN. */
+/* Returns the forces of contacts and links on a fixed particle, or on the whole fixed body of which it is a part: force
+   [N] and torque about the centre [N m] at the end of the last step, and the time integral of the force since it was
+   fixed [N s]. For other particles, DEM_BAD_ARGUMENT and NaN. */
 DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque,
                                        dem_vec *impulse);
-/* Removes particle i, and the body that it is a part of. */
+/* Removes particle i, and the body of which it is a part. */
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i);
 
 /* ---- filling, feeding, removing ---- */
 
-#define DEM_SIZES_MAX 32 /* sizes of a list, at most: a stack of sieves has fewer */
+#define DEM_SIZES_MAX 32 /* sizes of a list at most; a stack of sieves has fewer */
 
 /* A part of space, for filling, removing and measuring. Made by the four functions below. Functions that take a region
    return DEM_BAD_ARGUMENT (or NaN) if it is not finite or a length is negative. */
@@ -874,20 +879,21 @@ typedef struct dem_region {
                           centre [m] */
     dem_vec axis;      /* cylinder: from bottom to top, of any length but 0 */
     double length, radius; /* cylinder, sphere [m] >= 0 */
-    const dem_mesh *mesh;  /* yours: it must not change while the region is in use */
+    const dem_mesh *mesh;  /* the caller's; it must not change while the region is in use */
 } dem_region;
 DEM_API dem_region dem_box_region(dem_vec low, dem_vec high); /* low = high along an axis: a face */
 DEM_API dem_region dem_cylinder_region(dem_vec bottom, dem_vec axis, double length,
                                        double radius); /* length 0: a disc */
 DEM_API dem_region dem_sphere_region(dem_vec centre, double radius);
-/* Makes a region of the inside of a closed mesh; where shells overlap, of the points that an odd number of them
-   encloses. A mesh that is not closed is refused when the region is used. Filling and measuring sort the triangles at
-   each call; dem_region_holds tests all of them. */
+/* Makes a region from the inside of a closed mesh. Where shells overlap, a point is inside if an odd number of them
+   encloses it. A mesh that is not closed is refused when the region is used. Filling and measuring sort the triangles
+   at each call; dem_region_holds tests all of them. */
 DEM_API dem_region dem_mesh_region(const dem_mesh *mesh);
 DEM_API double dem_region_volume(const dem_region *region);            /* [m3] */
 DEM_API int dem_region_holds(const dem_region *region, dem_vec point); /* 1 if the point is inside or on the surface */
 
-/* Diameters of spheres. Shares are by number or, with by_mass, by mass. Made by the functions below, to be edited. */
+/* Diameters of spheres. Shares are by number or, with by_mass, by mass. Made by the functions below, and open to
+   editing. */
 typedef enum dem_size_kind {
     DEM_SIZES_LIST,
     DEM_SIZES_UNIFORM,
@@ -901,8 +907,8 @@ typedef struct dem_sizes {
     double diameter[DEM_SIZES_MAX], share[DEM_SIZES_MAX]; /* list: [m] > 0; >= 0, of any sum > 0 */
     double scale;             /* lognormal: median; Rosin-Rammler: diameter that 36.8 % exceed [m] > 0 */
     double spread;            /* lognormal: standard deviation of ln d, 1e-3 .. 5; R.-R.: exponent, 0.1 .. 100 */
-    double smallest, largest; /* all but the list are cut off there [m] > 0, largest <= 1e6 smallest; refused if the
-                                 share per ln d reaches 1e-20 of its peak nowhere between */
+    double smallest, largest; /* cut-offs, not used by a list [m] > 0, largest <= 1e6 smallest; refused if the share per
+                                 ln d is below 1e-20 of its peak everywhere between them */
 } dem_sizes;
 DEM_API dem_sizes dem_one_size(double diameter);
 DEM_API dem_sizes dem_size_list(int n, const double *diameter, const double *share,
@@ -911,15 +917,15 @@ DEM_API dem_sizes dem_uniform_sizes(double smallest, double largest, int by_mass
 DEM_API dem_sizes dem_lognormal_sizes(double median, double spread, double smallest, double largest, int by_mass);
 /* Makes sizes by Rosin & Rammler 1933: the share coarser than d is exp(-(d/scale)^exponent). */
 DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double smallest, double largest, int by_mass);
-/* Draws a diameter [m]. *random is the generator's state, any number at first. NaN if the sizes are out of range. Takes
+/* Draws a diameter [m]. *random is the generator's state, at first any number. NaN if the sizes are out of range. Needs
    12 tries on average at most, and never more than 10000. */
 DEM_API double dem_draw_size(const dem_sizes *sizes, uint64_t *random);
 
-/* A source of spheres: where, what, and how far it is. Owned by the caller, plain data: with a copy of it beside the
-   saved world, a restart continues with the same spheres. (It is no part of the world, because a world may have any
-   number of sources, and most have none.) */
+/* A source of spheres: where, what, and how many so far. It is plain data, owned by the caller: save a copy of it
+   beside the world, and a restart continues with the same spheres. (A world may have any number of sources, and most
+   have none, so it holds none.) */
 typedef struct dem_feed {
-    dem_region region; /* spheres lie wholly within; in a face or a disc, their centres do */
+    dem_region region; /* spheres lie wholly within it; in a face or a disc, their centres do */
     dem_sizes sizes;
     int material, group;    /* as in dem_add_spheres; default 0 */
     dem_vec velocity;       /* of the new spheres [m/s]; default 0 */
@@ -927,63 +933,65 @@ typedef struct dem_feed {
     const dem_clump *clump; /* shape of the bodies, oriented at random; the sizes are then those of spheres of the same
                                volume. It must exist as long as the feed is used. Default NULL: spheres */
     int polyhedron;  /* 1 + number of a shape of the world (dem_add_shape): bodies are polyhedra of that shape and size,
-                        oriented at  random; sizes are not used, and clump is NULL. Each is kept apart by the sphere
-                        around it. Default 0: none */
-    int tries;       /* random places tried for a sphere before it is given up, 1 .. 1000000; default 1000 */
+                        oriented at random; sizes are not used, and clump is NULL. Spheres around them keep them apart.
+                        Default 0: none */
+    int tries;       /* random places tried for a sphere before it is dropped, 1 .. 1000000; default 1000 */
     uint64_t random; /* the generator's state; at first the seed; default 1 */
     /* set by the functions below */
     ptrdiff_t placed, missed;        /* spheres placed in all; those for which dem_fill found no place */
     double placed_mass, missed_mass; /* [kg] */
     double due,
-        due_mass;   /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; they may be ahead by half a sphere */
+        due_mass;   /* what dem_feed_number, dem_feed_mass still owe [-], [kg]; below 0 by half a sphere at most */
     double waiting; /* diameter of the next sphere [m]; 0: not drawn yet */
     uint64_t
-        waiting_of; /* tells the sizes and the shape that it was drawn from: with others it is drawn anew. 0: with any */
+        waiting_of; /* identifies the sizes and the shape for which it was drawn; for others it is drawn again. 0:
+                       serves for any */
 } dem_feed;
 DEM_API dem_feed dem_default_feed(void); /* one size of 1 mm in a cube of 0.1 m at the origin, to be edited */
 
-/* Places a number of spheres, or as many as come nearest to `mass` [kg], at random, the largest first. They touch
-   neither spheres nor enabled walls, and are in no solid wall (dem_set_solid). Spheres without a place are dropped and
-   counted in missed; random places fill up to about 0.3 of a volume within reasonable time. At most feed->tries places
-   are tried for each sphere. Statuses: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY (more than 2e8 spheres; more
-   mass than the density times the volume of the region or, of a mesh, of the box around it), DEM_STOPPED (def.stop;
-   also from the feeds below); then nothing has changed. */
+/* Places a number of spheres, or as many as come closest to `mass` [kg], at random, the largest first. They touch
+   neither spheres nor enabled walls, and lie outside solid walls (dem_set_solid). Spheres without a place are dropped
+   and counted in missed; random places fill up to about 0.3 of a volume within reasonable time. At most feed->tries
+   places are tried for each sphere. On failure nothing has changed: DEM_BAD_ARGUMENT, DEM_OUT_OF_MEMORY, DEM_TOO_MANY
+   (more than 2e8 spheres; more mass than the density times the volume of the region or, for a mesh, of its bounding
+   box), DEM_STOPPED (def.stop; also from the feeds below). */
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count);
 DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass);
-/* Places what falls due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0. Call it before every dem_run of that
-   duration, which is no longer than spheres need to clear the region. A sphere without a place waits, and with it those
-   after it, so that sizes keep their shares; `due` tells how far the source is behind. */
+/* Places what is due within duration [s] >= 0 at a rate [1/s] or [kg/s] >= 0. Call it before every dem_run of that
+   duration, which must not exceed the time in which spheres leave the region. A sphere without a place waits, and so do
+   those after it, so that sizes keep their shares; `due` tells how far the source is behind. */
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration);
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration);
-/* One source for several classes: of sizes, groups, materials or shapes. Bodies come one after the other, each of the
-   class that is farthest behind its share, and where one has no place the others wait with it: so what has been placed
-   has the shares to within a body, however little finds room. */
+/* One source for several classes: of sizes, groups, materials or shapes. Bodies come one after the other, each from the
+   class that is farthest behind its share. If a body has no place, the others wait with it, so the bodies placed have
+   the right shares to within one body, however few find room. */
 enum { DEM_CLASSES_MAX = 100000 };
 typedef struct dem_source {
-    dem_feed *feed;      /* [classes] yours: sizes, material, group, velocity and shape of each class. Region, tries and
-                       generator of the first are those of all. Each counts its own placed and missed */
+    dem_feed *feed;      /* [classes] the caller's: sizes, material, group, velocity and shape of each class. Region,
+                            tries and generator of the first serve all. Each counts its own placed and missed */
     const double *share; /* [classes] of mass or number, >= 0, not all 0 */
     int classes;         /* 1 .. DEM_CLASSES_MAX */
     int by_number;       /* 0: shares are of mass */
-    double due, due_mass; /* what the feeds below still owe [-], [kg]; at first 0. They may be ahead by half a body */
+    double due, due_mass; /* what the feeds below still owe [-], [kg]; at first 0. Below 0 by half a body at most */
 } dem_source;
-/* As dem_fill, dem_fill_mass, dem_feed_number and dem_feed_mass. Of a fill, what finds no place is missed by its class.
-   */
+/* As dem_fill, dem_fill_mass, dem_feed_number and dem_feed_mass. A body of a fill without a place counts as missed in
+   its class. */
 DEM_API dem_status dem_fill_source(dem_world *world, dem_source *source, ptrdiff_t count);
 DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, double mass);
 DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double rate, double duration);
 DEM_API dem_status dem_feed_source_mass(dem_world *world, dem_source *source, double mass_flow, double duration);
-/* Copies the oldest records of what passed exits, at most `capacity`, and removes them from the world. Returns their
-   number, or minus a dem_status. records: [capacity], or NULL to drop them. Until then world->passed keeps 88 bytes of
-   every particle that passed; world->passed_total counts all. dem_residence() reads the records: call it first. */
+/* Copies the oldest records of particles that passed exits, at most `capacity`, and removes them from the world.
+   Returns how many, or minus a dem_status. records: [capacity], or NULL to drop them. Until then world->passed keeps 88
+   bytes for every particle that passed; world->passed_total counts all. dem_residence() reads the records: call it
+   first. */
 DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity);
-/* Removes the spheres whose centres lie in the region, and the bodies whose centres of mass do. Returns their number,
-   or minus a dem_status. */
+/* Removes the spheres whose centres lie in the region, and the bodies whose centres of mass do. Returns how many, or
+   minus a dem_status. */
 DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region);
 
-/* Adds a wall, as the functions below do. Returns the wall's index (>= 0), or minus a dem_status. normal and axis may
+/* Each of these functions adds a wall. It returns the wall's index (>= 0), or minus a dem_status. normal and axis may
    have any length but 0. Walls are independent of each other: on the seam of two flush walls a sphere touches both, and
-   both push. One mesh of both has one surface. */
+   both push. A mesh of both has a single surface. */
 DEM_API int dem_add_plane(dem_world *world, int material, dem_vec point,
                           dem_vec normal); /* particles are on the side of the normal */
 DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_vec axis, double radius, int inside);
@@ -995,69 +1003,70 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone);
 DEM_API dem_disc dem_default_disc(void);
 DEM_API int dem_add_disc(dem_world *world, int material, const dem_disc *disc);
 /* Adds triangles, which are copied, as one wall: a thin sheet that particles touch from both sides, at faces, edges and
-   corners. How it is oriented, welded or cut into triangles does not matter. Places whose normals differ by less than
-   26 degrees are one contact, at the deepest of them (its friction goes with it from triangle to triangle); a sharper
-   concave corner makes two. Triangles without area are left out. Besides the common statuses: DEM_OUT_OF_MEMORY;
-   DEM_BAD_ARGUMENT if an index or a number is out of range, or no triangle is left. */
+   corners. Its orientation, welding and division into triangles do not matter. Places whose normals differ by less than
+   26 degrees are one contact, at the deepest of them (its friction moves with it from triangle to triangle). A sharper
+   concave corner makes two contacts. Triangles without area are left out. Besides the common statuses:
+   DEM_OUT_OF_MEMORY; DEM_BAD_ARGUMENT if an index or a number is out of range, or no triangle is left. */
 DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh);
-/* Adds six faces between two corners low < high [m], as a mesh of 12 triangles: a container or a block, one wall that
-   moves as one. */
+/* Adds six faces between two corners low < high [m], as a mesh of 12 triangles: a container or a block, in a single
+   wall. */
 DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high);
 /* Makes a mesh or a box a solid body (1), whose inside dem_fill and the feeds leave empty, or a sheet (0, the default),
-   as a container is. DEM_BAD_ARGUMENT for a wall that is not a closed mesh: an edge of one triangle only, a triangle
-   that is there twice. DEM_OUT_OF_MEMORY. */
+   such as a container. DEM_BAD_ARGUMENT for a wall that is not a closed mesh: an edge with a single triangle, a
+   triangle that exists twice. DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid);
-/* Sets the groups of particles that a wall acts on, or an exit removes: bit g for group g = 0 .. 30, bit 31 for all
-   others. Default: all. */
+/* Sets the groups of particles on which a wall acts, or which an exit removes: bit g for group g = 0 .. 30, bit 31 for
+   all others. Default: all. */
 DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups);
 /* Returns 1 if a wall is enabled and acts on particle i's group, otherwise 0. */
 DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i);
-/* Adds a plane that records and removes particles whose centre passes to the side opposite to the normal. */
+/* Adds a plane that records and removes particles whose centres pass to the side opposite to the normal. */
 DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal);
 
-/* Moves a wall from now on, from where it is. Amplitude [m] and phase [rad] are components along the world's axes;
-   frequency [Hz]. Displacement A (sin(2 pi f t + phase) - sin(phase)). */
+/* These functions move a wall, starting now from where it is. Amplitude [m] and phase [rad] are components along the
+   world's axes; frequency [Hz]. Displacement A (sin(2 pi f t + phase) - sin(phase)). */
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency);
 DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity);                            /* [m/s] */
 DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin); /* [rad/s] */
-/* Moves a wall by a function of time, which replaces its other motions. Velocities follow from differences over the
-   time step. For a wall that is prescribed already, as after dem_load (functions are not saved: until then running
-   gives DEM_NO_MOTION), it replaces function and centre only. DEM_BAD_ARGUMENT if the pose now is not finite. */
+/* Moves a wall by a function of time, which replaces its other motions. Velocities are differences over the time step.
+   If the wall is prescribed already, only function and centre are replaced. That is so after dem_load: functions are
+   not saved, and runs give DEM_NO_MOTION until one is set. DEM_BAD_ARGUMENT if the present pose is not finite. */
 DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user);
-/* Makes a wall a piston: it moves along axis only, as a body of mass [kg] > 0, under the particles' forces, a force
+/* Makes a wall a piston, which moves only along axis, as a body of mass [kg] > 0, under the particles' forces, a force
    along the axis [N] (its own weight is not added) and a damper fixed in space [N s/m] >= 0. It begins with its present
    speed along the axis, so that another call can change the force. At rest the particles exert -force on it. The
-   damping of contacts takes the wall's mass for infinite: it should be 20 times a particle's or more. */
+   damping of contacts takes the wall's mass as infinite, so it should be at least 20 times a particle's. */
 DEM_API dem_status dem_control_force(dem_world *world, int wall, dem_vec axis, double mass, double force,
                                      double damping);
-/* Makes a wall a rotor: it turns about a fixed line only, with a moment of inertia about it [kg m2] > 0, under the
+/* Makes a wall a rotor, which turns only about a fixed line, with a moment of inertia about it [kg m2] > 0, under the
    particles' torques, a torque [N m] and a damper [N m s/rad] >= 0. Otherwise as dem_control_force. world->wall[].rate
    is its speed [rad/s], coordinate its angle [rad]. */
 DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre, dem_vec axis, double inertia,
                                       double torque, double damping);
-/* Makes a wall a belt: its surface moves at this velocity [m/s], or at its part along the surface, while the wall stays
-   where it is. */
+/* Makes a wall a belt: its surface moves at this velocity [m/s], or its component along the surface, while the wall
+   stays where it is. */
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity);
-/* Makes a wall a belt that runs around pulleys: where the normal is n, its surface moves along axis x n, at this speed
-   [m/s] where the surface is parallel to the axis. Adds to dem_set_belt. */
+/* Makes a wall a belt around pulleys: where the normal is n, its surface moves along axis x n, at this speed [m/s]
+   where the surface is parallel to the axis. Adds to dem_set_belt. */
 DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, double speed);
-DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: as if it were not there */
+DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled); /* 0: removes it for particles */
 /* Returns the time integral of the torque of particles on a wall about a point at rest [N m s], since the wall was
-   added: its difference over the time between is the mean torque. Forces of links are not in it. NaN for a wall that
-   does not exist. world->wall[].work is the work that its motion has done on the particles [J]: its difference over the
-   time between is the mean power of its drive, without that of a piston's or rotor's inertia. */
+   added. Its difference between two times, over their interval, is the mean torque. Forces of links are not included.
+   NaN for a wall that does not exist. world->wall[].work is the work that the motion of the wall has done on the
+   particles [J]. Its difference over the interval is the mean power of the drive, without the inertia of a piston or
+   rotor. */
 DEM_API dem_vec dem_wall_angular_impulse(const dem_world *world, int wall, dem_vec point);
 
 /* ---- meshes from files ---- */
 
-/* Reads an STL file from memory (3D Systems 1988), text or binary, which the bytes themselves tell (docs/dem_walls.md).
-   bytes: [size]; scale [m per unit of the file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners nearer than this
+/* Reads an STL file from memory (3D Systems 1988). The bytes tell whether it is text or binary (docs/dem_walls.md).
+   bytes: [size]; scale [m per unit of the file] > 0, 1e-3 for millimetres; weld [m] >= 0: corners closer than this
    become one, 0 joins equal ones only; allocator may be NULL; report may be NULL. DEM_OK also for a file with faults,
-   which the report counts; DEM_BAD_DATA if it is no STL file or no triangle is left; DEM_OUT_OF_MEMORY. On failure
+   which the report counts; DEM_BAD_DATA if it is not an STL file or no triangle is left; DEM_OUT_OF_MEMORY. On failure
    *mesh is empty. */
 DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, double weld,
                                 const dem_allocator *allocator, dem_mesh *mesh, dem_stl_report *report);
-DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; safe on a zeroed or freed one */
+DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; safe on a zeroed or freed mesh */
 
 /* ---- running ---- */
 
@@ -1069,101 +1078,101 @@ DEM_API void dem_free_mesh(dem_mesh *mesh); /* frees what dem_read_stl made; saf
    the world can be read, saved and freed). */
 DEM_API dem_status dem_run(dem_world *world, double duration, int features);
 /* Does the same with a law of your own. kernel: made by DEM_KERNEL; it must outlive the world. Besides the statuses of
-   dem_run: DEM_LAW_MISMATCH if the contacts present have the history of a law with another name, version or number of
+   dem_run: DEM_LAW_MISMATCH if the present contacts have the history of a law with another name, version or number of
    states (see dem_law). */
 DEM_API dem_status dem_run_law(dem_world *world, double duration, const dem_kernel *kernel);
 
-/* Changes gravity [m/s2], or the parameters of a pair of materials, from now on, also for what flies or touches
-   already. Between runs. The ledger books the energy of the change as added. DEM_BAD_ARGUMENT; nothing has changed
-   then. */
+/* These functions change gravity [m/s2], or the parameters of a pair of materials, between runs. Particles in flight
+   and present contacts obey at once. The ledger books the energy of the change as added. DEM_BAD_ARGUMENT: nothing has
+   changed. */
 DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity);
 DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair);
-/* Changes the time step [s], 1e-60 .. 1e6, from now on. */
+/* Changes the time step [s], 1e-60 .. 1e6. */
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt);
 
-/* The time steps [s] that the smallest and stiffest pair present needs; infinite where nothing limits them, as before
+/* The time steps [s] that the smallest and stiffest present pair needs; infinite where nothing limits them, as before
    the first feed. */
 typedef struct dem_advice {
     double contact;  /* duration of the shortest contact, t_c */
     double rayleigh; /* pi R sqrt(rho/G)/(0.1631 nu + 0.8766) of the smallest sphere (materials with moduli) */
     double dashpot;  /* m_eff/gamma of the strongest dashpot */
     double advised;  /* min(t_c/20, 0.2 rayleigh for DEM_HERTZ, dashpot/2); with polyhedra 0.4 of it */
-    /* For hits at the given speed v, of each body with all of its mass m on what does not give way: */
-    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m], for a polyhedron times
-                         dem_convex.springs: with it in all pairs no overlap is deeper than d, the rounding of a
+    /* For impacts at the given speed v, of each body with its whole mass m on something rigid: */
+    double stiffness; /* linear laws: m v^2/d^2 of the body that needs most [N/m], times dem_convex.springs for a
+                         polyhedron. If all pairs have this stiffness, no overlap exceeds d, the rounding of a
                          polyhedron or a tenth of a sphere's radius */
-    double depth;     /* overlap over d with the pairs as they are, of the body that gets deepest; above 1 they are too
-                         soft */
+    double depth;     /* overlap over d with the present pairs, of the body that penetrates deepest; above 1 the pairs
+                         are too soft */
 } dem_advice;
-/* Advises on the time step and the stiffness. speed: expected impact speed [m/s] > 0; the time step needs it with
-   DEM_HERTZ only. 0: stiffness and depth are 0. */
+/* Advises on the time step and the stiffness. speed: expected impact speed [m/s] > 0; the time step depends on it only
+   with DEM_HERTZ. 0: stiffness and depth are 0. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed);
 
 /* ---- links: forces between bodies that need not touch, smooth enough for a larger step; a liquid bridge ---- */
 
-/* Sets the law of links; before the first link, and again after dem_load. kernel: made by DEM_LINK_KERNEL. Of a
-   dem_law, a link uses states, history, vectors, force (gap of any sign; no contact, constants and mass) and ended.
-   interval: time between evaluations [s] > 0, rounded down to steps, at least one; the force is constant between. near:
-   gap below which linked bodies also have a contact, by the law of contacts [m] >= 0, at most 0.01 * skin * smallest
-   diameter; forces that grow fast near contact (lubrication) belong there. DEM_LAW_MISMATCH if there are links of
+/* Sets the law of links. Call it before the first link, and again after dem_load. kernel: made by DEM_LINK_KERNEL. Of a
+   dem_law, a link uses states, history, vectors, force (gap of either sign; no contact, constants and mass) and ended.
+   interval: time between evaluations [s] > 0, rounded down to steps, at least one; the force is constant in between.
+   near: gap below which linked bodies also have a contact, by the law of contacts [m] >= 0, at most 0.01 * skin *
+   smallest diameter; put forces there that grow fast near contact (lubrication). DEM_LAW_MISMATCH if there are links of
    a law with another name, version or number of states (see dem_law). */
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near);
-/* Links particle i with j (a particle, or -1 - wall at an element of it). state: [law->states]. From a law's born hook,
-   or between runs. When a particle leaves, ended is called for its links, and they are gone. From the hook ended:
-   DEM_BUSY. */
+/* Links particle i with j (a particle, or -1 - wall, at one of its elements). state: [law->states]. Call it from a
+   law's born hook, or between runs. When a particle leaves, ended is called for its links, and they are removed. From
+   the hook ended: DEM_BUSY. */
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state);
 DEM_API ptrdiff_t dem_link_count(const dem_world *world);
 
 /* ---- force fields: a force on every particle, in flight and touching; drag in a gas (docs/dem_gas.md) ---- */
 
 DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user);
-/* Sets the force field from now on, or with NULL removes it. A particle in flight advances by steps of its own, chosen
-   by their error (Cash & Karp 1990). Between the ends of a step it is on a parabola that has the right places at both
-   ends and errs by at most `accuracy`; velocities read in between err as little. A particle in contact gets the force
-   of the law in each step. Where the law gives exactly 0, a flight is the same to the bit as without a field. Call this
-   again after dem_load (until then running gives DEM_NO_FIELD), and when what the law reads has changed. The time step
-   must be below the shortest relaxation time. A rigid body feels the field at its centre, as a sphere of its volume;
-   the field exerts no torque. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
+/* Sets the force field, or with NULL removes it. A particle in flight advances by its own steps, chosen by their error
+   (Cash & Karp 1990). Between the ends of such a step it is on a parabola that has the right positions at both ends and
+   an error of at most `accuracy`; velocities read in between have as small an error. A particle in contact gets the
+   force of the law in each step. Where the law gives exactly 0, a flight is the same to the bit as without a field.
+   Call this again after dem_load (until then runs give DEM_NO_FIELD), and when the data of the law have changed. The
+   time step must be below the shortest relaxation time. A rigid body feels the field at its centre, as a sphere of its
+   volume; the field exerts no torque. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
-/* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, of a body
-   of volume pi x^3/6 and surface S. sphericity: pi x^2/S, 0 < .. <= 1; crosswise: (pi x^2/4)/A, A its area seen along
-   the flow; lengthwise: (pi x^2/4)/(S/2 - B), B its mean area seen across the flow; both 0 < .. <= 100. A convex body
-   that turns at random has all three equal. NaN outside these ranges. */
+/* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, for a
+   body of volume pi x^3/6 and surface S. sphericity: pi x^2/S, 0 < .. <= 1; crosswise: (pi x^2/4)/A, where A is its
+   area seen along the flow; lengthwise: (pi x^2/4)/(S/2 - B), where B is its mean area seen across the flow; both 0 <
+   .. <= 100. For a convex body that turns at random all three are equal. NaN outside these ranges. */
 DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengthwise, double shape[3]);
 DEM_API dem_gas dem_default_gas(void); /* air at 20 degrees C, at rest everywhere */
-/* Returns DEM_OK, or DEM_BAD_DEFINITION; then *field is the name of the first bad field (field may be NULL). */
+/* Returns DEM_OK, or DEM_BAD_DEFINITION with the name of the first bad field in *field (field may be NULL). */
 DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field);
-/* Returns a force field of a kernel made by DEM_GAS, with the gas as its user and half a cell of the grid as its
+/* Returns a force field from a kernel made by DEM_GAS, with the gas as its user and half a cell of the grid as its
    length. */
 DEM_API dem_force_field dem_gas_field(dem_field_fn kernel, const dem_gas *gas);
-/* Attaches the frame to a wall moved by dem_rotate or dem_move, or at rest: it moves with the wall from now on.
+/* Attaches the frame to a wall at rest, or moved by dem_rotate or dem_move; it then moves with the wall.
    DEM_BAD_ARGUMENT for other walls. */
 DEM_API dem_status dem_attach_gas(dem_gas *gas, const dem_world *world, int wall);
-/* Returns the velocity of the gas in the world [m/s] at a place [m] and a time [s]; NaN beyond the grid. */
+/* Returns the velocity of the gas in the world [m/s] at a position [m] and a time [s]; NaN beyond the grid. */
 DEM_API dem_vec dem_gas_velocity(const dem_gas *gas, dem_vec position, double time);
 /* Computes the porosity at the grid's nodes from the present volumes of the spheres, each shared among the nodes around
-   it; at least 0.2. Cells should be 3 diameters wide or more. porosity: [n[2]][n[1]][n[0]], which gas->porosity may be.
+   it; at least 0.2. Cells should be at least 3 diameters wide. porosity: [n[2]][n[1]][n[0]], may be gas->porosity.
    DEM_BAD_ARGUMENT without a finite grid. */
 DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, double *porosity);
 
 /* ---- reading ---- */
 
-DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* now [m]; NaN if i is out of range */
+DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i); /* present position [m]; NaN if i is out of range */
 DEM_API dem_vec dem_velocity(const dem_world *world, ptrdiff_t i); /* now [m/s] */
-DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i);     /* now [rad/s], along the world's axes */
-/* Returns the orientation now: from the frame in which the shape was given to the world's. A single sphere has none: 1,
-   0, 0, 0. */
+DEM_API dem_vec dem_spin(const dem_world *world, ptrdiff_t i);     /* present spin [rad/s], along the world's axes */
+/* Returns the present orientation: from the frame in which the shape was given to the world's. A single sphere has
+   none: 1, 0, 0, 0. */
 DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i);
-/* Returns the body that particle i is, or is a part of, now; first is -1 if i is out of range. */
+/* Returns the present state of the body that particle i is, or is a part of; first is -1 if i is out of range. */
 DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i);
-/* Turns the body of particle i about its centre of mass into an orientation, a quaternion of any length but 0. Velocity
-   and spin stay. DEM_BAD_ARGUMENT for a single sphere, which has none. */
+/* Turns the body of particle i about its centre of mass to an orientation, a quaternion of any length but 0. Velocity
+   and spin stay. DEM_BAD_ARGUMENT for a single sphere, which has no orientation. */
 DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quaternion orientation);
 DEM_API double dem_radius(const dem_world *world, ptrdiff_t i); /* [m]; NaN if i is out of range */
-DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);   /* [kg]; of a part of a body: the body's */
+DEM_API double dem_mass(const dem_world *world, ptrdiff_t i);   /* [kg]; for a part of a body, the body's mass */
 DEM_API dem_vec dem_momentum(const dem_world *world);           /* of all particles [kg m/s] */
-/* Returns the energies now. Only runs with DEM_ENERGY add to the sums of work and losses. */
+/* Returns the present energies. Only runs with DEM_ENERGY add to the sums of work and losses. */
 DEM_API dem_energy_ledger dem_energy(const dem_world *world);
 
 typedef struct dem_contact_info {
@@ -1171,16 +1180,16 @@ typedef struct dem_contact_info {
     double gap;     /* [m] */
     dem_vec force;  /* on i [N] */
     dem_vec normal,
-        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do; of
+        point;   /* from j to i; place of the contact, which divides the distance of the centres as the radii do;
                     polyhedra: of the corner, edge or face that touches, so that force acts on i at `point` [m] */
-    int element; /* screen: the bar; mesh: 0, 1 ... tell a particle's contacts with it apart */
+    int element; /* screen: the bar; mesh: 0, 1 ... distinguish a particle's contacts with it */
     double state[DEM_STATE_MAX]; /* of the law */
-    dem_vec couple; /* of polyhedra: the torque on i that `force` at `point` does not have; on j the opposite: rolling
+    dem_vec couple; /* polyhedra: torque on i in addition to that of `force` at `point`, the opposite on j: rolling
                        resistance, and what points that share a law exchange [N m]; otherwise 0 */
 } dem_contact_info;
-/* Returns link k = 0 .. dem_link_count-1; gap and force as last evaluated. */
+/* Returns link k = 0 .. dem_link_count-1; gap and force as of the last evaluation. */
 DEM_API dem_contact_info dem_get_link(const dem_world *world, ptrdiff_t k);
-/* Returns the link of particle i with j (a wall: -1 - index) at an element of it, or -1. */
+/* Returns the link of particle i with j (a wall: -1 - index) at one of its elements, or -1. */
 DEM_API ptrdiff_t dem_find_link(const dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element);
 DEM_API ptrdiff_t dem_contact_count(const dem_world *world);
 /* Returns contact k = 0 .. dem_contact_count-1. Hooks of laws get k as a number; for them force is not set. */
@@ -1188,9 +1197,9 @@ DEM_API dem_contact_info dem_get_contact(const dem_world *world, ptrdiff_t k);
 /* Sets the law's states of contact k. state: [law->states]. For hooks of laws, and between runs. */
 DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *state);
 
-/* Counts the apertures of a screen now: whole apertures, those without a blocking particle, those in which any particle
-   sits. A particle sits in an aperture if it touches two or more of its bars with its centre within one radius of the
-   mesh plane; it blocks if, besides, friction would hold it against reversed gravity. */
+/* Counts the apertures of a screen at present: whole apertures, those without a blocking particle, those in which any
+   particle sits. A particle sits in an aperture if it touches two or more of its bars with its centre within one radius
+   of the mesh plane. It blocks if friction would also hold it against reversed gravity. */
 typedef struct dem_apertures {
     int total, free, occupied;
 } dem_apertures;
@@ -1208,7 +1217,7 @@ DEM_API double dem_contact_time(double k, double mass, double zeta, dem_restitut
    all > 0. */
 DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass, double speed);
 
-/* ----------------------------------------------------------------------------------------------- >>base/measures.h */
+/* -------------------------------------------------------------------------------------------- >>base/measure_api.h */
 /* The public functions that measure, and those that save, declared and explained. */
 
 /* ---- measuring: readers of a world, into arrays of the caller; DEM_BAD_ARGUMENT for what is not finite or out of
@@ -1220,18 +1229,18 @@ typedef struct dem_measure {
     ptrdiff_t count; /* spheres whose centres lie in the region */
     double mass;     /* of them [kg] */
     double
-        solid_fraction;  /* volume of the parts of spheres in the region over its volume [-]; exact for box and sphere,
-                            to 1e-4 for  a cylinder, to 1e-2 of what the surface of a mesh cuts; overlaps count twice */
+        solid_fraction;  /* volume of the spheres inside the region over its volume [-]; exact for box and sphere, to
+                            1e-4 for a cylinder, to 1e-2 of what the surface of a mesh cuts; overlaps count twice */
     double coordination; /* mean number of contacts of these spheres [-] */
     dem_vec velocity;    /* mean by mass [m/s] */
     double granular_temperature; /* sum m |v - velocity|^2/(3 sum m) [m2/s2] */
-    double contact_stress[3][3]; /* sum F l/V over contacts and links, l the part of the branch in the region [Pa]; the
-                                    branch goes from centre to centre, or from a wall's point to the centre (Goldhirsch
-                                    2010, the region as kernel) */
+    double contact_stress[3][3]; /* sum F l/V over contacts and links, where l is the part of the branch in the region
+                                    [Pa]; the branch goes from centre to centre, or from a wall's point to the centre
+                                    (Goldhirsch 2010, with the region as kernel) */
     double kinetic_stress[3][3]; /* sum m v' v'/V, v' = v - velocity [Pa] */
 } dem_measure;
-/* Measures a region. Along periodic axes it must not be longer than the box. Without a volume, what is divided by it is
-   NaN. With a mesh also DEM_OUT_OF_MEMORY. */
+/* Measures a region. Along periodic axes it must not be longer than the box. Without a volume, quotients by it are NaN.
+   With a mesh also DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *region, dem_measure *measure);
 
 /* A block of cells. n = 1 along an axis: no profile along it. */
@@ -1247,54 +1256,54 @@ typedef struct dem_field {
     double contact_stress[3][3]; /* [Pa] */
     double kinetic_stress[3][3]; /* with v' relative to the cell's own velocity [Pa] */
 } dem_field;
-/* Computes coarse-grained fields (Goldhirsch 2010, Granular Matter 12, 239, eqs 5, 6, 25, 30) with the kernel product
-   of 15/16 (1 - u^2)^2 by axis, u = distance/width. field: [n[2]][n[1]][n[0]]. Masses are integrated exactly over
-   cells: their sum is that of the spheres if the block extends a width beyond them. Branches are integrated by Gauss's
-   rule with 8 points. */
+/* Computes coarse-grained fields (Goldhirsch 2010, Granular Matter 12, 239, eqs 5, 6, 25, 30). The kernel is the
+   product of 15/16 (1 - u^2)^2 by axis, u = distance/width. field: [n[2]][n[1]][n[0]]. Masses are integrated exactly
+   over cells: their sum is that of the spheres if the block extends a width beyond them. Branches are integrated by
+   Gauss's rule with 8 points. */
 DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cells, dem_field *field);
 
 /* How rigid bodies lie. */
 typedef struct dem_order {
     ptrdiff_t bodies;    /* in the region */
     double tensor[3][3]; /* mean of (3 u u - 1)/2, u an axis of a body; NaN without bodies */
-    double parameter;    /* its largest eigenvalue: 1 all axes are parallel, 0 they have no common direction [-] */
-    dem_vec director;    /* the common direction: of unit length, its sign means nothing */
+    double parameter;    /* its largest eigenvalue [-]: 1, all axes are parallel; 0, they have no common direction */
+    dem_vec director;    /* the common direction: a unit vector of arbitrary sign */
 } dem_order;
 /* Measures the order tensor of the clumps and polyhedra whose centres lie in a region (NULL: of all). axis: 0, 1, 2 for
-   x, y, z of the frame in which their shapes were given. Of bodies without a common direction the parameter is about
+   x, y, z of the frame in which their shapes were given. Without a common direction the parameter is about
    1/sqrt(bodies). DEM_BAD_ARGUMENT. */
 DEM_API dem_status dem_measure_order(const dem_world *world, const dem_region *region, int axis, dem_order *order);
 
-/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force
-   [N]; contacts without overlap are left out. count: [bins]. Returns how many lie outside, or minus a dem_status. */
+/* Counts contacts in `bins` equal bins from low to high, low < high, by force [N], overlap [m] or tangential force [N].
+   Contacts without overlap do not count. count: [bins]. Returns how many lie outside, or minus a dem_status. */
 typedef enum dem_quantity { DEM_CONTACT_FORCE, DEM_CONTACT_OVERLAP, DEM_CONTACT_TANGENTIAL_FORCE } dem_quantity;
 DEM_API ptrdiff_t dem_histogram(const dem_world *world, dem_quantity quantity, double low, double high, int bins,
                                 double *count);
 
-/* Sums times in a region. Call it at intervals [s], which are its resolution; ids < n are followed. entered: [n] time
-   of entering, NaN outside, NaN at first; stayed: [n] sum of the visits that are over [s], 0 at first. Leaving by an
-   exit counts at its own time. */
+/* Sums residence times in a region. Call it at intervals [s], which are its resolution. It follows ids < n. entered:
+   [n] time of entering, NaN outside, NaN at first; stayed: [n] sum of the completed visits [s], 0 at first. Leaving by
+   an exit counts at its own time. */
 DEM_API dem_status dem_residence(const dem_world *world, const dem_region *region, ptrdiff_t n, double *entered,
                                  double *stayed);
 
 /* Counts centres by cell: those of one group, and all. [n[2]][n[1]][n[0]] each; width is not used. */
 DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *cells, int group, double *of_group,
                                       double *of_all);
-/* How well two species are mixed, from their numbers in samples: [samples] of one, of both; empty samples do not count.
-   All NaN if one species is missing, or a number is negative or larger than that of both. */
+/* How well two species are mixed, from their numbers in samples: [samples] of one species, and of both. Empty samples
+   do not count. All NaN if one species is missing, or a number is negative or larger than that of both. */
 typedef struct dem_mixing {
-    double share;     /* share of the one species in all [-] */
-    double separated; /* variance of its share over samples, weighted by their numbers: if each sample held one species
+    double share;     /* share of the first species in all samples [-] */
+    double separated; /* variance of its share over samples, weighted by their numbers, if each sample held one species
                          only [-] */
-    double random;    /* the same, expected of a random mixture with these sizes of samples [-] */
+    double random;    /* the variance expected of a random mixture with these sizes of samples [-] */
     double variance;  /* the same, as it is [-] */
     double lacey; /* (separated - variance)/(separated - random): 0 separated, 1 on average in a random mixture (Lacey
                      1954) */
     double segregation; /* variance/separated: 1 separated (intensity of segregation, Danckwerts 1952) */
 } dem_mixing;
 DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, const double *of_all);
-/* Returns the number of contacts between a group and the others, over what chance would give: 0 separated, 1 random.
-   NaN without contacts. */
+/* Returns the number of contacts between a group and the others, over the number expected by chance: 0 separated, 1
+   random. NaN without contacts. */
 DEM_API double dem_unlike_contacts(const dem_world *world, int group);
 
 /* Returns the volume of a ball within a box, its centre at the origin [m3] (closed form: Gauss-Bonnet for the sphere's
@@ -1304,107 +1313,108 @@ DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high);
 /* Returns a hash of every bit of the particles' state and histories, and of controlled walls. */
 DEM_API uint64_t dem_hash(const dem_world *world);
 
-/* Saves everything that the future depends on, little-endian, with version and checksum. Returns the size in bytes;
-   writes only if capacity is enough (call it with NULL, 0 first). 0 for what is no world, and from hooks: a step is
-   half done there. */
+/* Saves everything that determines the future, little-endian, with version and checksum. Returns the size in bytes;
+   writes only if capacity suffices (call it first with NULL, 0). Returns 0 for an invalid world, and from hooks, where
+   a step is half done. */
 DEM_API size_t dem_save(const dem_world *world, void *buffer, size_t capacity);
-/* Makes a world from saved bytes; its runs continue with the same bits, under a law with the name, version and number
-   of states of that which made the contacts (see dem_law). As for dem_init, *world must not be in use. allocator may be
-   NULL. DEM_BAD_DATA, DEM_OUT_OF_MEMORY: nothing is allocated then. */
+/* Makes a world from saved bytes. Its runs continue with the same bits, under a law with the name, version and number
+   of states of the one that made the contacts (see dem_law). As for dem_init, *world must not be in use. allocator may
+   be NULL. DEM_BAD_DATA, DEM_OUT_OF_MEMORY: then nothing is allocated. */
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator);
 
 /* --------------------------------------------------------------------------------------------- >>base/polyhedron.h */
 /* Convex polyhedra: public types and functions. */
 
-#define DEM_CORNERS_MAX 32                      /* corners of a core, at most: a set of them fits into 32 bits */
+#define DEM_CORNERS_MAX 32                      /* corners of a core at most: a set of them fits into 32 bits */
 #define DEM_FACES_MAX (2 * DEM_CORNERS_MAX - 4) /* by Euler's formula, if all are triangles */
 #define DEM_EDGES_MAX (3 * DEM_CORNERS_MAX - 6)
 
 /* A convex polyhedron with rounded edges and corners: all points within a radius of a core. Its flat faces are those of
-   the polyhedron that it was made of; the core is that polyhedron, eroded by the radius. Volume, centroid and inertia
-   are those of the sharp polyhedron. Corners and planes are measured from the centroid, along the axes of the frame in
-   which the polyhedron was given; in the copy that a world keeps (dem_get_shape), along the principal axes. Made by the
-   functions below. */
+   the polyhedron from which it was made; the core is that polyhedron, eroded by the radius. Volume, centroid and
+   inertia are those of the sharp polyhedron. Corners and planes are relative to the centroid, along the axes of the
+   frame in which the polyhedron was given; in the copy that a world keeps (dem_get_shape), along the principal axes.
+   Made by the functions below. */
 typedef struct dem_convex {
     int corners, edges, faces;
     int is_box;       /* 1: the core is a box along the principal axes with half lengths `half` */
     int along_axes;   /* 1: corners and planes lie along the principal axes; 0: as they were given */
-    int given;        /* corners of the polyhedron that it was made of */
+    int given;        /* corners of the polyhedron from which it was made */
     double radius;    /* of rounding [m] */
-    double deviation; /* of its surface, at most, from that of the given polyhedron with this rounding [m]; 0: none */
+    double deviation; /* of its surface from that of the given polyhedron with this rounding, at most [m]; 0: none */
     double reach;     /* from the centroid to the farthest point [m] */
     double volume;    /* [m3] */
     double moment[3]; /* principal moments of inertia over density [m5] */
-    int springs;      /* greatest number of corners of a face: so many together have the stiffness k of a pair */
+    int springs;      /* greatest number of corners of a face: together they have the stiffness k of a pair */
     double rate;      /* square of the highest frequency of a contact of a face or a corner, over k/m [-] */
     dem_vec half;     /* of a box [m] */
     dem_vec centroid; /* in the frame in which the polyhedron was given [m] */
     dem_vec
-        axis[3]; /* principal axes in that frame, right-handed; where moments are equal, those nearest to its axes */
+        axis[3]; /* principal axes in that frame, right-handed; for equal moments, those closest to the frame's axes */
     double corner[DEM_CORNERS_MAX][3];      /* of the core [m] */
     double plane[DEM_FACES_MAX][4];         /* of the core: outward normal and distance from the centroid [m] */
     uint8_t face_start[DEM_FACES_MAX + 1];  /* where a face's corners begin in face_corner */
     uint8_t face_corner[2 * DEM_EDGES_MAX]; /* counterclockwise from outside */
     uint8_t edge[DEM_EDGES_MAX][2];         /* corners of an edge */
     uint8_t edge_face[DEM_EDGES_MAX]
-                     [2]; /* its faces; it runs along the first one's corners, against the second one's */
+                     [2]; /* its faces; it runs along the corners of the first and against those of the second */
 } dem_convex;
 
 /* Makes a polyhedron from its corners, in any order. n: 4 or more; corners: shape [n][3] [m]; rounding: radius over the
-   smallest distance of a face from the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good value. Volume, centroid
-   and moments are those of all corners. A core of more than DEM_CORNERS_MAX corners (where more than three faces meet,
-   it has more of them than the polyhedron) is replaced by a near one, whose `deviation` tells how near.
-   DEM_BAD_ARGUMENT, with the cause in *reason (may be NULL): a number that is not finite or out of range, corners in one
-   plane, a point that is no corner (it lies inside, in a face, on an edge or on another), or a rounding that leaves no
-   core. DEM_OUT_OF_MEMORY: only for more than DEM_CORNERS_MAX corners, here or of the core. */
+   smallest distance between a face and the corner opposite to it [-], 0.001 .. 0.4; 0.03 is a good value. Volume,
+   centroid and moments are those of all corners. A core of more than DEM_CORNERS_MAX corners (where more than three
+   faces meet, it has more corners than the polyhedron) is replaced by a similar one; `deviation` tells how close it is.
+   DEM_BAD_ARGUMENT, with the cause in *reason (may be NULL): a number that is not finite or out of range, corners in
+   one plane, a point that is no corner (it lies inside, in a face, on an edge or on another), or a rounding that leaves
+   no core. DEM_OUT_OF_MEMORY: only for more than DEM_CORNERS_MAX corners, here or of the core. */
 DEM_API dem_status dem_make_convex(dem_convex *shape, int n, const double *corners, double rounding,
                                    const char **reason);
-/* Makes a polyhedron from the convex hull of points, for instance of a scan: of the corners of an STL file. points:
-   shape [n][3] [m], at least 4, with at most 65536 on the hull; those within it do not matter. tolerance: of the surface,
+/* Makes a polyhedron from the convex hull of points, for instance of a scan, or of the corners of an STL file. points:
+   shape [n][3] [m], at least 4, with at most 65536 on the hull; points inside do not matter. tolerance: of the surface,
    over the diameter of the sphere of the same volume [-], 0 .. 0.2: the core has as few corners as keep `deviation`
-   below it, and is refused if DEM_CORNERS_MAX are not enough; 0: as near as these can be. allocator: of the work space;
-   NULL: realloc and free. Otherwise as dem_make_convex. */
+   below it, and is refused if DEM_CORNERS_MAX do not suffice; 0: as close as these allow. allocator: for working
+   memory; NULL: realloc and free. Otherwise as dem_make_convex. */
 DEM_API dem_status dem_make_hull(dem_convex *shape, ptrdiff_t n, const double *points, double rounding,
                                  double tolerance, const dem_allocator *allocator, const char **reason);
-/* Makes a box of these lengths along its axes [m] > 0. rounding, reason: as in dem_make_convex. */
+/* Makes a box with these edge lengths along its axes [m] > 0. rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rounding, const char **reason);
-/* Makes a round tablet, lens or cylinder about the z axis. diameter, height: over all [m] > 0; band: height of its
-   straight side [m]: as `height`, a cylinder; less, with caps that are parts of balls, at most half ones; 0, a lens. Drawn
-   with 16 sides and the volume of the round body. With caps the core is a reduced one: `deviation` tells by how much.
-   rounding, reason: as in dem_make_convex. */
+/* Makes a round tablet, lens or cylinder about the z axis. diameter, height: overall [m] > 0; band: height of its
+   straight side [m]. If it equals `height`, the shape is a cylinder; if it is less, the shape has caps that are parts
+   of balls, half balls at most; 0 makes a lens. The polyhedron has 16 sides and the volume of the round body. With caps
+   the core is reduced: `deviation` tells by how much. rounding, reason: as in dem_make_convex. */
 DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double height, double band, double rounding,
                                    const char **reason);
-/* Makes a grain of gravel: corners on an ellipsoid with half axes in the ratio 1 : elongation : elongation flatness along
-   x, y, z, evenly spread and shaken. diameter: of the sphere of the same volume [m] > 0; elongation, flatness: 0.1 .. 1
-   [-]; corners: 6 .. 300; seed: any number, other grains for other ones. rounding, reason: as in dem_make_convex. */
+/* Makes a grain of gravel: corners on an ellipsoid with half axes in the ratio 1 : elongation : elongation flatness
+   along x, y, z, spread evenly and then perturbed. diameter: of the sphere of the same volume [m] > 0; elongation,
+   flatness: 0.1 .. 1 [-]; corners: 6 .. 300; seed: any number; each makes another grain. rounding, reason: as in
+   dem_make_convex. */
 DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double elongation, double flatness, int corners,
                                    uint64_t seed, double rounding, const char **reason);
-/* Makes a polyhedron from a closed surface of up to 4000 triangles that is convex. Also refuses an edge that has not two
-   triangles, and a corner outside of a triangle's plane. Triangles in one plane make one face. */
+/* Makes a polyhedron from a convex closed surface of up to 4000 triangles. Also refuses an edge that does not have two
+   triangles, and a corner outside a triangle's plane. Triangles in one plane make one face. */
 DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh, double rounding, const char **reason);
 
-/* Adds a shape to a world, which keeps a copy of it, turned to the principal axes. Returns its number from 0 on, or minus
-   a dem_status. */
+/* Adds a shape to a world, which keeps a copy turned to the principal axes. Returns its number from 0 on, or minus a
+   dem_status. */
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 /* Adds n polyhedra of a shape at rest. centres: of mass, shape [n][3] [m]; orientations: [n][4], quaternions of any
    length but 0, scalar first, from the frame in which the shape was given to the world's; NULL: as it was given.
    Otherwise as dem_add_spheres. Each is one particle, whose radius is that of the sphere around it. A contact is a
    point: a corner at the other body, or two edges that cross. At each point the pair's law acts between spheres with
-   the rounding radii (of a sphere its own); all points of a pair share its spring and its dashpot, so that a
-   face is one contact. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs
-   need DEM_FRICTION (otherwise DEM_POLYHEDRON; a coefficient of 0 takes it out). Overlaps must stay below the sum of
-   the radii: cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls
-   of every kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
+   the rounding radii (a sphere has its own). All points of a pair share its spring and its dashpot, so that a face is
+   one contact. Weights of points let force pass from edges to corners without a jump (docs/dem_convex.md). Runs need
+   DEM_FRICTION (otherwise DEM_POLYHEDRON; a friction of 0 is allowed). Overlaps must stay below the sum of the radii:
+   cores that overlap are pushed apart, too, but their normals may jump. Corners, edges and faces touch walls of every
+   kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres,
                                   const double *orientations, int material, int group);
 DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i); /* number of its shape; -1: it has none */
 DEM_API const dem_convex *dem_get_shape(const dem_world *world,
                                         int shape); /* owned by the world; NULL if there is none */
-/* Counts the overlaps that are too deep, in the last step: pairs of polyhedra whose cores overlapped, spheres whose
-   centre was in a core, and walls that cut a core. 0 is right. */
+/* Counts the overlaps in the last step that are too deep: pairs of polyhedra whose cores overlapped, spheres whose
+   centre was in a core, and walls that cut a core. It should be 0. */
 DEM_API int64_t dem_core_overlaps(const dem_world *world);
-/* Counts them in all steps since the world was made: two pairs for three steps are 6. A run says with it whether its
-   contacts were too soft at any time; a save keeps it. */
+/* Counts them over all steps since the world was made: two pairs for three steps are 6. It tells whether contacts were
+   too soft at any time of a run. A save keeps it. */
 DEM_API int64_t dem_core_overlap_steps(const dem_world *world);
 
 /* ---------------------------------------------------------------------------------------------- >>base/triangles.h */
@@ -1436,7 +1446,7 @@ typedef struct dem__mesh_edges {
 } dem__mesh_edges;
 
 /* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in
-   depth-first order; `skip` is the next node that is not below this one. */
+   depth-first order; `skip` is the next node outside this subtree. */
 typedef struct dem__tree {
     size_t bytes;
     dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */
@@ -1632,14 +1642,14 @@ enum {
 enum { DEM__XI };
 
 /* Returns the factor of the dashpot's velocity, which is predicted over a step h. With it, an oscillation of two bodies
-   on a linear spring of k m/h^2 and a dashpot of c m/h decays as it should, to third order. It follows from the
+   with a linear spring of k m/h^2 and a dashpot of c m/h decays correctly to third order. It follows from the
    characteristic equation of the scheme for positions proportional to z^n: 2 z (z - 1)^2 + 2 k z^2 + c (z - 1)(3 z - 1)
    = 0. */
 DEM_INLINE double dem__prediction(double k, double c) {
     return 1.0 - (11.0 * k - 5.0 * c * c + 9.0 * c * k - 3.0 * c * c * c) / 24.0;
 }
 
-/* Computes rolling resistance against the relative spin: at most the torque that stops it in two steps. */
+/* Computes rolling resistance against the relative spin: at most the torque that stops the spin in two steps. */
 DEM_INLINE void dem__roll(const dem_contact *c, double normal, double arm, double cap, dem_response *r) {
     const double *n = c->normal, *w = c->spin;
     double along = w[0] * n[0] + w[1] * n[1] + w[2] * n[2];
@@ -1669,17 +1679,17 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
 
     double push = force > 0.0 ? force : 0.0, limit = p[DEM__MU] * push;
     double relax = p[DEM__GAMMA_T] / (p[DEM__KT] > 0.0 ? p[DEM__KT] : 1.0), xi[3],
-           t[3]; /* [s]; arbitrary without a spring */
+           t[3]; /* [s]; any value if there is no spring */
     for (int a = 0; a < 3; a++) {
         xi[a] = state[DEM__XI + a] + c->slip[a] * c->dt;
         t[a] = p[DEM__KT] * xi[a] + p[DEM__GAMMA_T] * c->slip[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), most = size + 1e-300;
     double scale =
-        (limit < most ? limit : most) / most; /* a choice of 1 would make gcc compute both cases of all that follows */
+        (limit < most ? limit : most) / most; /* with 1 here gcc would compute both cases below */
     for (int a = 0; a < 3; a++) {
         double kept = size > limit ? scale * (xi[a] + relax * c->slip[a])
-                                   : xi[a]; /* sliding: the spring carries the whole force */
+                                   : xi[a]; /* when it slides, the spring carries the whole force */
         r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force over
                                                                                              the distance slid */
         r->elastic += 0.5 * p[DEM__KT] * kept * kept;
@@ -1705,8 +1715,8 @@ static inline double dem_prepare_linear(const dem_birth *b, double *constants) {
     return k;
 }
 
-/* Hertz-Mindlin: normal force 4/3 E* sqrt(R*) delta^1.5, dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992;
-   gives e exactly: Antypov & Elliott 2011), tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949,
+/* Hertz-Mindlin. Normal force 4/3 E* sqrt(R*) delta^1.5; dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992;
+   gives e exactly: Antypov & Elliott 2011); tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949,
    without microslip). A stored tangential force follows the contact radius when it grows and when it shrinks, as in
    Chung & Ooi's impact tests and in the common codes. The energy that a change of the radius adds or takes counts as
    sliding loss, with its sign. */
@@ -1728,7 +1738,7 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
     double overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[DEM__HERTZ_RADIUS] * overlap);
     double spring = p[DEM__HERTZ_K] * area * overlap, damping = p[DEM__HERTZ_GAMMA] * sqrt(area);
     double step = c->dt / c->mass,
-           k = 1.5 * p[DEM__HERTZ_K] * area * c->dt * step; /* of a spring as stiff as it is now */
+           k = 1.5 * p[DEM__HERTZ_K] * area * c->dt * step; /* of a spring that is as stiff as the contact now */
     double closing = dem__prediction(k, damping * step) * c->closing, force = spring + damping * closing;
     r->normal = r->contact = force;
     r->ended = c->gap < 0.0 ? 0.0 : 1.0;
@@ -1797,9 +1807,9 @@ DEM__FORCE(dem_force_hertz_rolling, dem__hertz, DEM_FRICTION | DEM_ROLLING)
 /* ------------------------------------------------------------------------------------------------ >>base/vectors.h */
 /* Vectors: pure functions. */
 
-/* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0; neither they
-   nor their squares become subnormal numbers, which make a processor slow. Two additions cost less than a comparison.
-   */
+/* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0. Neither
+   they nor their squares become subnormal numbers, which slow a processor down. Two additions cost less than a
+   comparison. */
 DEM_INLINE double dem__flushed(double v) { return (v + DEM__LEAST) - DEM__LEAST; }
 DEM_INLINE dem_vec dem__flushed_vec(dem_vec v) {
     return dem_vec3(dem__flushed(v.x), dem__flushed(v.y), dem__flushed(v.z));
@@ -1823,10 +1833,11 @@ DEM_INLINE dem_vec dem__point(const double *x) { return dem_vec3(x[0], x[1], x[2
 /* ---------------------------------------------------------------------------------------------------- >>gas/laws.h */
 /* Laws of drag: pure functions of scalars. */
 
-/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], of a particle among others. For Re
-   = density porosity |slip| d/viscosity, d the diameter of the sphere of equal volume, slip the velocity of the gas
-   between the particles minus the particle's. The force is (pi/8) viscosity d (c_D Re) slip, apart from the pressure
-   gradient: finite, and right, at rest. porosity: 0 < .. <= 1. NaN outside: Re < 0, another porosity. */
+/* A law of drag. Returns the drag coefficient times the Reynolds number, c_D Re [-], for a particle among others. Re =
+   density porosity |slip| d/viscosity, where d is the diameter of the sphere of equal volume, and slip the velocity of
+   the gas between the particles minus that of the particle. Apart from the pressure gradient, the force is (pi/8)
+   viscosity d (c_D Re) slip, which is finite and right at rest, too. porosity: 0 < .. <= 1. NaN for Re < 0 or another
+   porosity. */
 typedef double (*dem_drag_fn)(double reynolds, double porosity, const dem_gas *gas);
 
 /* Returns x^power of x > 0. */
@@ -1841,43 +1852,43 @@ DEM_INLINE double dem_di_felice(double reynolds) {
     const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
     return reynolds > 0.0 ? 3.7 - 0.65 * riddle_exp(-0.5 * off * off) : 3.7;
 }
-/* Returns by what other particles raise c_D Re of a single one (Di Felice 1994): porosity^(1 - chi), where both have the
-   superficial slip, and the force counts on the slip between the particles; 1 alone. A law for single particles is
-   multiplied by it. */
+/* Returns the factor by which other particles raise c_D Re of a single one (Di Felice 1994): porosity^(1 - chi), for
+   c_D Re at the superficial slip and a force that acts on the slip between the particles; 1 alone. Multiply a law for
+   single particles by it. */
 DEM_INLINE double dem_hindrance_di_felice(double reynolds, double porosity) {
     if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
     return porosity < 1.0 ? dem__drag_power(porosity, 1.0 - dem_di_felice(reynolds)) : 1.0;
 }
 
-/* Returns c_D Re of single spheres by Schiller & Naumann 1933; beyond Re = 1000 by Newton's 0.44. */
+/* Returns c_D Re of a single sphere by Schiller & Naumann 1933; above Re = 1000 by Newton's 0.44. */
 DEM_INLINE double dem__drag_of_sphere(double reynolds) {
     if (reynolds > 1000.0) return 0.44 * reynolds;
     return reynolds > 0.0 ? 24.0 + 3.6 * dem__drag_power(reynolds, 0.687) : 24.0;
 }
 
-/* Returns c_D Re by Stokes 1851, among others by Di Felice. */
+/* Returns c_D Re by Stokes 1851; among other particles times Di Felice's factor. */
 DEM_INLINE double dem_drag_stokes(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     return 24.0 * dem_hindrance_di_felice(reynolds, porosity);
 }
 
-/* Returns c_D Re by Schiller & Naumann 1933, for spheres, beyond Re = 1000 by Newton's 0.44; among others by Di Felice.
- */
+/* Returns c_D Re of spheres by Schiller & Naumann 1933, above Re = 1000 by Newton's 0.44; among other particles times
+   Di Felice's factor. */
 DEM_INLINE double dem_drag_schiller_naumann(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     const double hindrance = dem_hindrance_di_felice(reynolds, porosity); /* NaN outside the domain */
     return dem__drag_of_sphere(reynolds) * hindrance;
 }
 
-/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among others by Di
-   Felice. */
+/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among other particles
+   times Di Felice's factor. */
 DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, double porosity, const dem_gas *gas) {
     const double alone = gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
     return alone * dem_hindrance_di_felice(reynolds, porosity);
 }
 
-/* Returns c_D Re by Gidaspow 1994, for spheres: below a porosity of 0.8 by Ergun 1952, from there on by Wen & Yu 1966.
-   It jumps there. */
+/* Returns c_D Re of spheres by Gidaspow 1994: below a porosity of 0.8 by Ergun 1952, from 0.8 on by Wen & Yu 1966. It
+   jumps there. */
 DEM_INLINE double dem_drag_gidaspow(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
@@ -1886,13 +1897,14 @@ DEM_INLINE double dem_drag_gidaspow(double reynolds, double porosity, const dem_
     return porosity < 1.0 ? alone * dem__drag_power(porosity, -2.65) : alone;
 }
 
-/* Returns c_D Re by Beetstra, van der Hoef & Kuipers 2007, eq. 16, for spheres: from lattice-Boltzmann simulations with
+/* Returns c_D Re of spheres by Beetstra, van der Hoef & Kuipers 2007, eq. 16, from lattice-Boltzmann simulations with
    porosities of 0.4 and more, Re up to 1000. */
 DEM_INLINE double dem_drag_beetstra(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
     const double solid = 1.0 - porosity, square = porosity * porosity;
-    double force = 10.0 * solid / square + square * (1.0 + 1.5 * sqrt(solid)); /* over 3 pi viscosity d (superficial) */
+    /* divided by 3 pi viscosity d (superficial slip) */
+    double force = 10.0 * solid / square + square * (1.0 + 1.5 * sqrt(solid));
     if (reynolds > 0.0) {
         const double ten = 2.302585092994045684, log_re = riddle_log(reynolds);
         const double sum = 1.0 / porosity + 3.0 * porosity * solid + 8.4 * riddle_exp(-0.343 * log_re);
@@ -1902,9 +1914,9 @@ DEM_INLINE double dem_drag_beetstra(double reynolds, double porosity, const dem_
     return 24.0 * porosity * force;
 }
 
-/* Returns c_D Re by Hill, Koch & Ladd 2001 (Koch & Hill 2001), for spheres: F0 + F3 Re/2, from lattice-Boltzmann
-   simulations with porosities of 0.36 and more, Re up to 240. Their F contains the pressure gradient's part, 1 -
-   porosity of it. In dilute gas it is only right at small Re. */
+/* Returns c_D Re of spheres by Hill, Koch & Ladd 2001 (Koch & Hill 2001): F0 + F3 Re/2, from lattice-Boltzmann
+   simulations with porosities of 0.36 and more, Re up to 240. Their F contains the part of the pressure gradient, 1 -
+   porosity of it. In dilute gas the law is right only at small Re. */
 DEM_INLINE double dem_drag_koch_hill(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
@@ -1933,7 +1945,7 @@ DEM_INLINE dem__gas_frame dem__gas_frame_at(const dem_gas *gas, double time) {
     }
     return f;
 }
-/* Returns v turned by the frame's angle, or with sign -1 turned back. */
+/* Returns v turned by the frame's angle, or turned back with sign -1. */
 DEM_INLINE dem_vec dem__turned(const dem_gas *gas, const dem__gas_frame *f, dem_vec v, double sign) {
     const double along = (1.0 - f->c) * dem__dot(gas->axis, v);
     return dem__plus(dem__plus(dem__scale(f->c, v), sign * f->s, dem__cross(gas->axis, v)), along, gas->axis);
@@ -1992,8 +2004,7 @@ DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, c
     return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
 }
 
-/* Returns the force of a gas on a particle [N]: drag, alone or among others, pressure gradient, buoyancy; 0 beyond the
-   grid. */
+/* Returns the force of a gas on a particle [N]: drag, pressure gradient, buoyancy; 0 beyond the grid. */
 DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
     const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
     const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
@@ -2036,8 +2047,8 @@ DEM_INLINE dem_vec dem__gas_curl(const dem_gas *gas, const dem__gas_cell *cell) 
     return dem_vec3(curl[0], curl[1], curl[2]);
 }
 
-/* Returns the coefficient c of the torque -c (spin - spin of the gas) on a sphere of a particle's volume [N m s]: pi
-   viscosity d^3 up to Re = density d^2 spin/viscosity = 32 (Stokes), beyond that by Dennis, Singh & Ingham 1980; 0
+/* Returns the coefficient c of the torque -c (spin - spin of the gas) on a sphere of the particle's volume [N m s]: pi
+   viscosity d^3 up to Re = density d^2 spin/viscosity = 32 (Stokes), above that by Dennis, Singh & Ingham 1980; 0
    beyond the grid. The gas turns with its frame, and with half the curl of its velocity. *spin: in, of the particle
    [rad/s]; out, relative to the gas. */
 DEM_INLINE double dem__gas_turning(const dem_force_point *at, dem_vec *spin) {
@@ -2051,12 +2062,12 @@ DEM_INLINE double dem__gas_turning(const dem_force_point *at, dem_vec *spin) {
     *spin = dem__plus(*spin, -gas->spin, gas->axis);
     if (gas->velocity) *spin = dem__plus(*spin, -0.5, dem__turned(gas, &f, dem__gas_curl(gas, &cell), 1.0));
     const double reynolds = gas->density * d * d * dem__length(*spin) / gas->viscosity;
-    const double over = (12.9 * sqrt(reynolds) + 128.4) / (64.0 * RIDDLE_PI); /* Stokes's torque */
+    const double over = (12.9 * sqrt(reynolds) + 128.4) / (64.0 * RIDDLE_PI); /* over Stokes's torque */
     return RIDDLE_PI * gas->viscosity * d * d * d * (over > 1.0 ? over : 1.0);
 }
 
-/* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or
-   one of yours. */
+/* Makes the kernel of a force field from a law of drag in a gas: DEM_GAS(name, dem_drag_schiller_naumann), or a law of
+   your own. */
 #define DEM_GAS(name, drag)                                                                                            \
     DEM_INLINE dem_vec name##_force(const dem_force_point *at) {                                                       \
         return dem_gas_force(at, (const dem_gas *)at->user, drag);                                                     \
@@ -2068,11 +2079,11 @@ DEM_INLINE double dem__gas_turning(const dem_force_point *at, dem_vec *spin) {
 
 /* ------------------------------------------------------------------------------------------------ >>base/feature.h */
 /* What a feature adds to spheres and walls, as a table of functions: links, rigid bodies, polyhedra, a force field, the
-   energy ledger, fixed particles, meshes. The engine calls the tables that a world has, where their members say.
-   dem__add_feature adds one when the feature is first used or loaded, so a program that never names a feature compiles
-   none of it. A member that a feature does not need is NULL. None of them is called for a single contact. */
+   energy ledger, fixed particles, meshes. The members say when the engine calls them. dem__add_feature adds a table
+   when the feature is first used or loaded, so a program that never names a feature compiles none of it. Members that a
+   feature does not need are NULL. None is called for a single contact. */
 
-/* An array of a group. Lists of them make growing, freeing and saving loops. */
+/* An array of a group. Growing, freeing and saving loop over lists of them. */
 typedef struct dem__array {
     void *address; /* of the pointer to it */
     size_t size;   /* of an entry [bytes] */
@@ -2084,7 +2095,7 @@ enum {
     DEM__OWN_ARRAYS = 4
 };
 
-/* Particles first .. end-1 that move as one. */
+/* Particles first .. end-1, which move as one. */
 typedef struct dem__pieces {
     ptrdiff_t first, end;
 } dem__pieces;
@@ -2108,47 +2119,47 @@ enum {
 typedef struct dem__feature {
     int place;      /* DEM__LEDGER_FEATURE and so on */
     int adds_loads; /* it adds to the loads of particles */
-    int sorts;      /* in a run particles may lie in another order: it knows them by its arrays alone, and adds up nothing
-                       in the order of particles */
-    int exclusive;  /* it moves particles between steps: a world has at most one such feature */
+    int sorts;      /* in a run particles may lie in another order: the feature knows them only by its arrays, and sums
+                       nothing in the order of particles */
+    int exclusive;  /* it moves particles between steps; a world has at most one such feature */
 
     /* Memory. */
     int (*list_arrays)(dem_world *w, dem__array *list); /* lists its arrays of particles; returns their number */
     int (*list_contact_arrays)(dem_world *w, dem__array *list); /* the same of contacts */
     void (*release)(dem_world *w);                              /* frees its own memory */
 
-    /* Particles come, are changed by the caller, and go. */
-    void (*add_particle)(dem_world *w, ptrdiff_t i);       /* sets its numbers of a new particle */
+    /* Particles come, are changed by the caller, and leave. */
+    void (*add_particle)(dem_world *w, ptrdiff_t i);       /* sets its data of a new particle */
     void (*begin_change)(dem_world *w, dem__pieces of);    /* before the caller changes how some particles move */
     void (*end_change)(dem_world *w, dem__pieces of);      /* after it */
     void (*set_time_step)(dem_world *w);                   /* the time step has changed */
     void (*remove_particle)(dem_world *w, ptrdiff_t i);    /* particle i leaves */
-    void (*renumber)(dem_world *w, const int32_t *number); /* particles have other numbers; -1: it is gone */
+    void (*renumber)(dem_world *w, const int32_t *number); /* particles have new indices; -1: removed */
 
     /* A run. */
-    dem_status (*check_run)(const dem_world *w, const dem_kernel *kernel); /* what prevents it, or DEM_OK */
+    dem_status (*check_run)(const dem_world *w, const dem_kernel *kernel); /* returns what prevents it, or DEM_OK */
     int (*prepare_run)(dem_world *w);                                      /* lists are new; 0 after a failure */
     void (*set_law)(dem_world *w, const dem_kernel *kernel);               /* law and features of the run are set */
-    void (*find_forces)(dem_world *w); /* before forces are found while no time passes, and after it */
+    void (*find_forces)(dem_world *w); /* before forces are computed while no time passes, and after that */
     void (*forces_found)(dem_world *w);
     void (*begin_run)(dem_world *w);         /* before its first step */
     void (*begin_ledger)(dem_world *w);      /* the energy ledger begins */
-    int (*end_run)(dem_world *w, int going); /* going: no failure so far; 0 after one */
+    int (*end_run)(dem_world *w, int going); /* going: no failure so far; returns 0 after one */
 
     /* The list of near pairs. */
     void (*keep_up)(dem_world *w);      /* before the list is checked or built */
     dem_status (*listed)(dem_world *w); /* the list is new */
     double (*drift)(const dem_world *w,
-                    ptrdiff_t i); /* change of particle i's velocity that is not seen in each step [m/s] */
+                    ptrdiff_t i); /* change of particle i's velocity that single steps do not show [m/s] */
 
     int (*begins_early)(const dem_world *w, ptrdiff_t i, ptrdiff_t j,
-                        int32_t element); /* i touches j below touch_gap */
+                        int32_t element); /* whether i and j begin a contact below touch_gap */
 
     /* A step, in this order. */
     int (*begin_step)(dem_world *w);                       /* 0 after a failure */
-    void (*follow)(dem_world *w, int64_t step);            /* takes its contacts to a step */
+    void (*follow)(dem_world *w, int64_t step);            /* moves its contacts to a step */
     void (*detect)(dem_world *w, int64_t step);            /* finds its own contacts at a step */
-    void (*contacts_begun)(dem_world *w, ptrdiff_t begun); /* that many contacts begin, listed in contacts.slots */
+    void (*contacts_begun)(dem_world *w, ptrdiff_t begun); /* so many contacts begin, listed in contacts.slots */
     void (*add_forces)(dem_world *w, double h);            /* after those of contacts; h: length of the step [s] */
     void (*end_contact)(dem_world *w, ptrdiff_t c);        /* the contact in slot c ends */
     void (*leave)(dem_world *w);                           /* before particles that passed an exit are removed */
@@ -2156,23 +2167,24 @@ typedef struct dem__feature {
     int (*end_step)(dem_world *w);                         /* 0 after a failure */
 
     /* Reading. */
-    ptrdiff_t (*forces)(const dem_world *w);                    /* how many forces of its own act between particles */
+    /* how many forces of the feature act between particles */
+    ptrdiff_t (*forces)(const dem_world *w);
     dem_contact_info (*force)(const dem_world *w, ptrdiff_t k); /* one of them */
     dem_vec (*velocity_error)(const dem_world *w, ptrdiff_t i,
-                              double tau);                              /* what the velocity on the parabola lacks */
+                              double tau);                              /* error of a velocity on the parabola */
     void (*correct_velocity)(dem_world *w, ptrdiff_t i, dem_vec error); /* adds it at a new origin */
     void (*open_books)(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums); /* adds what is not booked yet */
 
     /* Saving. */
-    void (*world_fields)(dem_world *w, struct dem__group *g);    /* adds its single numbers */
-    void (*particle_fields)(dem_world *w, struct dem__group *g); /* adds its numbers of particles */
+    void (*world_fields)(dem_world *w, struct dem__group *g);    /* adds its fields of the world */
+    void (*particle_fields)(dem_world *w, struct dem__group *g); /* adds its fields of particles */
     void (*contact_fields)(dem_world *w, struct dem__group *g);
     void (*save)(struct dem__stream *s, dem_world *w, struct dem__group *g);
-    int (*is_used)(const struct dem__file *file, const dem_world *w); /* whether a loaded world has it, after its single
-                                                                         numbers; -1: these are not valid */
+    /* whether a loaded world has it, once its fields of the world are read; -1: these are not valid */
+    int (*is_used)(const struct dem__file *file, const dem_world *w);
     dem_status (*load_first)(const struct dem__file *file, dem_world *w, struct dem__group *g); /* before particles */
     dem_status (*load)(const struct dem__file *file, dem_world *w, struct dem__group *g);
-    void (*loaded)(dem_world *w); /* derives what is not saved, after all has been loaded */
+    void (*loaded)(dem_world *w); /* derives what is not saved, after everything has been loaded */
     void (*hash_particle)(uint64_t *hash, const dem_world *w, ptrdiff_t i);
     void (*hash_before_contacts)(uint64_t *hash, const dem_world *w);
     void (*hash)(uint64_t *hash, const dem_world *w);
@@ -2189,47 +2201,50 @@ static inline dem__feature dem__new_feature(int place) {
 /* ---------------------------------------------------------------------------------------- >>base/polyhedra_state.h */
 /* The engine's state of polyhedra. */
 
-/* Place of a core: its centre [m] and the directions of its own axes. */
+/* Placement of a core: its centre [m] and the directions of its own axes. */
 typedef struct dem__placed {
     dem_vec x, axis[3];
 } dem__placed;
 
-/* The corners that were nearest at the last test of a pair: 12 bytes that change how fast a distance is found, not what
-   it is. */
+/* The corners that were nearest at the last test of a pair: 12 bytes that speed up the search for the distance and do
+   not change it. */
 typedef struct dem__nearest_cache {
     uint8_t n, a[4], b[4], unused[3];
 } dem__nearest_cache;
 
-/* A point where two rounded cores a and b touch: a sphere of a's radius about `at` touches one of b's about at - (gap +
-   radii) normal. */
+/* A point where two rounded cores a and b touch: a sphere of a's radius about `at` touches one of b's radius about at -
+   (gap + radii) normal. */
 typedef struct dem__convex_point {
-    int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a pair of edges, or its ends */
+    int32_t key;        /* 0 .. 31: corner of a; 32 .. 63: corner of b; from 64 on: a crossing of edges, or one of its
+                           ends */
     int32_t taken;      /* a contact uses it */
     dem_vec normal, at; /* from b to a; [m] */
-    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1; then the
-                           part that it has in its pair's law */
-    double count;       /* of a corner 1, of a crossing what its ends leave, of an end 0; over the springs of its body */
-    double spring;      /* factor of the force of its spring: polyhedra/share.h */
-    double pull;        /* the part that it has in its pair's pull, over the force of its spring */
+    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1, over the
+                           springs of its body; later its part of the pair's law */
+    double count;       /* for a corner 1, for a crossing what its ends leave, for an end 0; over the springs of its
+                           body */
+    double pull;        /* its part of the pair's pull, over the force of its spring */
     double damping;     /* factor of the closing speed in the law */
 } dem__convex_point;
 
 /* Two bodies that may touch, at least one of them a polyhedron: particles i < j, or particle i and wall -1 - j. */
 typedef struct dem__convex_pair {
-    int32_t i, j, near;   /* near: its number among near pairs, or -1 */
+    int32_t i, j, near;   /* near: index of its near pair, or -1 */
     int32_t first, count; /* of its points in the present step */
     int32_t is_close;     /* whether the spheres around the two touch in the present step */
-    int64_t idle_until;   /* step before which they cannot touch while both fly on, and the wall is no faster */
+    int64_t skip_until;   /* step before which they cannot touch as long as both stay in flight and the wall is no
+                             faster */
     int64_t origin[2];    /* origin steps of these flights */
-    double speed, spin;   /* bounds of the wall's motion on which it relies [m/s], [rad/s] */
+    double speed, spin;   /* bounds of the wall's motion that this relies on [m/s], [rad/s] */
     dem__nearest_cache cache;
     dem_vec axis;   /* a direction in which the cores were apart at the last test; 0: none */
-    double pull[9]; /* what the springs of its points exert beyond their parts in the law, over the stiffness: force on
-                       i, torques on i and j */
+    double pull[9]; /* force by which the springs of its points exceed their parts in the law, over the stiffness: force
+                       on i, torques on i and j */
 } dem__convex_pair;
 
 /* The functions that the engine calls for polyhedra, in the order of a step; they are in polyhedra/add.h. The first
-   shape of a world sets the table, so that a program that adds no shape and loads no world compiles none of them. */
+   shape of a world sets the table, so that a program that neither adds a shape nor loads a world compiles none of
+   them. */
 struct dem__rows;
 struct dem__type_rows;
 struct dem__wall_row;
@@ -2247,33 +2262,33 @@ typedef struct dem__convex_calls {
     dem_status (*add)(dem_world *w, int shape, ptrdiff_t n, const double *centres, const double *orientations,
                       int material, int group); /* adds polyhedra: dem_add_convex, for feeds */
     void (*leave_edges)(dem_world *w, const struct dem__chunk *in,
-                        ptrdiff_t marked); /* excludes polyhedra from edge steps */
+                        ptrdiff_t marked); /* excludes polyhedra from partial steps */
 } dem__convex_calls;
 
-/* Polyhedra. polyhedra/add.h adds shapes, polyhedra/pairs.h lists pairs and finds their points. Without any shape all
-   of it is zero. */
+/* Polyhedra. polyhedra/add.h adds shapes, polyhedra/pairs.h lists pairs and finds their points. All of it is zero until
+   there is a shape. */
 typedef struct dem__convex_state {
     const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;
     int shapes;
-    int32_t *shape_of;      /* of a particle: its shape's number + 1, or 0 for a sphere; NULL without shapes */
-    dem__placed *place;     /* of a particle that is a polyhedron: its place at the end of the present step */
-    dem__convex_pair *pair; /* those of particles in the order of near pairs, then those with walls in the order of
+    int32_t *shape_of;      /* for a particle: index of its shape + 1, or 0 for a sphere; NULL without shapes */
+    dem__placed *place;     /* for a polyhedron: its placement at the end of the present step */
+    dem__convex_pair *pair; /* pairs of particles in the order of near pairs, then pairs with walls in the order of
                                particles and walls */
     ptrdiff_t pairs, of_particles, pair_capacity;
     dem__convex_point *point;
     ptrdiff_t point_capacity;
     int64_t overlaps;      /* of cores, in the last step */
-    int64_t overlap_steps; /* of cores, and cores that walls cut, sum over all steps */
+    int64_t overlap_steps; /* overlaps of cores, and cores that walls cut, summed over all steps */
 } dem__convex_state;
 
 /* ------------------------------------------------------------------------------------------------- >>base/engine.h */
-/* The private state behind a world, in structs. Their comments say where most of it happens, not who writes each field:
-   ask grep. */
+/* The private state behind a world, in structs. Their comments say where most of the work is done, not every place that
+   writes a field: ask grep. */
 
-/* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, its surface
-   lies within reach + t tolerance of the point x + t u. The bound holds while its velocity differs from u by less than
-   the tolerance; then it gets a new one. One cache line. */
+/* Bound on a particle's motion, in the frame in free fall since the list was built. At t [s] after that, the particle's
+   surface lies within reach + t tolerance of the point x + t u. The bound holds while the velocity differs from u by
+   less than the tolerance; then the particle gets a new bound. One cache line. */
 typedef struct dem__bound {
     double x, y, z, reach;        /* [m] */
     double ux, uy, uz, tolerance; /* [m/s] */
@@ -2282,7 +2297,7 @@ typedef struct dem__bound {
 typedef double dem__two_vec[6];   /* two vectors, which dem__first and dem__second return */
 typedef dem__two_vec dem__wrench; /* force [N] and torque [N m] */
 
-/* Sums of forces and torques on a particle, and what turns them into accelerations. One cache line. */
+/* Sums of forces and torques on a particle, and the factors that turn them into accelerations. One cache line. */
 typedef struct dem__sum {
     dem__wrench load;
     double per_mass, per_inertia; /* [1/kg], [1/(kg m2)] */
@@ -2291,13 +2306,13 @@ typedef struct dem__sum {
 /* Constants that contacts of the same sizes and materials share. */
 typedef struct dem__contact_type {
     double mass, predict; /* m_eff [kg]; factor of the closing speed in contact [-] */
-    double sum, part;     /* r_i + r_j [m]; r_i / (r_i + r_j) [-], at a wall 1 */
+    double sum, part;     /* r_i + r_j [m]; r_i / (r_i + r_j) [-]; at a wall 1 */
     double constant[DEM_CONSTANTS_MAX];
 } dem__contact_type;
 
 /* A chunk holds the contacts whose lower rank (see dem__lower_rank) is at least first_rank and below that of the chunk
    before, in the slots first .. first + count - 1. When it is full, new contacts go to the last chunk, which can grow.
-   So a particle has contacts in its own chunk and in later ones only. */
+   So a particle has contacts only in its own chunk and in later ones. */
 typedef struct dem__chunk {
     ptrdiff_t first, count, capacity;
     ptrdiff_t marked, postponed; /* contacts that begin or end in this step, listed in contacts.slots; number of
@@ -2306,16 +2321,16 @@ typedef struct dem__chunk {
     int at_walls; /* whether a contact with a wall was evaluated in this step */
 } dem__chunk;
 
-/* A force that this thread may not add yet, because another thread must add to that particle first. It stands in the
-   lists of the shares to which i and j belong. */
+/* A force that this thread may not add yet, because another thread must add to that particle first. It is in the lists
+   of the shares to which i and j belong. */
 typedef struct dem__postponed {
     double out[9];
     int32_t i, j, next_i, next_j; /* next_: entry * 2 + (0: its i, 1: its j), or -1 */
 } dem__postponed;
 
-/* Correction of a contact that begins or ends in a step, applied at the end of the step. */
+/* Correction of a partial step of a contact, applied at the end of the step. */
 typedef struct dem__correction {
-    double n[3], shift; /* normal; mass times the distance by which it moves its bodies apart along it [kg m] */
+    double n[3], shift; /* normal; mass times the distance by which it moves the bodies apart along it [kg m] */
     double impulse[9];  /* time integrals of the force on i and the torques on i and j [N s], [N m s] */
 } dem__correction;
 
@@ -2325,35 +2340,35 @@ typedef struct dem__wall_force {
     double belt_power;
 } dem__wall_force;
 
-/* The numbers kept of the place where a contact touches: the arrays of contacts.touch. A sphere at a mesh, a sphere at
-   a cone and a polyhedron use them each in its own way; other contacts have none. */
+/* What contacts keep about the place where they touch: the arrays of contacts.touch. A sphere at a mesh, a sphere at a
+   cone and a polyhedron each use them in their own way; other contacts have none. */
 enum {
     DEM__PLACE_NORMAL = 0,    /* mesh, polyhedron: normal of the place that it follows (3 numbers) */
     DEM__PLACE_GAP = 3,       /* mesh, polyhedron: gap there [m] */
     DEM__PLACE_BEFORE = 11,   /* mesh, polyhedron: the normal one step before (3) */
-    DEM__PLACE_FOOTING = 4,   /* mesh: dem__footing.at (3) */
-    DEM__PLACE_SLACK = 7,     /* mesh: dem__footing.slack [m]; 0: no footing */
-    DEM__PLACE_FACE = 8,      /* mesh: dem__footing.face */
-    DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches for it [m] (3) */
+    DEM__PLACE_CACHE = 4,     /* mesh: dem__face_cache.at (3) */
+    DEM__PLACE_SLACK = 7,     /* mesh: dem__face_cache.slack [m]; 0: no face */
+    DEM__PLACE_FACE = 8,      /* mesh: dem__face_cache.face */
+    DEM__PLACE_ARM = 4,       /* polyhedron: from the centre of i to that of the sphere that touches [m] (3) */
     DEM__PLACE_WEIGHT = 7,    /* polyhedron: factor of the force [-] */
     DEM__PLACE_CURVATURE = 8, /* polyhedron: curvature of the wall as the contact began [1/m] */
     DEM__PLACE_DAMPING = 9,   /* polyhedron: factor of the closing speed [-] */
-    DEM__PLACE_PULL = 10,     /* polyhedron: part of its pair's pull over its spring [1/m; Hertz 1/m1.5] */
+    DEM__PLACE_PULL = 10,     /* polyhedron: its part of the pair's pull over the spring [1/m; Hertz 1/m1.5] */
     DEM__PLACE_WAS = 14,      /* polyhedron: factor of the force one step before; then the energy of friction that its
                                  change takes [J] */
-    DEM__KEPT_CURVATURE = 0,  /* sphere at a thin sheet: the same */
+    DEM__KEPT_CURVATURE = 0,  /* sphere at a cone: curvature of the wall as the contact began [1/m] */
     DEM__PLACES = 15
 };
 
-/* Two particles that may touch before the list is built anew. */
+/* Two particles that may touch before the list is rebuilt. */
 typedef struct dem__near {
-    int32_t i, j;    /* that of the lower number first */
-    double distance; /* of centres, below which they touch [m] */
+    int32_t i, j;    /* the particle with the lower id first */
+    double distance; /* distance of the centres below which they touch [m] */
 } dem__near;
 
-/* A rigid body that has an orientation. Its state is that at the origin step of its first particle, as that of a sphere
-   is. Its moments are about its principal axes; the first two are equal if any two are. Its particles, which touch for
-   it, are consecutive. */
+/* A rigid body with an orientation. Its state, like that of a sphere, is the one at the origin step of its first
+   particle. Its moments are about its principal axes; the first two are equal if any two are. Its particles, which
+   touch others, are consecutive. */
 typedef struct dem__rigid {
     dem_vec x, v, a;          /* centre of mass [m], [m/s], [m/s2] */
     dem_vec momentum, torque; /* angular momentum [kg m2/s] and torque [N m] about it */
@@ -2362,27 +2377,28 @@ typedef struct dem__rigid {
     dem_vec moments;          /* [kg m2] */
     double mass;              /* [kg] */
     int32_t first, pieces;    /* of its particles */
-    double strides; /* number of quarter radians of a flight, with three different moments, that are integrated, */
+    double
+        rotation_steps; /* rotation steps of a flight, with three different moments, that have been integrated, */
     dem_quaternion ahead; /* and the orientation there; neither is saved */
 } dem__rigid;
 
-/* State of a rigid body at a time: place and velocity of its centre of mass, spin, angular momentum, orientation. */
-typedef struct dem__posture {
+/* State of a rigid body at a time: position and velocity of its centre of mass, spin, angular momentum, orientation. */
+typedef struct dem__pose {
     dem_vec x, v, spin, momentum;
     dem_quaternion turn;
-} dem__posture;
+} dem__pose;
 
 /* The functions that the engine calls for rigid bodies, in the order of a step; they are in bodies/rigid.h. The first
-   body of a world sets the table (dem__reserve_bodies), so that a program that adds no body and loads no world compiles
-   none of them. */
+   body of a world sets the table (dem__reserve_bodies), so that a program that neither adds a body nor loads a world
+   compiles none of them. */
 typedef struct dem__body_calls {
-    dem__posture (*posture)(const dem_world *w, const dem__rigid *r, double tau); /* returns the state at tau [s] after
+    dem__pose (*pose)(const dem_world *w, const dem__rigid *r, double tau); /* returns the state at tau [s] after
                                                                                      the origin step */
     void (*set_origin)(dem_world *w, dem__rigid *r); /* makes the present step the origin */
     void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity,
                        dem_vec spin);           /* sets velocity and spin at the origin */
-    void (*wrap)(dem_world *w, dem__rigid *r);  /* puts the body back into the periodic box */
-    void (*place)(dem_world *w, dem__rigid *r); /* places its particles by its state */
+    void (*wrap)(dem_world *w, dem__rigid *r);  /* wraps the body around the periodic box */
+    void (*place)(dem_world *w, dem__rigid *r); /* places its particles from its state */
     void (*fall)(dem_world *w, dem__rigid *r);  /* computes accelerations without contacts */
     void (*test_due)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part,
                      void *step); /* tests due pairs, in pages of timers */
@@ -2390,53 +2406,53 @@ typedef struct dem__body_calls {
                                                                                          bodies to the end of a step */
     void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h); /* moves velocities of active bodies
                                                                                       to the end of a step */
-    void (*push)(dem_world *w, int32_t c, int has_friction); /* applies impulses of the edge step in slot c */
+    void (*push)(dem_world *w, int32_t c, int has_friction); /* applies impulses of the partial step in slot c */
     void (*shift)(dem_world *w, int32_t c);                  /* applies its shift, after all impulses */
-    double (*swing)(const dem__rigid *r, double arm);        /* greatest speed in flight of what is an arm [m]
-                                                                     from the centre, about it [m/s] */
+    /* greatest speed in flight of a point at an arm [m] from the centre, relative to it [m/s] */
+    double (*turning_speed)(const dem__rigid *r, double arm);
 } dem__body_calls;
 
 /* The steps in which near pairs, or particles and walls, are tested next. */
 typedef struct dem__timers {
     int64_t from;              /* step from which `due` counts */
     int32_t *due;              /* step after `from`, or DEM__NEVER, or DEM__STOPPED */
-    int32_t *earliest;         /* of each line: no timer of it is due before */
+    int32_t *earliest;         /* for each line: no timer of it is due before */
     int32_t *list;             /* timers found due */
     ptrdiff_t pages, capacity; /* in use; room, in lines */
     void *block;
     size_t bytes;
 } dem__timers;
-/* NEVER: not on the present bounds; STOPPED: as long as it touches, or after it has left. */
+/* NEVER: not on the present bounds; STOPPED: while the pair touches, or after a particle has left. */
 enum { DEM__NEVER = INT32_MAX - 1, DEM__STOPPED = INT32_MAX };
 
-/* Activity of a particle: in free flight; taking steps; taking steps, with its bound to be checked at the end of this
+/* Activity of a particle: in free flight; taking steps; taking steps, and its bound is checked at the end of this
    one. */
 enum { DEM__FLYING, DEM__STEPPING, DEM__TO_CHECK };
 
-/* The run: time, the law, and work that is pending. step/step.h sets it for a run; whatever changes a world sets
-   needs_*. */
+/* The run: time, law and pending work. step/step.h sets it for a run; whatever changes a world sets needs_*. */
 typedef struct dem__run {
-    double dt, kernel_dt; /* [s]; kernel_dt is 0 where forces are found but no time passes */
+    double dt, kernel_dt; /* [s]; kernel_dt is 0 where forces are computed but no time passes */
     double start_time;    /* time of start_step [s] */
     int64_t start_step;
     const dem_law *law;
     int features;
     int has_periodic;
-    int needs_forces; /* forces must be found before the first step */
-    int needs_lists;  /* near pairs and timers must be built anew */
+    int needs_forces; /* forces must be computed before the first step */
+    int needs_lists;  /* near pairs and timers must be rebuilt */
     int leaving;      /* a particle passed an exit in this step */
     int running;      /* a run or a removal is in progress: functions of the caller may not change the world */
-    int ending;       /* the law's hook ended is being called: it may not add links either */
+    int ending;       /* the law's hook ended is running: it may not even add links */
     int keeps_wrenches;
-    double power;    /* of the overlap, to which the elastic energy of a contact is proportional: 2, Hertz 2.5 */
-    int turns;       /* whether spins may change in this step: without friction and loads only those of rigid bodies */
+    double power;    /* power of the overlap to which the elastic energy of a contact is proportional: 2, Hertz 2.5 */
+    int turns;       /* whether spins may change in this step: without friction and loads only those of rigid bodies
+                        do */
     double stiffest; /* greatest k dt^2/m_eff of the contacts for which the law has computed constants */
     int has_unset_pairs; /* some pair of different materials was never set */
-    int only_ledger;     /* the kernel only finds what contacts store and dissipate now; nothing else changes */
+    int only_ledger;     /* the kernel only computes what contacts store and dissipate; nothing else changes */
     double damping_ratio[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX];
 } dem__run;
 
-/* State of a fixed particle: the force on it by contacts and links in the last step, and the time integral of the force
+/* State of a fixed particle: the force of contacts and links on it in the last step, and the time integral of the force
    since it was fixed. */
 typedef struct dem__fixed {
     dem__wrench load;
@@ -2449,8 +2465,8 @@ typedef struct dem__fixed {
 typedef struct dem__bodies {
     ptrdiff_t capacity, dropped; /* dropped: left or removed, but still in the arrays */
     uint64_t next_id;
-    int adds_loads; /* in a run: loads are to be added to the forces of contacts */
-    int loads_on;   /* a particle has had a load of the caller's, or has been fixed */
+    int adds_loads; /* in a run: loads are added to the forces of contacts */
+    int loads_on;   /* a particle has had an external load, or has been fixed */
     int has_fixed;  /* a particle has been fixed since the world was made */
     void *block;
     size_t bytes;
@@ -2459,42 +2475,42 @@ typedef struct dem__bodies {
     dem__wrench *external; /* the external part */
     dem__bound *bound;
     dem_vec *impact;         /* change of velocity from the beginning to the middle of an impact [m/s] */
-    double *shifted;         /* distance by which edge steps have shifted it from its bound [m] */
+    double *shifted;         /* distance by which partial steps have shifted it from its bound [m] */
     double *wall_speed;      /* speed that its wall timers rely on [m/s] */
     double *mass_share;      /* 1 / contacts [-] */
     int32_t *activity;       /* DEM__FLYING .. */
-    int32_t *number;         /* number of particles present before it: its number without gaps */
-    int32_t *rank, *by_rank; /* place in the order in which contacts lie; the particle of a rank. Every particle has a
-                                   rank, those that are gone too, until arrays are made without them */
-    int by_place;               /* in a run: they lie in the order of ranks, */
-    int32_t *given;             /* and this is the number that the caller knows of each */
-    int32_t *active, *to_check; /* lists: those that take steps; those with DEM__TO_CHECK */
-    int32_t *active_at;         /* where it is in the first list */
+    int32_t *number;         /* number of present particles before it: its index without gaps */
+    int32_t *rank, *by_rank; /* its rank, which orders contacts; the particle of a rank. Removed particles keep a rank
+                                until arrays are rebuilt without them */
+    int by_place;               /* in a run: particles lie in the order of ranks, */
+    int32_t *given;             /* and this is the index that the caller knows */
+    int32_t *active, *to_check; /* lists: particles that take steps; those with DEM__TO_CHECK */
+    int32_t *active_at;         /* position in the first list */
     ptrdiff_t active_count, to_check_count;
     ptrdiff_t passed_capacity;
-    dem__rigid *rigid;            /* bodies with an orientation; NULL without any */
+    dem__rigid *rigid;            /* bodies with an orientation; NULL if there are none */
     const dem__body_calls *calls; /* set with them */
     ptrdiff_t rigid_count, rigid_capacity;
-    int32_t *rigid_of;     /* of a particle: its body's number + 1; 0: a sphere of its own; NULL without any body */
+    int32_t *rigid_of;     /* for a particle: index of its body + 1; 0: a single sphere; NULL if there are no bodies */
     dem__fixed *fixed;     /* NULL unless has_fixed */
     dem_vec *offset, *arm; /* from the body's centre to the particle's [m]: along the principal axes; in the world's
                               axes, at the origin */
 } dem__bodies;
 
-/* Walls, beside the public array. The file of its kind adds one, walls/kinematics.h moves it, search/tests.h and
+/* Walls, beside the public array. The file of its kind adds one, walls/kinematics.h moves it, search/narrow_phase.h and
    search/bounds.h set its timers. */
 typedef struct dem__wall_state {
     ptrdiff_t capacity;
     int touch_keepers,
         controls;           /* number of walls whose contacts keep a touch (meshes, cones); whether forces drive any
-                                    wall */
-    dem__timers timers;     /* of particle i and wall k: number i * walls + k */
+                               wall */
+    dem__timers timers;     /* for particle i and wall k: index i * walls + k */
     uint32_t *sure;         /* step, modulo 2^32, before which no test is needed, whatever the particle's bound */
-    int32_t *first_contact; /* of a particle: its first contact with a wall; contacts.wall_next leads on */
+    int32_t *first_contact; /* for a particle: its first contact with a wall; contacts.wall_next leads on */
 } dem__wall_state;
 
-/* Near pairs and the list's life. search/margin.h chooses how long the list may last, search/neighbour_list.h builds
-   it, search/due_tests.h tests the pairs. */
+/* Near pairs and the list's life. search/skin.h chooses how long the list may last, search/neighbour_list.h builds it,
+   step/detect.h tests the pairs. */
 typedef struct dem__pairs {
     ptrdiff_t count, due_count; /* due_count: tested in the last step */
     dem__near *near;
@@ -2505,32 +2521,32 @@ typedef struct dem__pairs {
     dem_vec *listed_at;              /* position when the list was built */
     int64_t listed_step, next_check; /* when the list was built; when it must be checked next */
     double steps_per_second;
-    double margin, margin_factor;               /* gap up to which pairs are listed [m]; its factor, 1 .. 3 */
+    double skin, skin_factor;                   /* gap up to which pairs are listed [m]; factor of the skin, 1 .. 3 */
     double least_tolerance;                     /* of bounds [m/s] */
     double touch_gap;                           /* gap below which a contact may begin [m]: 0, but for linked pairs */
     double wall_reach;                          /* gap up to which walls are searched for [m] */
     double position_tolerance;                  /* how far corrections may shift a particle from its bound [m] */
     double gravity_size;                        /* [m/s2] */
     dem_vec frame_velocity, frame_acceleration; /* frame in which the list measures how far particles have moved */
-    double frame_fall; /* greatest acceleration of particles without contacts in that frame [m/s2] */
+    double frame_fall; /* greatest acceleration in that frame of particles without contacts [m/s2] */
 } dem__pairs;
 
 /* Contacts, in slots of chunks. In each chunk those that begin in a step follow those of earlier steps, ordered by
-   partners; gaps are filled from its end; now and then all are ordered by rank, the last first. The order of slots depends
-   only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits. search/tests.h
-   and polyhedra/pairs.h begin them, contacts/kernel.h and contacts/first_and_last_step.h evaluate them,
-   contacts/contacts.h orders and ends them. */
+   partners; gaps are filled from its end; now and then all are sorted by rank, the last first. The order of slots
+   depends only on the history of the scene, never on threads. It fixes the order of every sum, and so the bits.
+   search/narrow_phase.h and polyhedra/pairs.h begin them, contacts/kernel.h and contacts/first_and_last_step.h evaluate
+   them, contacts/contacts.h orders and ends them. */
 typedef struct dem__contacts {
     ptrdiff_t count, capacity, begun; /* begun: in this step, at the end of the last chunk */
     int chunk_count;
     dem__chunk chunk[DEM__CHUNKS];
-    int shares;                      /* into which threads divide the chunks in this step */
+    int shares;                      /* among which threads divide the chunks in this step */
     int32_t share_from[DEM__CHUNKS]; /* least rank of each share's own particles */
     dem__wall_force *wall_force;     /* [chunk][wall], walls.capacity apart */
     int force_chunks;                /* for so many chunks */
     dem__postponed *postponed;       /* with threads */
     int states, constants;           /* number of arrays of each */
-    int has_history;                 /* whether states can be other than zero */
+    int has_history;                 /* whether states can differ from zero */
     uint64_t law;                    /* dem__law_mark of the law that made them; 0: unknown */
     void *block;
     size_t bytes;
@@ -2538,15 +2554,17 @@ typedef struct dem__contacts {
                                                     contact of a polyhedron (dem__is_convex_contact) */
     int32_t *type;                               /* index in types; -1: constants of its own */
     int32_t *slots;                              /* a list of slots, or one in each chunk */
-    uint8_t *edge;  /* its edge step is to be corrected: written by the kernel for the contacts that it lists;
-                      free before it, when dem__follow_meshes notes meshes with places left */
+    uint8_t *partial; /* its partial step is to be corrected: the kernel writes it for the contacts that it lists;
+                         before that dem__follow_meshes marks meshes with places left in it */
     uint8_t *ended; /* has ended */
     double *gap, *force;
     double *state[DEM_STATE_MAX];
     double
-        *touch[DEM__PLACES]; /* of the place where it touches: see DEM__PLACE_NORMAL; only with walls.touch_keepers */
-    double *wrench[9];       /* force on i, torques on i and j, of a run's last step */
-    dem__correction *correction; /* from the kernel to the end of the step; scratch memory of dem__arrange before it */
+        *touch[DEM__PLACES]; /* data of the place where it touches: see DEM__PLACE_NORMAL; only with
+                                walls.touch_keepers */
+    double *wrench[9];       /* force on i, torques on i and j, from a run's last step */
+    dem__correction *correction; /* from the kernel to the end of the step; before that, scratch memory of
+                                    dem__arrange */
     double *elastic, *power[3],
         *loss[4]; /* with a ledger: power by normal, rolling, wall; loss by normal, sliding, rolling, wall */
     dem__contact_type types[DEM__TYPES_MAX];
@@ -2555,7 +2573,7 @@ typedef struct dem__contacts {
 } dem__contacts;
 
 /* Links, in the order in which they were made; each is in the lists of its two bodies. links/links.h adds and steps
-   them, contacts/kernel.h evaluates them, particles/detach.h cuts them. */
+   them, contacts/kernel.h evaluates them, removal/remove.h cuts them. */
 typedef struct dem__links {
     const dem_law *law;
     dem_loop_fn loop;
@@ -2569,8 +2587,8 @@ typedef struct dem__links {
     double *state[DEM_STATE_MAX], *wrench[9], *gap;
     uint8_t *ended;
     int32_t *first_link,
-        *is_loaded; /* of a particle: the first link of its list; whether its load contains forces of links */
-    dem__two_vec *evaluated_at; /* of a particle: position [m] and spin [rad/s] at the last evaluation of links */
+        *is_loaded; /* for a particle: the first link of its list; whether its load contains forces of links */
+    dem__two_vec *evaluated_at; /* for a particle: position [m] and spin [rad/s] at the last evaluation of links */
     int64_t evaluated_step;     /* step of that evaluation */
 } dem__links;
 
@@ -2579,23 +2597,23 @@ typedef struct dem__field {
     int on; /* a field is set; after loading its law may be missing */
     dem_force_field def;
     dem__timers timers;    /* of flights: the step in which the next flight begins */
-    int64_t rebuilds;      /* count of lists at which the timers were made */
+    int64_t rebuilds;      /* number of lists built when the timers were made */
     int32_t *stepping;     /* particles that took the last step */
     ptrdiff_t steppers;    /* their number */
     int64_t *until;        /* step in which a particle's flight ends, or DEM__NO_FLIGHT */
     dem_vec *end_velocity; /* velocity there [m/s] */
     dem_vec *force;        /* on a particle that takes steps, in its last one [N] */
     dem_vec *torque;       /* the same [N m] */
-    double *work;          /* of the field along the flight [J] */
-    double *booked;        /* part of the work that the ledger contains [J] */
+    double *work;          /* work of the field along the flight [J] */
+    double *booked;        /* part of this work that is in the ledger [J] */
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
-/* The energy ledger. step/step.h begins, pauses and resumes it; energy/ledger.h books. */
+/* The energy ledger. step/step.h begins, pauses and resumes it; energy/postings.h books. */
 typedef struct dem__ledger {
     int on, started;      /* whether its arrays exist; whether a run with DEM_ENERGY has begun */
     int counts;           /* whether the last run had DEM_ENERGY */
-    double stored_before; /* in contacts, before forces are found anew [J] */
+    double stored_before; /* in contacts, before forces are computed again [J] */
     double paused_error;  /* error of the balance when a run without DEM_ENERGY began [J] */
     dem_energy_ledger sums;
 } dem__ledger;
@@ -2605,20 +2623,22 @@ typedef struct dem__work dem__work;
 typedef struct dem__scratch {
     char *work; /* of each thread, in a run: see dem__work_of */
     int works;
-    int threads; /* that a run uses: def.threads, or the processors if they are fewer and the threads are not the host's */
+    int threads; /* that a run uses: def.threads, or fewer if there are fewer processors and the threads are not the
+                    host's */
     void *work_block;
     size_t work_bytes;
-    int32_t *index; /* one for each particle; no value outlives the function that fills it and those that it calls */
+    int32_t *index; /* one entry for each particle; no value outlives the function that fills it and those that it
+                       calls */
 } dem__scratch;
 
 /* Whether OpenMP's threads save time. base/parallel.h alone writes it; no result depends on it. */
 typedef struct dem__pace {
-    double loss;              /* time lost by waiting that has not been saved since [s] */
-    double alone_until, rest; /* time until which loops run alone; how long they did so last [s] */
+    double loss;              /* time lost by waiting and not yet made up for [s] */
+    double alone_until, rest; /* time until which loops run on one thread; duration of the last such period [s] */
 } dem__pace;
 
 typedef struct dem__engine {
-    dem__feature feature[DEM__FEATURES_MAX]; /* those that the world has, in the order of `place` */
+    dem__feature feature[DEM__FEATURES_MAX]; /* those of the world, in the order of `place` */
     int features;
     dem__run run;
     dem__bodies bodies;
@@ -2646,21 +2666,28 @@ typedef struct dem__engine {
             if ((w)->engine->feature[f_].member) (w)->engine->feature[f_].member arguments;                            \
         }                                                                                                              \
     } while (0)
-/* The same for a member that returns 0 after a failure: does nothing from then on. ok: an int, 1 at first. */
+/* The same for a member that returns 0 after a failure; after one nothing more is called. ok: an int, 1 at first. */
 #define DEM__ASK(w, ok, member, arguments)                                                                             \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (ok); f_++) {                                                   \
             if ((w)->engine->feature[f_].member) (ok) = (w)->engine->feature[f_].member arguments;                     \
         }                                                                                                              \
     } while (0)
-/* The same for a member that returns a number to be added to a sum. */
+/* The same for a member whose result, the last one, is wanted. */
+#define DEM__GET(w, result, member, arguments)                                                                         \
+    do {                                                                                                               \
+        for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
+            if ((w)->engine->feature[f_].member) (result) = (w)->engine->feature[f_].member arguments;                 \
+        }                                                                                                              \
+    } while (0)
+/* The same for a member that returns a number, which is added to a sum. */
 #define DEM__ADD_UP(w, sum, member, arguments)                                                                         \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features; f_++) {                                                           \
             if ((w)->engine->feature[f_].member) (sum) += (w)->engine->feature[f_].member arguments;                   \
         }                                                                                                              \
     } while (0)
-/* The same for a member that returns a status: nothing after the first that is not DEM_OK. */
+/* The same for a member that returns a status; after the first that is not DEM_OK nothing more is called. */
 #define DEM__CHECK(w, status, member, arguments)                                                                       \
     do {                                                                                                               \
         for (int f_ = 0; f_ < (w)->engine->features && (status) == DEM_OK; f_++) {                                     \
@@ -2668,7 +2695,7 @@ typedef struct dem__engine {
         }                                                                                                              \
     } while (0)
 
-/* Adds a feature to a world that may have it already. */
+/* Adds a feature to a world unless it has it. */
 static inline void dem__add_feature(dem_world *w, dem__feature feature) {
     dem__engine *e = w->engine;
     int k = e->features;
@@ -2710,8 +2737,8 @@ static inline double dem__half_width(const dem_convex *s) {
     for (int f = 0; f < s->faces; f++) least = s->plane[f][3] < least ? s->plane[f][3] : least;
     return least;
 }
-/* Returns the longest way of particle i in a step [m]: half its radius, or less for a thin polyhedron, which could pass
-   a sheet without being cut by it. */
+/* Returns how far particle i may move in a step [m]: half its radius, or less for a thin polyhedron, which could
+   otherwise pass a sheet uncut. */
 DEM_INLINE double dem__longest_step(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     const double half = 0.5 * w->particle[i].radius, width = s ? 2.0 * dem__half_width(s) : half;
@@ -2768,7 +2795,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 
 static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
 
-/* Lists the arrays of contacts, ordered by how long their values are needed: from step to step, ... */
+/* Lists the arrays of contacts, sorted by how long their values are needed: from step to step, ... */
 static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
@@ -2795,14 +2822,13 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
         list[n].address = &contacts->wrench[k], list[n].size = sizeof(double);
     /* ... within a step */
     list[n].address = &contacts->correction, list[n++].size = sizeof(dem__correction);
-    list[n].address = &contacts->edge, list[n++].size = 1;
+    list[n].address = &contacts->partial, list[n++].size = 1;
     list[n].address = &contacts->slots, list[n++].size = sizeof(int32_t);
     if (dem__may_postpone(w)) list[n].address = &contacts->postponed, list[n++].size = sizeof(dem__postponed);
     return n;
 }
 
-/* Lists the arrays of contacts, and returns the number of the first ones: those that move with a contact to another
-   slot. */
+/* Lists the arrays of contacts, and returns how many of them, from the first, move with a contact to another slot. */
 static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
     const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS,
               with_own = with_out - DEM__OUT_ARRAYS;
@@ -2812,12 +2838,12 @@ static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
                : with_own - DEM__OWN_ARRAYS - w->engine->contacts.constants;
 }
 
-/* Grows a group of arrays. All lie in one block, so that growing works for all or changes nothing; each begins with a
-   cache line. Returns 0 when out of memory. */
+/* Grows a group of arrays. All lie in one block, so that growing succeeds for all or changes nothing. Each begins with
+   a cache line. Returns 0 when out of memory. */
 static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes,
                                   ptrdiff_t *capacity, ptrdiff_t wanted) {
     ptrdiff_t larger =
-        wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* more arrays alone need no more entries */
+        wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* additional arrays need no more entries */
     size_t total = 64;
     if (larger < wanted) larger = wanted;
     for (int k = 0; k < n; k++) {
@@ -2875,7 +2901,7 @@ static inline void dem__count_from(dem__timers *t, int64_t step) {
     t->from = step;
 }
 
-/* Makes room in a single array, whose values are lost. Returns 0 when out of memory. */
+/* Makes room in a single array and loses its values. Returns 0 when out of memory. */
 static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capacity, ptrdiff_t wanted) {
     if (wanted <= *capacity) return 1;
     ptrdiff_t larger = wanted + wanted / 4 + 64;
@@ -2887,7 +2913,7 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
     return 1;
 }
 
-/* Adds a feature to a world and makes room for its numbers of particles. DEM_BAD_ARGUMENT: another feature excludes it.
+/* Adds a feature to a world and makes room for its data of particles. DEM_BAD_ARGUMENT: another feature excludes it.
    After a failure nothing has changed. */
 static inline dem_status dem__take_feature(dem_world *w, dem__feature feature) {
     dem__bodies *bodies = &w->engine->bodies;
@@ -2968,7 +2994,7 @@ static inline int dem__finite_vec(dem_vec v) { return dem__finite(v.x) && dem__f
 static inline int dem__positive(double v) { return v > 0.0 && v <= DBL_MAX; }
 static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX; }
 
-/* Returns whether an acceleration, a velocity or a spin is small enough that products of three, as in energies, stay
+/* Returns whether an acceleration, a velocity or a spin is so small that products of three, as in energies, stay
    finite. False for NaN. */
 static inline int dem__moderate(double v) { return fabs(v) <= 1e80; }
 static inline int dem__moderate_vec(dem_vec v) {
@@ -2977,18 +3003,18 @@ static inline int dem__moderate_vec(dem_vec v) {
 /* Returns whether squares of distances to a place stay finite. */
 static inline int dem__is_place(dem_vec v) { return fabs(v.x) <= 1e150 && fabs(v.y) <= 1e150 && fabs(v.z) <= 1e150; }
 
-/* Returns whether the squares of a time step, and what is divided by them, stay normal numbers. */
+/* Returns whether the squares of a time step, and quotients by them, stay normal numbers. */
 static inline int dem__is_time_step(double dt) { return dt >= 1e-60 && dt < 1e6; }
 
-/* Returns whether a world has room for the numbers of a law. */
+/* Returns whether a world has room for the data of a law. */
 static inline int dem__is_law(const dem_law *law) {
     return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 &&
            law->history <= law->states && law->vectors <= law->history / 3 && law->constants >= 0 &&
            law->constants <= DEM_CONSTANTS_MAX;
 }
 
-/* Returns a number that stands for the meaning of a law's states: FNV-1a of its name up to a comma and its version; 0
-   without a name. Worlds keep and save it, so that names may be of any length. */
+/* Returns a number that identifies the meaning of a law's states: FNV-1a of its name up to a comma, and its version; 0
+   without a name. Worlds keep and save it instead of the name, which may have any length. */
 static inline uint64_t dem__law_mark(const dem_law *law) {
     uint64_t mark = 0xcbf29ce484222325u;
     const char *c = law->name;
@@ -2998,7 +3024,7 @@ static inline uint64_t dem__law_mark(const dem_law *law) {
     return mark;
 }
 
-/* Returns whether states with a mark can be those of a law. */
+/* Returns whether states with a mark can belong to a law. */
 static inline int dem__is_of_law(uint64_t mark, const dem_law *law) {
     const uint64_t own = dem__law_mark(law);
     return mark == 0 || own == 0 || mark == own;
@@ -3053,7 +3079,7 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field) {
     return bad ? DEM_BAD_DEFINITION : DEM_OK;
 }
 
-/* Makes room for the forces of chunks on walls; they are found anew in each step. Returns 0 when out of memory. */
+/* Makes room for the forces of chunks on walls, which each step computes again. Returns 0 when out of memory. */
 static inline int dem__fit_wall_forces(dem_world *w, int chunks) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem_allocator *a = &w->def.allocator;
@@ -3095,8 +3121,8 @@ static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
     return 1;
 }
 
-/* Makes the private state of an empty world, with room for the first walls, so that the array moves in few scenes.
-   Returns 0 when out of memory. */
+/* Makes the private state of an empty world, with room for the first walls, so that the array rarely moves. Returns 0
+   when out of memory. */
 static inline int dem__make_engine(dem_world *w) {
     dem__engine *e = (dem__engine *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, sizeof *e);
     if (!e) return 0;
@@ -3126,7 +3152,7 @@ DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **f
     return DEM_OK;
 }
 
-/* Returns whether a run of the world is in progress, so that the caller is a law's hook. */
+/* Returns whether a run of the world is in progress: the caller is then a law's hook. */
 static inline int dem__is_running(const dem_world *w) { return w && w->engine && w->engine->run.running; }
 
 static inline void dem__release(const dem_allocator *a, void *block, size_t bytes) {
@@ -3170,11 +3196,11 @@ DEM_API void dem_free(dem_world *world) {
     memset(world, 0, sizeof *world);
 }
 
-/* ----------------------------------------------------------------------------------------------- >>energy/ledger.h */
-/* Every posting of the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its
+/* --------------------------------------------------------------------------------------------- >>energy/postings.h */
+/* All postings to the energy ledger. Reads contacts and bodies; writes the ledger. Promises: nothing else adds to its
    sums, but step/step.h sets where they start. */
 
-/* Books the potential energy that a particle gains where it is put back into the periodic box [J]. */
+/* Books the potential energy that a particle gains when it wraps around the periodic box [J]. */
 DEM_INLINE void dem__book_wrap(dem_world *w, double raised) {
     if (w->engine->ledger.on) w->engine->ledger.sums.added += raised, w->engine->ledger.sums.added_potential += raised;
 }
@@ -3182,7 +3208,7 @@ DEM_INLINE void dem__book_wrap(dem_world *w, double raised) {
 /* Books the potential energy of a particle that is added at rest [J]. */
 DEM_INLINE void dem__book_added(dem_world *w, double potential) { dem__book_wrap(w, potential); }
 
-/* Books the potential energy that a particle gains where the caller changes gravity [J]. */
+/* Books the potential energy that a particle gains when the caller changes gravity [J]. */
 DEM_INLINE void dem__book_gravity(dem_world *w, double raised) { dem__book_wrap(w, raised); }
 
 /* Books a change of a particle's kinetic energy by the caller [J]. */
@@ -3190,7 +3216,7 @@ DEM_INLINE void dem__book_motion(dem_world *w, double change) {
     if (w->engine->ledger.on) w->engine->ledger.sums.added += change;
 }
 
-/* Books the energy of a particle that is removed, and its potential part [J]. */
+/* Books the energy of a particle that is removed, and the potential part of it [J]. */
 DEM_INLINE void dem__book_removed(dem_world *w, double energy, double potential) {
     if (w->engine->ledger.on)
         w->engine->ledger.sums.removed += energy, w->engine->ledger.sums.removed_potential += potential;
@@ -3206,12 +3232,12 @@ DEM_INLINE void dem__book_field_work(dem_world *w, double work) {
     if (w->engine->ledger.on) w->engine->ledger.sums.field_work += work;
 }
 
-/* Books the work of moving fixed particles on others [J]. */
+/* Books the work that moving fixed particles do on others [J]. */
 DEM_INLINE void dem__book_work_of_fixed(dem_world *w, double work) { w->engine->ledger.sums.external_work += work; }
 
 /* --------------------------------------------------------------------------------------------- >>motion/rotation.h */
-/* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns the body's frame into the
-   lab's; its scalar part comes first. */
+/* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns vectors of the body's frame
+   into the lab's; its scalar part comes first. */
 
 DEM_INLINE dem_quaternion dem__quaternion(double w, dem_vec v) {
     dem_quaternion q;
@@ -3223,28 +3249,28 @@ DEM_INLINE dem_quaternion dem__opposite_turn(dem_quaternion q) {
     return dem__quaternion(q.w, dem_vec3(-q.x, -q.y, -q.z));
 }
 
-/* Returns the turn b followed by the turn a. */
+/* Returns the rotation b followed by the rotation a. */
 DEM_INLINE dem_quaternion dem__turns(dem_quaternion a, dem_quaternion b) {
     const dem_vec u = dem__vector_part(a), v = dem__vector_part(b);
     return dem__quaternion(a.w * b.w - dem__dot(u, v),
                            dem__add(dem__plus(dem__scale(a.w, v), b.w, u), dem__cross(u, v)));
 }
 
-/* Returns a vector of the body's frame in the lab's. */
+/* Transforms a vector from the body's frame to the lab's. */
 DEM_INLINE dem_vec dem__to_lab(dem_quaternion q, dem_vec v) {
     const dem_vec u = dem__vector_part(q), t = dem__scale(2.0, dem__cross(u, v));
     return dem__add(dem__plus(v, q.w, t), dem__cross(u, t));
 }
-/* Returns a vector of the lab's frame in the body's. */
+/* Transforms a vector from the lab's frame to the body's. */
 DEM_INLINE dem_vec dem__to_body(dem_quaternion q, dem_vec v) { return dem__to_lab(dem__opposite_turn(q), v); }
 
-/* Removes the error of the length by rounding, with one Newton step for the inverse of the length. */
+/* Removes the rounding error of the length by one Newton step for the inverse of the length. */
 DEM_INLINE dem_quaternion dem__kept_unit(dem_quaternion q) {
     const double f = 1.5 - 0.5 * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
     return dem__quaternion(f * q.w, dem__scale(f, dem__vector_part(q)));
 }
 
-/* Scales a quaternion of any length to 1. Returns 0 if it has no direction. */
+/* Scales a quaternion of any length to length 1. Returns 0 if it has no direction. */
 static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
     const double a = fabs(q.w) > fabs(q.x) ? fabs(q.w) : fabs(q.x), b = fabs(q.y) > fabs(q.z) ? fabs(q.y) : fabs(q.z),
                  most = a > b ? a : b;
@@ -3255,8 +3281,9 @@ static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
     return 1;
 }
 
-/* Returns the rotation from the frame of a shape's corners, its principal axes, to that in which it was given: exactly
-   none if both are one, as those of a brick. By the largest of the four numbers, whose square is 1/4 or more. */
+/* Returns the rotation from the principal axes of a shape, the frame of its corners, to the frame in which it was
+   given. It is exactly none if both agree, as for a brick. Computed from the largest of the four components, whose
+   square is 1/4 or more. */
 static inline dem_quaternion dem__turn_of_shape(const dem_convex *s) {
     const dem_vec a = s->axis[0], b = s->axis[1], c = s->axis[2]; /* columns of its matrix */
     const double four[4] = {1.0 + a.x + b.y + c.z, 1.0 + a.x - b.y - c.z, 1.0 - a.x + b.y - c.z, 1.0 - a.x - b.y + c.z};
@@ -3270,8 +3297,8 @@ static inline dem_quaternion dem__turn_of_shape(const dem_convex *s) {
     return dem__unit_turn(q, &q) ? q : none; /* a forged save may hold anything */
 }
 
-/* Directions of a body's own axes in the lab's frame: the matrix of its orientation. It costs fewer operations than a
-   quaternion where several vectors are turned. */
+/* Directions of a body's own axes in the lab's frame: the matrix of its orientation. Turning several vectors with it
+   costs fewer operations than with a quaternion. */
 typedef struct dem__axes {
     dem_vec x, y, z;
 } dem__axes;
@@ -3299,8 +3326,8 @@ DEM_INLINE dem_vec dem__momentum_of(dem_quaternion q, dem_vec moments, dem_vec s
     return dem__out_of(&a, dem_vec3(moments.x * dem__dot(a.x, spin), moments.y * dem__dot(a.y, spin),
                                     moments.z * dem__dot(a.z, spin)));
 }
-/* Returns the spin of an angular momentum, both in the lab's frame: with one moment for all axes, and what the other
-   two change. */
+/* Returns the spin that belongs to an angular momentum, both in the lab's frame: that of a sphere of the first moment,
+   corrected for the other two moments. */
 DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momentum) {
     const dem_vec z = dem__third_axis(q);
     const double first = 1.0 / moments.x;
@@ -3311,7 +3338,7 @@ DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momen
 }
 
 /* Sets the cosine, and the sine over the angle, of an angle whose square is given [rad2]. Below 0.1 rad the series is
-   as accurate, and cheaper. Of a large angle, whole turns are taken off: it is rounded by as much anyway. */
+   as accurate, and cheaper. Whole turns are subtracted from a large angle, which is rounded by as much anyway. */
 DEM_INLINE void dem__cosine_and_sine(double square, double *c, double *s) {
     if (square < 0.01) {
         *s = 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0 - square * (1.0 / 362880.0))));
@@ -3322,13 +3349,13 @@ DEM_INLINE void dem__cosine_and_sine(double square, double *c, double *s) {
                  rest = angle > 1e6 ? angle - turn * floor(angle / turn) : angle;
     *c = riddle_cos(rest), *s = riddle_sin(rest) / angle;
 }
-/* Returns a turn about an axis. half: the unit axis times half the angle [rad]. */
+/* Returns a rotation about an axis. half: the unit axis times half the angle [rad]. */
 DEM_INLINE dem_quaternion dem__turn_by(dem_vec half) {
     double c, s;
     dem__cosine_and_sine(dem__dot(half, half), &c, &s);
     return dem__quaternion(c, dem__scale(s, half));
 }
-/* Return a body that was turned about its own first or third axis. half: half the angle [rad]. */
+/* Return a body rotated about its own first or third axis. half: half the angle [rad]. */
 DEM_INLINE dem_quaternion dem__turned_about_first(dem_quaternion q, double half) {
     double c, s;
     dem__cosine_and_sine(half * half, &c, &s);
@@ -3350,9 +3377,9 @@ DEM_INLINE dem_quaternion dem__turn_top(dem_quaternion q, dem_vec momentum, doub
     return dem__turned_about_third(turned, 0.5 * t * (1.0 / k - 1.0 / i) * dem__dot(dem__third_axis(q), momentum));
 }
 
-/* Rotates a free body with three moments for a time t, to second order: as a symmetric top, and before and after for
-   half of what the first moment differs from the second (symmetric splitting of the kinetic energy; Touma & Wisdom
-   1994). Conserves angular momentum. */
+/* Rotates a free body with three different moments for a time t, to second order: as a symmetric top, and before and
+   after that by half of the effect of the difference between the first two moments (symmetric splitting of the kinetic
+   energy; Touma & Wisdom 1994). Conserves angular momentum. */
 static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     const double rest = 0.25 * t * (1.0 / moments.x - 1.0 / moments.y);
     q = dem__turned_about_first(q, rest * dem__dot(dem__first_axis(q), momentum));
@@ -3360,7 +3387,7 @@ static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum,
     return dem__turned_about_first(q, rest * dem__dot(dem__first_axis(q), momentum));
 }
 
-/* Does the same to sixth order, by nine of these (Kahan & Li 1997, s9odr6a). */
+/* Does the same to sixth order, in nine such steps (Kahan & Li 1997, s9odr6a). */
 static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     static const double part[5] = {0.39216144400731413928, 0.33259913678935943860, -0.70624617255763935981,
                                    0.08221359629355080023, 0.79854399093482996340};
@@ -3369,24 +3396,24 @@ static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, 
 }
 
 /* Returns a time in which a body turns by at most a quarter radian [s]; HUGE_VAL at rest. */
-DEM_INLINE double dem__turn_stride(dem_vec momentum, dem_vec moments) {
+DEM_INLINE double dem__rotation_step(dem_vec momentum, dem_vec moments) {
     const double least = moments.x < moments.y ? moments.x : moments.y,
                  smallest = least < moments.z ? least : moments.z;
     const double size = dem__length(momentum);
     return size > 0.0 ? 0.25 * smallest / size : HUGE_VAL;
 }
 
-/* Rotates a free body with three moments for a time of a few steps, in strides of at most a quarter radian. A body that
-   turns by more, as only a forged save may have one, is left as it is. */
+/* Rotates a free body with three different moments for a time of a few steps, in rotation steps of at most a quarter
+   radian. A body that turns too far for it, which only a forged save can hold, is left as it is. */
 static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
-    const double steps = floor(fabs(t) / dem__turn_stride(momentum, moments)) + 1.0, h = t / steps;
+    const double steps = floor(fabs(t) / dem__rotation_step(momentum, moments)) + 1.0, h = t / steps;
     if (!(steps < 1e5)) return q;
     for (double n = 0.0; n < steps; n += 1.0) q = dem__turn_nine(q, momentum, moments, h);
     return q;
 }
 
 /* Rotates a free body for a time t: in closed form if the first two moments are equal, otherwise by splitting. single:
-   a step of a body under torques, to second order, as everything in such a step is. */
+   a step of a body under torques, to second order, like everything in such a step. */
 DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem_vec moments, double t, int single) {
     if (moments.x == moments.y) return dem__turn_top(q, momentum, moments.x, moments.z, t);
     return single ? dem__turn_split(q, momentum, moments, t) : dem__turn_far(q, momentum, moments, t);
@@ -3396,14 +3423,14 @@ DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem
 /* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned
    about one. Reads bodies. Promises: the same bits whenever a state is evaluated.
 
-   A rigid body (dem__rigid) has the orientation, mass and moments. The particles that touch for it (dem_particle) are
-   consecutive in the world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and
-   spin are those of their centres as parts of the body, valid at the origin step and while forces are computed. In
+   A rigid body (dem__rigid) has the orientation, mass and moments. Its particles (dem_particle) touch others; they are
+   consecutive in the world's arrays. Their mass is the body's, and their contacts count for all of them. Their x, v, a
+   and spin are those of their centres as parts of the body, valid at the origin step and while forces are computed. In
    flight use dem__at and its like, never the parabola. */
 
-/* Returns the first of two vectors: the force of a wrench. */
+/* Returns the force of a wrench, its first vector. */
 DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
-/* Returns the second one: the torque of a wrench. */
+/* Returns the torque of a wrench, its second vector. */
 DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
 
 /* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
@@ -3412,7 +3439,7 @@ DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
 }
 
 /* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same
-   for all. */
+   for all particles. */
 DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
 
 /* Returns the time since the origin step of particle i [s]. */
@@ -3447,26 +3474,26 @@ DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
     return own;
 }
 
-/* Returns the acceleration of particle i, or of its rigid body, per force on it [1/kg]; 0 if it is fixed. */
+/* Returns the acceleration of particle i, or of its rigid body, divided by the force on it [1/kg]; 0 if it is fixed. */
 DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) {
     return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
 }
 
-DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
-    return w->engine->bodies.calls->posture(w, r, tau);
+DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, double tau) {
+    return w->engine->bodies.calls->pose(w, r, tau);
 }
 
-/* Return the position and the velocity of a particle of a rigid body at tau after its origin step [s]. */
+/* Return position and velocity of a particle of a rigid body, tau after its origin step [s]. */
 static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
-    const dem__posture p = dem__posture_at(w, r, tau);
+    const dem__pose p = dem__pose_at(w, r, tau);
     return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));
 }
 static DEM__NOINLINE dem_vec dem__piece_velocity_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
-    const dem__posture p = dem__posture_at(w, r, tau);
+    const dem__pose p = dem__pose_at(w, r, tau);
     return dem__add(p.v, dem__cross(p.spin, dem__to_lab(p.turn, w->engine->bodies.offset[i])));
 }
 
-/* Returns the position of a sphere at tau after its origin step [s], on its parabola. */
+/* Returns the position of a sphere on its parabola, tau after its origin step [s]. */
 DEM_INLINE dem_vec dem__sphere_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem_particle *p = &w->particle[i];
     return dem__plus(p->x, tau, dem__plus(p->v, 0.5 * tau, p->a));
@@ -3478,7 +3505,7 @@ DEM_INLINE dem_vec dem__sphere_spin_at(const dem_world *w, ptrdiff_t i, double t
     return dem__plus(w->particle[i].spin, tau, w->spin_rate[i]);
 }
 
-/* Returns the position of any particle at tau after its origin step. */
+/* Returns the position of any particle, tau after its origin step [s]. */
 DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_at(w, r, i, tau) : dem__sphere_at(w, i, tau);
@@ -3487,7 +3514,7 @@ DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau)
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_velocity_at(w, r, i, tau) : dem__sphere_velocity_at(w, i, tau);
 }
-/* Return the position and the velocity of the centre of particle i, or of its rigid body, on its parabola. */
+/* Return position and velocity of the centre of particle i, or of its rigid body, on its parabola. */
 DEM_INLINE dem_vec dem__centre_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)) : dem__sphere_at(w, i, tau);
@@ -3501,14 +3528,11 @@ DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? r->a : w->particle[i].a;
 }
-/* Returns what velocities on the parabola lack [m/s]: in a force field the parabola has the right places at both ends of
-   a flight, but not the right velocities. */
+/* Returns by how much a velocity on the parabola is too small [m/s]. In a force field a parabola has the right
+   positions at both ends of a flight, but not the right velocities. */
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
     dem_vec error = dem_vec3(0.0, 0.0, 0.0);
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = &w->engine->feature[k];
-        if (f->velocity_error) error = f->velocity_error(w, i, tau);
-    }
+    DEM__GET(w, error, velocity_error, (w, i, tau));
     return error;
 }
 /* Returns the velocity as accurately as it is known. */
@@ -3517,14 +3541,14 @@ static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, dou
 }
 DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__posture_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
+    return r ? dem__pose_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
 }
 
 /* ------------------------------------------------------------------------------------------------ >>motion/state.h */
-/* The state of what moves: its origin, energies and accelerations. A particle moves by itself, with its rigid body, or
-   not at all where it is fixed; every question which of these it does is asked in this folder. */
+/* The state of what moves: its origin, energies and accelerations. A particle moves by itself, with its rigid body, or,
+   where it is fixed, not at all. Only this folder asks which of these applies. */
 
-/* Makes the present step the origin of particle i: the state of its parabola becomes the stored one. */
+/* Makes the present step the origin of particle i: it stores the present state of its parabola. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
@@ -3547,7 +3571,7 @@ DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
     p->x = x;
 }
 
-/* Returns the number of rigid bodies present: the array keeps those that are gone until lists are built anew. */
+/* Returns the number of rigid bodies present. The array keeps removed bodies until lists are rebuilt. */
 static inline ptrdiff_t dem__bodies_present(const dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     ptrdiff_t present = 0;
@@ -3575,7 +3599,7 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (dem__is_fixed(w, i)) return 0.0;
     if (r) {
-        const dem__posture p = dem__posture_at(w, r, dem__now(w, i));
+        const dem__pose p = dem__pose_at(w, r, dem__now(w, i));
         return r->first == i ? 0.5 * dem__dot(p.spin, p.momentum) : 0.0;
     }
     const dem_vec s = dem__spin_at(w, i, dem__now(w, i));
@@ -3595,8 +3619,8 @@ DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     return -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__at(w, i, dem__now(w, i)));
 }
 
-/* Makes the present step the origin where a caller changes particle i between runs. In a force field it takes the most
-   accurate velocity that is known. */
+/* Makes the present step the origin of particle i, which the caller changes between runs. In a force field it gets the
+   most accurate velocity that is known. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     const dem_vec error = dem__velocity_error(w, i, dem__now(w, i));
     dem__set_origin(w, i);
@@ -3622,23 +3646,23 @@ static inline dem__pieces dem__all_particles(const dem_world *w) {
     return all;
 }
 
-/* Begin and end a change of how some particles move, by the caller. */
+/* Begin and end a change by the caller of how some particles move. */
 static inline void dem__begin_change(dem_world *w, dem__pieces of) { DEM__TELL(w, begin_change, (w, of)); }
 static inline void dem__end_change(dem_world *w, dem__pieces of) { DEM__TELL(w, end_change, (w, of)); }
 
-/* Sets what turns forces on particle i into accelerations. */
+/* Sets the factors that turn forces on particle i into accelerations. */
 static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
     dem__sum *sum = &w->engine->bodies.sum[i];
     sum->per_mass = dem__per_mass(w, i);
     sum->per_inertia = 2.5 * sum->per_mass / (w->particle[i].radius * w->particle[i].radius);
 }
 
-/* Sets the share of its mass that a particle has in each of its contacts. */
+/* Sets the share of a particle's mass in each of its contacts. */
 DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
     w->engine->bodies.mass_share[i] = w->touching[i] > 1 && !dem__is_fixed(w, i) ? 1.0 / (double)w->touching[i] : 1.0;
 }
 
-/* Sets the acceleration of particle i without contacts. */
+/* Sets the acceleration that particle i has without contacts. */
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
@@ -3663,12 +3687,12 @@ DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
 /* Returns whether particle i, or any particle of its rigid body, has a load or is fixed. */
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
     const dem__pieces own = dem__pieces_of(w, i);
-    int loaded = dem__is_fixed(w, i); /* does not fall */
+    int loaded = dem__is_fixed(w, i); /* a fixed particle does not fall */
     for (ptrdiff_t k = own.first; k < own.end; k++) loaded |= dem__has_load(w, k);
     return loaded;
 }
 
-/* Makes particle i take steps from now on. */
+/* Makes particle i take steps from here on. */
 DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     if (bodies->activity[i]) return;
@@ -3676,7 +3700,7 @@ DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
     bodies->active_at[i] = (int32_t)bodies->active_count;
     bodies->active[bodies->active_count++] = (int32_t)i;
 }
-/* Makes particle i, or all particles of its rigid body, take steps from now on. */
+/* Makes particle i, or all particles of its rigid body, take steps from here on. */
 DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
     const dem__pieces own = dem__pieces_of(w, i);
     for (ptrdiff_t k = own.first; k < own.end; k++) dem__wake_one(w, k);
@@ -3791,7 +3815,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a];
         if (!fixed) *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
-        load[a] = load[a] == external[a] ? wanted[a] : load[a] + change; /* links add to it */
+        load[a] = load[a] == external[a] ? wanted[a] : load[a] + change; /* links add their own */
         external[a] = wanted[a];
     }
     if (r) w->engine->bodies.calls->place(w, r);
@@ -3816,28 +3840,29 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     r->turn = dem__turns(q, dem__given_frame(w, i, r));
     w->engine->bodies.calls->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
-    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
+    if (!w->touching[i]) dem__free_acceleration(w, i); /* the arms of loads and links have changed */
     dem__end_change(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
 
 /* -------------------------------------------------------------------------------------------------- >>walls/kind.h */
-/* What a kind of wall is: one row of flags and functions, in the file of that kind. The engine asks the row of a wall
+/* A kind of wall is one row of flags and functions, in a file of its own. The engine uses the row of a wall
    (wall->kind__), which the function that adds the wall sets, so that a program compiles only the kinds that it adds.
-   walls/kinds.h lists all rows. Functions get the place of a centre from the wall's origin, in the world's axes. */
+   walls/kinds.h lists all rows. Positions passed to these functions are relative to the wall's origin, along the
+   world's axes. */
 
-/* A place where a sphere is near a wall. */
+/* A place where a sphere is close to a wall. */
 typedef struct dem__touch {
     double gap, curvature;
     dem_vec normal; /* from the wall to the sphere */
     int32_t element;
-    int32_t face; /* mesh: the triangle that has the nearest point inside its edges; -1: none */
+    int32_t face; /* mesh: the triangle with the nearest point inside its edges; -1: none */
 } dem__touch;
 
 enum {
-    DEM__TOUCHES = 4, /* places of a wall that a sphere touches, at most */
-    DEM__NUMBERS = 16 /* contacts of a particle with a mesh, at most, including those that end in this step */
+    DEM__TOUCHES = 4, /* places of a wall that a sphere touches at most */
+    DEM__NUMBERS = 16 /* contacts of a particle with a mesh at most, including those that end in this step */
 };
 
 /* An edge of a wall that edges of polyhedra can cross: a line, or a capsule about one. */
@@ -3845,29 +3870,30 @@ typedef struct dem__wall_edge {
     dem_vec from, to; /* [m] */
     double radius;    /* 0: sharp */
     int32_t key;
-    int ends;     /* bit 0, bit 1: it ends at a corner of the wall there */
+    int ends;     /* bits 0, 1: it begins, ends at a corner of the wall */
     int is_sided; /* 1: it protrudes along `outward` only; 0: it can be touched from all around */
-    int is_axis;  /* 1: the axis of a bar, into which no core may pass */
-    double sign;  /* 1, -1: it is touched where the normal is on this side of `side`; 0: everywhere */
+    int is_axis;  /* 1: the axis of a bar, which no core may pass */
+    double sign;  /* 1, -1: it is touched only where the normal is on this side of `side`; 0: everywhere */
     dem_vec outward, side;
 } dem__wall_edge;
 
-/* Gets the edges and corners of a wall. A corner is a ball about x; tip: its outward direction, 0: it can be touched
-   from all sides. */
+/* Receives the edges and corners of a wall. A corner is a ball about x. tip: its outward direction; 0: it can be
+   touched from all sides. */
 typedef struct dem__edge_visitor dem__edge_visitor;
 struct dem__edge_visitor {
     void (*corner)(dem__edge_visitor *v, dem_vec x, double radius, dem_vec tip, int32_t key);
     void (*edge)(dem__edge_visitor *v, const dem__wall_edge *e);
 };
 
-/* Keys tell the points of a polyhedron at a wall apart: first those of its corners, DEM_CORNERS_MAX for each place of
-   the wall that has keys of its own; then one for each corner of the wall, and DEM__EDGE_KEYS for each of its edges. */
+/* Keys distinguish the points of a polyhedron at a wall. First come those of its corners, DEM_CORNERS_MAX for each
+   place of the wall that has its own keys; then one for each corner of the wall, and DEM__EDGE_KEYS for each of its
+   edges. */
 enum {
     DEM__CROSSINGS_MAX = 4,                                       /* of an edge with a curved sheet, at most */
     DEM__EDGE_KEYS = 5 * DEM_EDGES_MAX,                           /* of an edge of a wall */
     DEM__SEARCH_KEYS = 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX,    /* of a curved sheet */
-    DEM__ELEMENT_KEYS = DEM_CORNERS_MAX + 2 + 3 * DEM__EDGE_KEYS, /* of a bar: all of its keys */
-    DEM__ELEMENTS_FROM = 1 << 18, /* added to the number of an element, which may be negative */
+    DEM__ELEMENT_KEYS = DEM_CORNERS_MAX + 2 + 3 * DEM__EDGE_KEYS, /* of a bar: all its keys */
+    DEM__ELEMENTS_FROM = 1 << 18, /* added to the index of an element, which may be negative */
     DEM__PLACE_DIRECTIONS = 54    /* directions of normals at a mesh, as places of corners */
 };
 
@@ -3875,25 +3901,25 @@ enum {
 enum {
     DEM__NO_SURFACE = 1, /* nothing touches it: particles beyond it leave */
     DEM__HALF_SPACE = 2, /* a half space: dem__touch_flat finds where it is touched */
-    DEM__CONVEX = 4,     /* seen from where particles are, so that a gap shrinks no faster than along its normal, but
-                            for `closing` */
+    DEM__CONVEX = 4,     /* seen from the particles' side, so that a gap shrinks fastest along its normal, but for
+                            `closing` */
     DEM__KEEPS_CURVATURE = 8, /* a contact keeps the curvature with which it began */
     DEM__TRIANGULATED = 16,   /* made of the triangles in wall->tree: a contact keeps the place that it follows */
-    DEM__CURVED_SHEET = 32    /* where it touches the edges of a polyhedron must be searched along them */
+    DEM__CURVED_SHEET = 32    /* places where it touches the edges of a polyhedron must be searched along them */
 };
 
-/* How corners of a convex body tell its gap to a wall: some other part may be nearer, none is, or they say nothing. */
+/* How corners of a convex body tell its gap to a wall: another part may be nearer, none is, or they tell nothing. */
 enum { DEM__CORNERS_SOME, DEM__CORNERS_ALL, DEM__CORNERS_NONE };
 
-/* A kind of wall. NULL where nothing is said. */
+/* A kind of wall. Functions may be NULL where this is stated. */
 typedef struct dem__wall_kind {
     int kind, flags;                    /* dem_wall_kind; DEM__HALF_SPACE and others */
-    int (*is_sound)(const dem_wall *w); /* returns whether its lengths, from a file, are those of such a wall */
-    /* Finds the places where a sphere's gap is below `limit`, at most DEM__TOUCHES: gap, normal, and what is not 0 of
-       curvature and element. Returns their number; least: a lower limit of the gap. */
+    int (*is_sound)(const dem_wall *w); /* returns whether its lengths, from a file, are valid for such a wall */
+    /* Finds the places where a sphere's gap is below `limit`, at most DEM__TOUCHES: gap, normal, and curvature and
+       element if they are not 0. Returns how many. least: a lower limit of the gap. */
     int (*touch)(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out, double *least);
-    /* With several elements that are touched by themselves: computes the touch at one of them, whose number is set, at
-       any gap; and returns a lower limit of the gap to those that `touch` does not return. NULL: one element. */
+    /* Walls with several elements, each of which is touched by itself: computes the touch at one of them, whose index
+       is set, at any gap; returns a lower limit of the gap to those that `touch` does not return. NULL: one element. */
     void (*touch_element)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem__touch *out);
     double (*other_elements)(const dem_wall *w, double radius, double lowest);
     /* Round walls: computes the vector from the axis or centre to the sphere's centre, and how far from there the
@@ -3903,13 +3929,14 @@ typedef struct dem__wall_kind {
        / distance from the axis of a round wall, with the sign of the side. NULL: 0. */
     dem_vec (*normal_rate)(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n, double inverse,
                            dem_vec u);
-    int (*is_endless)(const dem_wall *w, int axis); /* returns whether it is the same all along an axis of the world */
+    /* returns whether it continues unchanged along an axis of the world */
+    int (*is_endless)(const dem_wall *w, int axis);
     /* Returns a limit of the acceleration with which the gap of a place shrinks for a sphere in free fall, at u [m/s]
-       from the wall. NULL: that of gravity and of the wall. */
+       from the wall. NULL: the acceleration of gravity and of the wall. */
     double (*closing)(const dem_wall *w, const dem__touch *touch, double radius, dem_vec gravity, dem_vec u);
     /* For polyhedra. */
     int (*corners)(const dem_wall *w); /* returns DEM__CORNERS_.. */
-    /* Shows a visitor the edges and corners that may be within `reach` of a centre, from which their places are. */
+    /* Presents the edges and corners that may be within `reach` of a centre to a visitor, relative to that centre. */
     void (*edges)(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v);
     int (*crosses)(const dem_wall *w, dem_vec p, dem_vec q); /* sheet: returns whether the line from p to q cuts it */
 } dem__wall_kind;
@@ -3917,7 +3944,7 @@ typedef struct dem__wall_kind {
 /* Returns whether the kind of a wall has one of some flags. */
 DEM_INLINE int dem__has(const dem_wall *w, int flags) { return (w->kind__->flags & flags) != 0; }
 DEM_INLINE int dem__has_surface(const dem_wall *w) { return !dem__has(w, DEM__NO_SURFACE); }
-/* Returns whether a wall has several elements, which are touched by themselves. */
+/* Returns whether a wall has several elements, each of which is touched by itself. */
 DEM_INLINE int dem__has_elements(const dem_wall *w) { return w->kind__->touch_element != NULL; }
 
 /* Returns whether a wall acts on particles of a group. */
@@ -3929,7 +3956,7 @@ DEM_INLINE int dem__is_at_wall(const dem_world *w, ptrdiff_t i, int wall) {
     return w->wall[wall].enabled && dem__acts_on(&w->wall[wall], w->group[i]);
 }
 
-/* Converts a vector to a wall's own frame, and back. */
+/* Transforms a vector to a wall's own frame, and back. */
 DEM_INLINE dem_vec dem__to_frame(const dem_wall *w, dem_vec d) {
     return dem_vec3(dem__dot(d, w->axis[0]), dem__dot(d, w->axis[1]), dem__dot(d, w->axis[2]));
 }
@@ -3943,8 +3970,8 @@ DEM_INLINE void dem__touch_flat(const dem_wall *w, dem_vec d, double radius, dem
     out->normal = w->axis[2], out->curvature = 0.0;
 }
 
-/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest, and
-   those that overlap). Returns their number; least: a lower limit of the gap. */
+/* Finds all places where a sphere's gap to a wall is below limit (at most DEM__TOUCHES; of a mesh the nearest one and
+   those that overlap). Returns how many. least: a lower limit of the gap. */
 DEM_INLINE int dem__touch_wall(const dem_wall *w, dem_vec centre, double radius, double limit, dem__touch *out,
                                double *least) {
     out[0].element = 0;
@@ -3979,7 +4006,7 @@ DEM_INLINE dem_vec dem__normal_rate(const dem_wall *w, dem_vec centre, double ra
                : dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* Returns whether a wall's surface runs while it stays. */
+/* Returns whether a wall's surface runs around pulleys. */
 DEM_INLINE int dem__turns_as_belt(const dem_wall *w) {
     return w->asked.belt_turn.x != 0.0 || w->asked.belt_turn.y != 0.0 || w->asked.belt_turn.z != 0.0;
 }
@@ -3996,8 +4023,8 @@ DEM_INLINE dem_vec dem__surface_velocity(const dem_wall *w, dem_vec point, dem_v
     const dem_vec turning = dem__cross(dem__scale(w->spin, w->spin_axis), dem__sub(point, w->position));
     return dem__add(dem__add(w->velocity, turning), dem__belt_velocity(w, n));
 }
-/* Adds what a push lasting h gives a wall: the integrals of its force and of its torque about its origin, and the work
-   that the wall does meanwhile; belt_power: what its belt does. */
+/* Adds what a push of duration h transfers to a wall: the integrals of its force and of its torque about its origin,
+   and the work that the wall does meanwhile. belt_power: of its belt. */
 DEM_INLINE void dem__book_push(dem_wall *w, double h, dem_vec force, dem_vec torque, double belt_power) {
     const dem_vec spin = dem__scale(w->spin, w->spin_axis);
     w->impulse = dem__plus(w->impulse, h, force);
@@ -4075,10 +4102,10 @@ static inline int dem__add_wall(dem_world *w, const dem__wall_kind *kind, int ma
 }
 
 /* -------------------------------------------------------------------------------------------- >>walls/kinematics.h */
-/* Where a wall is at a time, and how it moves there: vibration, rotation, the caller's function, or a force's drive. */
+/* Where a wall is at a time, and how it moves there: by vibration, rotation, the caller's function, or a force. */
 
-/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter
-   turn. */
+/* Returns the sine of an angle, and its cosine: the same bits as riddle_sin and riddle_cos, each of which reduces the
+   angle again. */
 static DEM__NOINLINE double dem__sine(double angle, double *cosine) {
     int quarter;
     const double r = riddle__within_quarter(angle, &quarter);
@@ -4108,22 +4135,22 @@ DEM_INLINE double dem__vibration(double amplitude, double phase, double start, d
     return amplitude * (s - start);
 }
 
-/* Sets the sines of a vibration's phases, which do not change while it lasts. */
+/* Sets the sines of a vibration's phases, which are constant. */
 static inline void dem__set_phase_sine(dem_wall *w) {
     const dem_vec phase = w->asked.phase;
     w->phase_sine =
         dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
 }
 
-/* Displacement, velocity and acceleration of a wall by vibration. */
-typedef struct dem__sway {
+/* Displacement, velocity and acceleration of a vibrating wall. */
+typedef struct dem__oscillation {
     dem_vec shift, velocity, acceleration;
-} dem__sway;
-static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
+} dem__oscillation;
+static inline dem__oscillation dem__oscillation_at(const dem_wall *w, double t) {
     const double rate = 2.0 * RIDDLE_PI * w->asked.frequency, turns = w->asked.frequency * t;
     const double angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
     const dem_vec size = w->asked.amplitude, phase = w->asked.phase, start = w->phase_sine;
-    dem__sway s;
+    dem__oscillation s;
     s.shift.x = dem__vibration(size.x, phase.x, start.x, angle, rate, &s.velocity.x, &s.acceleration.x);
     s.shift.y = dem__vibration(size.y, phase.y, start.y, angle, rate, &s.velocity.y, &s.acceleration.y);
     s.shift.z = dem__vibration(size.z, phase.z, start.z, angle, rate, &s.velocity.z, &s.acceleration.z);
@@ -4131,13 +4158,13 @@ static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
 }
 
 /* Returns whether two walls vibrate alike, as a deck and its side wall do. */
-DEM_INLINE int dem__sways_like(const dem_wall *a, const dem_wall *b) {
+DEM_INLINE int dem__oscillates_like(const dem_wall *a, const dem_wall *b) {
     return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
            memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 &&
            a->asked.frequency == b->asked.frequency && a->asked.motion_start == b->asked.motion_start;
 }
 
-/* Returns the position of a wall in a pose; axis: its axes in the pose. */
+/* Returns the position of a wall in a pose. axis: its axes in the pose. */
 static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
     const double angle = dem__length(pose->turn);
     dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
@@ -4150,7 +4177,7 @@ static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_ve
     return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
 }
 
-/* Moves a prescribed wall to its place at a time. Its velocity, acceleration and spin are central differences. */
+/* Moves a prescribed wall to its pose at a time. Its velocity, acceleration and spin are central differences. */
 static inline void dem__prescribed_wall(dem_wall *w, double time) {
     dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
     const double rate = 0.5 / w->asked.interval;
@@ -4172,7 +4199,8 @@ static inline void dem__prescribed_wall(dem_wall *w, double time) {
     if (w->spin > 0.0) w->spin_axis = dem__scale(1.0 / w->spin, omega);
 }
 
-/* Sets velocity and acceleration of a controlled wall at its present place. rate: its speed [m/s] or spin [rad/s]. */
+/* Sets velocity and acceleration of a controlled wall at its present position. rate: its speed [m/s] or spin
+   [rad/s]. */
 static inline void dem__rated_wall(dem_wall *w, double rate) {
     if (w->asked.drive == DEM_FORCE_CONTROLLED) {
         w->velocity = dem__scale(rate, w->spin_axis), w->acceleration = dem__scale(w->rate_change, w->spin_axis);
@@ -4185,7 +4213,7 @@ static inline void dem__rated_wall(dem_wall *w, double rate) {
         dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
 }
 
-/* Moves a controlled wall to its place at a time: predicted from the last step, as a particle is. */
+/* Moves a controlled wall to its position at a time, predicted from the last step like that of a particle. */
 static inline void dem__controlled_wall(dem_wall *w, double time) {
     const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
     dem_pose pose;
@@ -4196,8 +4224,8 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
     dem__rated_wall(w, w->rate + tau * w->rate_change);
 }
 
-/* Moves a kinematic wall to its place t after its motion began [s]. */
-static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
+/* Moves a kinematic wall to where it is t after its motion began [s]. */
+static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__oscillation *sway) {
     const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
     w->velocity = dem__add(sway->velocity, w->asked.drift);
     w->acceleration = sway->acceleration;
@@ -4215,12 +4243,12 @@ static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *s
     w->position = dem__add(origin, shift);
 }
 
-/* Moves a wall to its place at a time [s]. */
+/* Moves a wall to where it is at a time [s]. */
 static inline void dem__move_wall(dem_wall *w, double time) {
     if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
     else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
     else {
-        const dem__sway sway = dem__sway_at(w, time - w->asked.motion_start);
+        const dem__oscillation sway = dem__oscillation_at(w, time - w->asked.motion_start);
         dem__kinematic_wall(w, time - w->asked.motion_start, &sway);
     }
 }
@@ -4230,8 +4258,9 @@ static inline void dem__move_wall(dem_wall *w, double time) {
 
 enum { DEM__RIM_POINTS = 16 }; /* points of a rim at which faces of polyhedra can touch it */
 
-/* Returns the rate of change of the normal n [1/s] where a surface or a rim goes around the axis axis[2]. radial: the
-   part of the place that is perpendicular to it; distance: from the rim to the sphere's centre; 0: not at a rim [m]. */
+/* Returns the rate of change of the normal n [1/s] where a surface or a rim goes around the axis axis[2]. radial:
+   the part of the position that is perpendicular to it; distance: from the rim to the sphere's centre; 0: not at a
+   rim [m]. */
 static inline dem_vec dem__turn_about_axis(const dem_wall *w, dem_vec radial, double distance, dem_vec n, dem_vec u) {
     const double from_axis = dem__length(radial);
     if (!(from_axis > 0.0)) return dem_vec3(0.0, 0.0, 0.0);
@@ -4244,7 +4273,7 @@ static inline dem_vec dem__turn_about_axis(const dem_wall *w, dem_vec radial, do
     return dem__plus(rate, 1.0 / distance, up);
 }
 
-/* Shows points of a rim as sharp corners. middle: its centre. */
+/* Presents points of a rim as sharp corners. middle: its centre. */
 static inline void dem__show_rim(const dem_wall *w, dem_vec middle, double radius, double reach, int32_t key,
                                  dem__edge_visitor *v) {
     if (!(dem__length(middle) < radius + reach)) return;
@@ -4258,15 +4287,15 @@ static inline void dem__show_rim(const dem_wall *w, dem_vec middle, double radiu
 /* Cones: frustums and tubes of finite length, as thin sheets. A sheet is touched from both sides and at its rims. */
 
 /* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the
-   centre, from the low end. Returns 0 if the gap is not below `limit`; least: the gap. */
+   centre, from the low end. Returns 0 if the gap is not below `limit`. least: the gap. */
 static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
                                   double *least) {
     const double up = dem__dot(d, w->axis[2]);
     const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
     const double rho = dem__length(radial), rise = w->high_radius - w->radius,
                  slant = sqrt(rise * rise + w->length * w->length);
-    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
-                                                                                       nearest: any point of it */
+    /* on the axis a whole ring is nearest: any point of it will do */
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0];
     const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
     const double x = rho - (w->radius + along * rise), y = up - along * w->length;
     double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
@@ -4279,12 +4308,13 @@ static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double radius, d
     *least = out[0].gap = distance - radius;
     if (!(*least < limit)) return 0;
     out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
-    /* that half way up: one contact type wherever a contact begins; spheres wider than the ring lie on a rim */
+    /* the curvature half way up, so that there is one contact type wherever a contact begins; spheres wider than the
+       ring lie on a rim */
     out[0].curvature = on_rim ? 0.0 : (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
     return 1;
 }
 
-/* Returns the rate of change of the normal [1/s]; at a rim it is that of a ring. */
+/* Returns the rate of change of the normal [1/s]; at a rim, that of a ring. */
 static inline dem_vec dem__turn_at_cone(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
                                         double inverse, dem_vec u) {
     dem__touch touch;
@@ -4318,7 +4348,7 @@ static inline int dem__crosses_cone(const dem_wall *w, dem_vec p, dem_vec q) {
     return 0;
 }
 
-/* Shows points of both rims. */
+/* Presents points of both rims to a visitor. */
 static inline void dem__cone_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
     const dem_vec low = dem__sub(w->position, centre);
     dem__show_rim(w, low, w->radius, reach, DEM_CORNERS_MAX + DEM__SEARCH_KEYS, v);
@@ -4370,7 +4400,8 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
 }
 
 /* ------------------------------------------------------------------------------------------------- >>walls/round.h */
-/* What cylinders and spheres share. `radial` is the part of the place that is perpendicular to an axis, or all of it. */
+/* What cylinders and spheres share. `radial` is the part of the position that is perpendicular to an axis, or all of
+   it. */
 
 /* Finds the touch with a surface of constant radius. part: its mean curvature times the radius [-]. */
 DEM_INLINE int dem__touch_round(const dem_wall *w, dem_vec radial, double part, double radius, double limit,
@@ -4383,7 +4414,7 @@ DEM_INLINE int dem__touch_round(const dem_wall *w, dem_vec radial, double part, 
     return 1;
 }
 
-/* Returns which side of a surface of constant radius a sphere is on; 0 where it has no normal. */
+/* Returns on which side of a surface of constant radius a sphere is; 0 where there is no normal. */
 DEM_INLINE double dem__side_of_round(const dem_wall *w, dem_vec radial, dem_vec *from, double *inner) {
     *from = radial;
     *inner = w->radius;
@@ -4409,7 +4440,7 @@ static inline int dem__add_round(dem_world *w, const dem__wall_kind *kind, int m
 }
 
 /* ---------------------------------------------------------------------------------------------- >>walls/cylinder.h */
-/* Cylinders without ends: with particles inside, or outside. */
+/* Cylinders without ends, with particles inside or outside. */
 
 /* Returns the part of a vector that is perpendicular to the axis. */
 DEM_INLINE dem_vec dem__across_axis(const dem_wall *w, dem_vec d) {
@@ -4436,7 +4467,7 @@ static inline int dem__is_along_cylinder(const dem_wall *w, int axis) {
     return fabs(dem_axis(w->axis[2], axis)) == 1.0;
 }
 
-/* Along the axis nothing closes the gap. From inside, a straight path at u bends towards the surface: the distance from
+/* Motion along the axis does not close the gap. Inside, a straight path at u approaches the surface: the distance from
    the axis grows by no more than the outward velocity and u_side^2 / distance give. */
 static inline double dem__closing_at_cylinder(const dem_wall *w, const dem__touch *touch, double radius,
                                               dem_vec gravity, dem_vec u) {
@@ -4449,7 +4480,7 @@ static inline double dem__closing_at_cylinder(const dem_wall *w, const dem__touc
 
 static inline int dem__cylinder_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_SOME; }
 
-/* From outside, a cylinder is one long edge: as long as edges of a polyhedron can cross it. */
+/* Outside, a cylinder is one long edge, as long as edges of a polyhedron can cross it. */
 static inline void dem__cylinder_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
     const dem_vec foot = dem__across_axis(w, dem__sub(w->position, centre));
     const double far_off = 4.0 * (reach + w->radius);
@@ -4486,9 +4517,10 @@ DEM_API int dem_add_cylinder(dem_world *world, int material, dem_vec point, dem_
 }
 
 /* -------------------------------------------------------------------------------------------------- >>walls/disc.h */
-/* Discs: flat and thin, with or without a round hole in the middle. A disc is touched from both sides and at its rims. */
+/* Discs: flat and thin, with or without a round hole in the middle. A disc is touched from both sides and at its rims.
+   */
 
-/* Finds the touch: the nearest point lies in the plane of axis and centre, at the distance `at` from the axis. */
+/* Finds the touch. The nearest point lies in the plane of axis and centre, at the distance `at` from the axis. */
 static inline int dem__touch_disc(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
                                   double *least) {
     const double up = dem__dot(d, w->axis[2]);
@@ -4499,13 +4531,13 @@ static inline int dem__touch_disc(const dem_wall *w, dem_vec d, double radius, d
     if (!(*least < limit)) return 0;
     out[0].normal = dem__scale(up < 0.0 ? -1.0 : 1.0, w->axis[2]);
     if (beyond == 0.0) return 1;
-    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
-                                                                                       nearest: any point of it */
+    /* on the axis a whole ring is nearest: any point of it will do */
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0];
     out[0].normal = dem__add(dem__scale(beyond / distance, outward), dem__scale(up / distance, w->axis[2]));
     return 1;
 }
 
-/* Returns the rate of change of the normal [1/s]: 0 at a face; at a rim it is that of a ring. */
+/* Returns the rate of change of the normal [1/s]: 0 at a face; at a rim, that of a ring. */
 static inline dem_vec dem__turn_at_disc(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
                                         double inverse, dem_vec u) {
     const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
@@ -4530,7 +4562,7 @@ static inline int dem__crosses_disc(const dem_wall *w, dem_vec p, dem_vec q) {
     return rho >= w->radius && rho <= w->high_radius;
 }
 
-/* Shows points of the rims. */
+/* Presents points of the rims to a visitor. */
 static inline void dem__disc_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
     const dem_vec middle = dem__sub(w->position, centre);
     const int32_t key = DEM_CORNERS_MAX + DEM__SEARCH_KEYS;
@@ -4591,7 +4623,7 @@ static inline int dem__touch_plane(const dem_wall *w, dem_vec d, double radius, 
     return out[0].gap < limit;
 }
 
-/* Returns whether a plane is the same all along an axis of the world. */
+/* Returns whether a plane continues unchanged along an axis of the world. */
 static inline int dem__is_along_plane(const dem_wall *w, int axis) { return dem_axis(w->axis[2], axis) == 0.0; }
 
 static inline int dem__plane_corners(const dem_wall *w) {
@@ -4667,19 +4699,20 @@ DEM_API int dem_add_exit(dem_world *world, dem_vec point, dem_vec normal) {
 }
 
 /* -------------------------------------------------------------------------------------------- >>walls/mesh_touch.h */
-/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by
-   a search. */
+/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a cached face as
+   by a search. */
 
 /* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack`
    of `at`, and a contact opens by less than that in a step. */
-typedef struct dem__footing {
+typedef struct dem__face_cache {
     dem_vec at;   /* in the wall's own frame */
     double slack; /* [m]; 0: search */
     int32_t face;
-} dem__footing;
-#define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
+} dem__face_cache;
+#define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides counts as
+                           round */
 
-/* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same
+/* Returns the vector from the plane of a triangle to p. distance: its length. All triangles in one plane give the same
    vector. */
 DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
     const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
@@ -4721,10 +4754,10 @@ DEM_INLINE int dem__is_far(const dem__node *b, dem_vec p, double reach) {
     return !(x * x + y * y + z * z < reach * reach);
 }
 
-/* Returns whether a place is in the shadow of a nearer one, because a surface is touched only once: their normals agree
-   to 26 degrees, or the place does not rise over the nearer one's tangent plane, as edges and corners of a touched face
-   do not. */
-DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *near_one, double radius) {
+/* Returns whether a nearer place hides another one, because a surface is touched only once. It does so if their normals
+   agree to 26 degrees, or if the farther place does not rise over the nearer one's tangent plane, as edges and corners
+   of a touched face do not. */
+DEM_INLINE int dem__is_hidden(const dem__touch *far_one, const dem__touch *near_one, double radius) {
     const double flat = (1.0 - 1e-9) * (radius + near_one->gap) / (radius + far_one->gap);
     return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
 }
@@ -4745,8 +4778,8 @@ static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, 
     touch->face = inside ? k : -1;
 }
 
-/* Finds the nearest place of a mesh, if its gap is below `limit`, and those with a gap below `deep` that no nearer one
-   shadows: at most DEM__TOUCHES, nearest first. Returns how many; least: the smallest gap, or limit. */
+/* Finds the nearest place of a mesh, if its gap is below `limit`, and the places with a gap below `deep` that no nearer
+   one hides: at most DEM__TOUCHES, nearest first. Returns how many. least: the smallest gap, or limit. */
 static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit,
                                   dem__touch *out, double *least) {
     const dem__tree *t = w->tree;
@@ -4779,11 +4812,11 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
             if (dem__is_off_plane(t, k, p, radius + deep)) continue;
             dem__meet_triangle(t, k, p, radius, &here);
             if (!(here.gap < deep)) continue;
-            while (at < n && out[at].gap <= here.gap && !dem__is_shadowed(&here, &out[at], radius)) at++;
+            while (at < n && out[at].gap <= here.gap && !dem__is_hidden(&here, &out[at], radius)) at++;
             if (at == DEM__TOUCHES || (at < n && out[at].gap <= here.gap)) continue;
             kept = at;
-            for (int q = at; q < n; q++) { /* remove those in its shadow */
-                if (!dem__is_shadowed(&out[q], &here, radius)) out[kept++] = out[q];
+            for (int q = at; q < n; q++) { /* remove those that it hides */
+                if (!dem__is_hidden(&out[q], &here, radius)) out[kept++] = out[q];
             }
             n = kept < DEM__TOUCHES ? kept + 1 : DEM__TOUCHES;
             for (int q = n - 1; q > at; q--) out[q] = out[q - 1];
@@ -4809,19 +4842,20 @@ static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q)
     return least;
 }
 
-/* Computes the footing of a sphere whose only touch is on a face. A triangle that rises above the plane of the face can
-   be touched, or become the nearest, after half its gap. One that does not rise is in the face's shadow; it becomes the
+/* Computes the face cache of a sphere whose only touch is on a face. A triangle that rises above the plane of the face
+   can be touched, or become the nearest, after half its gap. The face hides one that does not rise; that becomes the
    nearest only where the centre leaves the face for it. */
-static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, double radius, const dem__touch *touch) {
+static inline dem__face_cache dem__find_face_cache(const dem_wall *w, dem_vec d, double radius,
+                                                   const dem__touch *touch) {
     const dem__tree *t = w->tree;
     const int32_t face = touch->face;
-    dem__footing f;
+    dem__face_cache f;
     double height;
     f.at = dem__to_frame(w, d), f.slack = 0.0, f.face = face;
     if (face < 0 || !(touch->gap <= 0.0)) return f;
     const dem_vec up = dem__above_face(t, face, f.at, &height), a = t->vertex[t->corner[3 * face]];
     const double inside = dem__inside_edges(t, face, dem__sub(f.at, up));
-    const double above = height - 0.1 * radius; /* near the plane of the face, others are no longer in its shadow */
+    const double above = height - 0.1 * radius; /* near the plane of the face, it does not hide others */
     double slack = 0.25 * radius < inside ? 0.25 * radius : inside;
     slack = above < slack ? above : slack;
     if (!(slack > 0.0)) return f;
@@ -4842,7 +4876,7 @@ static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, doubl
                 const double corner = dem__dot(dem__sub(t->vertex[t->corner[3 * k + c]], a), out);
                 rise = corner > rise ? corner : rise;
             }
-            const double aside = distance * distance - height * height, /* the shadow's tolerance is 1e-9 */
+            const double aside = distance * distance - height * height, /* dem__is_hidden has a tolerance of 1e-9 */
                 reach = rise > 5e-10 * height ? 0.5 * (distance - radius) : sqrt(aside > 0.0 ? aside : 0.0);
             slack = reach < slack ? reach : slack;
         }
@@ -4851,10 +4885,10 @@ static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, doubl
     return f;
 }
 
-/* Computes the touch of a sphere that has not left its footing. Returns 0 if a search is needed. opens: the most that a
-   contact opens in a step [m]. */
-DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_vec d, double radius, double opens,
-                                  dem__touch *out) {
+/* Computes the touch of a sphere that is still within its face cache. Returns 0 if a search is needed. opens: the most
+   that a contact opens in a step [m]. */
+DEM_INLINE int dem__face_cache_holds(const dem_wall *w, const dem__face_cache *f, dem_vec d, double radius,
+                                     double opens, dem__touch *out) {
     const dem_vec p = dem__to_frame(w, d), moved = dem__sub(p, f->at);
     double distance;
     if (!(f->slack > opens && dem__dot(moved, moved) < f->slack * f->slack)) return 0;
@@ -4867,7 +4901,7 @@ DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_
 /* --------------------------------------------------------------------------------------------- >>walls/mesh_tree.h */
 /* The tree of a mesh's triangles. */
 
-/* Spreads 21 bits to every third bit of a Morton code. */
+/* Moves each of 21 bits to every third bit of a Morton code. */
 static inline uint64_t dem__interleave(uint64_t v) {
     v = (v | v << 32) & 0x1f00000000ffffu;
     v = (v | v << 16) & 0x1f0000ff0000ffu;
@@ -4926,7 +4960,7 @@ static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
 }
 
 /* Returns an empty tree with room for the mesh; NULL when out of memory. */
-static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
+static inline dem__tree *dem__new_tree(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
     const size_t v = (size_t)vertices, k = (size_t)triangles;
     const size_t bytes =
         sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
@@ -4942,7 +4976,7 @@ static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, 
     return t;
 }
 
-/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
+/* Returns twice the area of a triangle as a vector along its normal. The two shorter edges make it accurate for
    slivers. */
 static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
     const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
@@ -4951,7 +4985,7 @@ static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
     return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
 }
 
-/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
+/* Returns whether a triangle has an area beyond the rounding of its corners. unit: its normal. */
 static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
     const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
     double longest = dem__dot(ab, ab);
@@ -4961,7 +4995,7 @@ static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) 
 }
 
 /* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
-   if there is none. */
+   if there are none. */
 static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
                                         ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
     const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
@@ -4990,7 +5024,7 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
         }
         n++;
     }
-    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
+    dem__tree *t = n > 0 ? dem__new_tree(a, vertices, n) : NULL;
     if (n == 0) *status = DEM_BAD_ARGUMENT;
     if (t) {
         dem__sort_keyed(items, items + n, n);
@@ -5008,7 +5042,7 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
     return t;
 }
 
-/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
+/* Returns whether a mesh's numbers are valid. low, high: its bounding box. */
 static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
     if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
         m->triangles > INT32_MAX / 4)
@@ -5028,21 +5062,21 @@ static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
 
 /* -------------------------------------------------------------------------------------------------- >>walls/mesh.h */
 /* Meshes of triangles: thin sheets, or closed bodies. Spheres touch them at several places, which their contacts follow
-   (meshes/follow.h); polyhedra touch their sharp edges and corners. */
+   (meshes/follow.h). Polyhedra touch their sharp edges and corners. */
 
 static inline int dem__touch_triangles(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
                                        double *least) {
     return dem__touch_mesh(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
 }
 
-/* Keys of an edge and its corner. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of
-   the tree. */
+/* Keys of an edge and its corner. Beyond 790 000 triangles keys repeat, but only far away, because triangles are in the
+   order of the tree. */
 enum { DEM__SHARP_KEYS = 1 + DEM__EDGE_KEYS, DEM__SHARP_EDGES_MAX = (1 << 30) / DEM__SHARP_KEYS };
 DEM_INLINE int32_t dem__sharp_key(int32_t at) {
     return DEM_CORNERS_MAX * DEM__PLACE_DIRECTIONS + (int32_t)((int64_t)(at % DEM__SHARP_EDGES_MAX) * DEM__SHARP_KEYS);
 }
 
-/* Shows the sharp edges and corners of a triangle. */
+/* Presents the sharp edges and corners of a triangle to a visitor. */
 static inline void dem__show_triangle(const dem_wall *w, int32_t k, dem_vec d, dem__edge_visitor *v) {
     const dem__tree *t = w->tree;
     for (int32_t at = 3 * k; at < 3 * k + 3; at++) {
@@ -5111,7 +5145,7 @@ DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, do
     *from = dem_vec3(da, dc, up);
     if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
     if (w->profile == DEM_ROUND || !(up < 0.0)) return half;
-    /* the flat side is as wide as the wire; its ends are round, seen from below */
+    /* the flat side is as wide as the wire; from below, its ends are round */
     if (!beyond) {
         from->y = dc - dem__clamp(dc, -half, half);
         return 0.0;
@@ -5121,7 +5155,7 @@ DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, do
     return 0.0;
 }
 
-/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such
+/* Computes the touch with bar `index` of a family. Its normal is in (along, across, up). Returns 0 if there is no such
    bar. */
 DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up,
                               double radius, dem__touch *out) {
@@ -5131,21 +5165,22 @@ DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, doubl
     const double distance = dem__length(from);
     out->gap = distance - inner - radius;
     out->curvature =
-        1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
+        1.0 / w->wire; /* that of the round part everywhere, so that a contact's constants do not depend on where it
+                          begins */
     out->normal = dem__scale(1.0 / distance, from);
     out->element = 2 * (int32_t)index + family;
     return distance > 0.0;
 }
 
-/* Converts a vector from (along, across, up) of a family to the world's axes. */
+/* Transforms a vector from (along, across, up) of a family to the world's axes. */
 DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
     const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]),
                   u = dem__scale(v.z, w->axis[2]);
     return dem__add(dem__add(a, c), u);
 }
 
-/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they
-   are the last two. */
+/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck, the
+   last two bars. */
 DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
     const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y,
                  nearest = floor(across / pitch + 0.5);
@@ -5154,7 +5189,7 @@ DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across)
     return dem__clamp(nearest, 1.0 - last, last - 1.0);
 }
 
-/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is
+/* Returns a lower limit of the gap to all other bars [m]. lowest: the smallest gap found, which counts where it is
    negative. */
 DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
     const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
@@ -5186,7 +5221,7 @@ static inline int dem__touch_screen(const dem_wall *w, dem_vec d, double radius,
     return n;
 }
 
-/* Finds the family and the index of a bar from the number of the element. */
+/* Finds the family and the index of a bar from the index of the element. */
 DEM_INLINE int dem__family_of(int32_t element) { return (int)((uint32_t)element & 1u); }
 DEM_INLINE double dem__index_of(int32_t element) { return (double)((element - dem__family_of(element)) / 2); }
 
@@ -5227,7 +5262,7 @@ static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem
     for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
     return 1;
 }
-/* Finds the first and the last bar of a family near a polyhedron at d. reach: its own [m]. */
+/* Finds the first and the last bar of a family near a polyhedron at d. reach: of the polyhedron [m]. */
 DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
     const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]),
                  half = family ? w->half_x : w->half_y;
@@ -5236,8 +5271,8 @@ DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double 
     *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
 }
 
-/* Shows the edges of a bar and its ends. A half-round bar is a capsule when touched from above, and two sharp edges
-   when touched from below. */
+/* Presents the edges of a bar and its ends to a visitor. A half-round bar is a capsule when touched from above, and two
+   sharp edges when touched from below. */
 static inline void dem__show_bar(const dem_wall *w, int family, double index, dem_vec d, dem__edge_visitor *v) {
     const double half = 0.5 * w->wire;
     const int32_t key = DEM__ELEMENT_KEYS * (2 * (int32_t)index + family + DEM__ELEMENTS_FROM) + DEM_CORNERS_MAX;
@@ -5269,7 +5304,7 @@ static inline void dem__screen_edges(const dem_wall *w, dem_vec centre, double r
     }
 }
 
-/* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
+/* Returns whether a screen has lengths, and no more bars and apertures than integers can count. */
 static inline int dem__is_deck(const dem_wall *w) {
     const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
     return (w->profile == DEM_ROUND || w->profile == DEM_SEMICIRCLE) && dem__positive(w->aperture) &&
@@ -5346,7 +5381,7 @@ static inline dem_vec dem__turn_at_sphere(const dem_wall *w, dem_vec d, double r
     return dem__scale(inverse, dem__sub(u, dem__scale(dem__dot(u, n), n)));
 }
 
-/* A solid sphere touches a polyhedron as a corner of a wall does, with all of its surface. */
+/* A solid sphere touches a polyhedron like a corner of a wall, with all of its surface. */
 static inline int dem__sphere_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_NONE; }
 static inline void dem__sphere_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
     (void)reach;
@@ -5400,10 +5435,10 @@ static inline void dem__run_alone(int tasks, void (*task)(void *context, int ind
 }
 
 #ifdef _OPENMP
-/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer
-   than the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task
-   that was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2
-   ms, loops run on one thread for 20 ms, and for twice as long each time that threads lose again soon after. */
+/* Decides whether loops run on one thread. If another program occupies a core, threads wait for each other longer than
+   the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times. A task that
+   was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2 ms,
+   loops run on one thread for 20 ms, and twice as long each time that threads soon lose again. */
 static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
     double alone = 0.0;
     for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
@@ -5449,8 +5484,8 @@ static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *con
     }
 }
 
-/* Returns the number of threads that a run may use. More of OpenMP's than there are processors would wait for each
-   other; a host knows what its threads are. */
+/* Returns the number of threads that a run may use. More OpenMP threads than processors would wait for each other; a
+   host knows what its threads are. */
 static inline int dem__usable_threads(const dem_world *w) {
     int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
     if (w->def.parallel) return threads;
@@ -5461,7 +5496,7 @@ static inline int dem__usable_threads(const dem_world *w) {
 #endif
 }
 
-/* Returns the number of parts to split n items into: as many as there are threads, or as pay for waking them. */
+/* Returns into how many parts to split n items: as many as there are threads, or as pay for waking them. */
 DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
     const int threads = w->engine->scratch.threads;
     if (threads <= 1 || n < 2 * DEM__SHARE) return 1;
@@ -5479,7 +5514,7 @@ DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) {
     return n / parts * part + (n % parts < part ? n % parts : part);
 }
 
-/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no
+/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them. A few entries need no
    long lead. */
 DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
 
@@ -5521,7 +5556,7 @@ DEM_INLINE double dem__sphere_mass(const dem_world *w, int material, double radi
     return RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
 }
 
-/* Returns whether a diameter gives a mass and an inertia that are numbers. */
+/* Returns whether a diameter gives a finite mass and inertia. */
 static inline int dem__is_size(const dem_world *w, int material, double d) {
     return dem__positive(d) && dem__positive(dem__sphere_mass(w, material, 0.5 * d) * d * d);
 }
@@ -5552,7 +5587,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     w->particle[i].origin = w->step;
     w->id[i] = bodies->next_id++;
     bodies->number[i] = (int32_t)(i - bodies->dropped);
-    bodies->rank[i] = bodies->by_rank[i] = (int32_t)i; /* the last one */
+    bodies->rank[i] = bodies->by_rank[i] = (int32_t)i; /* it gets the last rank */
     w->material[i] = material;
     w->group[i] = group;
     w->alive[i] = 1;
@@ -5589,11 +5624,10 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
 }
 
 /* ----------------------------------------------------------------------------------------------- >>search/timers.h */
-/* Timers of near pairs and of particles with walls, and batches of them.
-   Relies on particles/free_flight.h for where particles are; reads the bounds that search/bounds.h sets. */
+/* Timers of near pairs and of particles with walls, and batches of them. Relies on motion/motion.h for positions; reads
+   the bounds that search/bounds.h sets. */
 
-/* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the
-   next step in which one is possible. */
+/* A timer holds the step in which a near pair, or a particle and a wall, is tested next. */
 
 DEM_INLINE void dem__set_due(dem__timers *t, int32_t e, int32_t due) {
     int32_t *earliest = &t->earliest[(uint32_t)e / DEM__LINE];
@@ -5612,7 +5646,8 @@ DEM_INLINE int32_t dem__earliest(const int32_t *due) {
     return earliest;
 }
 
-/* Appends the timers of line b that are due to a list of length n and sets them to `then`. Returns the new length. */
+/* Appends the due timers of line b to a list of n entries, and sets them to `then`. Returns the new number of
+   entries. */
 DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list,
                                            ptrdiff_t n) {
     int32_t *due = t->due + b * DEM__LINE;
@@ -5629,7 +5664,7 @@ DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t 
 }
 
 /* Lists the timers in pages first .. end-1 that are due at a step, from list[first * DEM__PAGE] on, and sets them to
-   `then`. Returns their number. */
+   `then`. Returns how many. */
 DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then) {
     const int32_t now = (int32_t)(step - t->from);
     int32_t *list = t->list + first * DEM__PAGE;
@@ -5642,7 +5677,7 @@ DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t en
         DEM__NO_UNROLL
         for (int k = 0; k < DEM__LINE; k++) any |= earliest[k] <= now;
         const int before = opened;
-        for (int k = 0; k < DEM__LINE && any; k++) { /* without a branch, which would be mispredicted */
+        for (int k = 0; k < DEM__LINE && any; k++) { /* no branch, because it would be mispredicted */
             open[opened] = (int32_t)(s * DEM__LINE) + k;
             opened += earliest[k] <= now;
         }
@@ -5661,21 +5696,20 @@ DEM__AVX2_CLONE(dem__list_due,
 DEM_INLINE int dem__steps_due(const dem__timers *t, int32_t e, int64_t step) {
     return (int)(t->due[e] - (step - t->from));
 }
-/* Returns the number of steps from `step` in which no contact with the wall can begin; it may be more than
+/* Returns the number of steps from `step` on in which no contact with the wall can begin. It may exceed
    dem__steps_due. */
 DEM_INLINE int dem__steps_sure(const dem_world *w, int32_t e, int64_t step) {
     return (int)(int32_t)(w->engine->walls.sure[e] - (uint32_t)(uint64_t)step);
 }
 
-/* Converts a time [s] in which no contact can begin to steps until the next test, 1 to DEM__STEPS_MAX - 1. */
+/* Converts a time [s] without contact to the number of steps until the next test, 1 to DEM__STEPS_MAX - 1. */
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     double n = t * w->engine->pairs.steps_per_second;
     if (n >= (double)(DEM__STEPS_MAX - 2)) return DEM__STEPS_MAX - 1;
     return n > 0.0 ? 1 + (int)n : 1; /* NaN: 1 */
 }
 
-/* Returns the time [s] to cover a distance [m] at a speed that starts with s [m/s] and grows by g [m/s2]; 0 without a
-   distance. */
+/* Returns the time [s] to cover a distance [m] at a speed s [m/s] that grows by g [m/s2]; 0 without a distance. */
 DEM_INLINE double dem__time_to_cover(double distance, double s, double g) {
     return distance > 0.0 ? 2.0 * distance / (s + sqrt(s * s + 2.0 * g * distance)) : 0.0;
 }
@@ -5687,8 +5721,7 @@ DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
     return distance > 0.0 ? (root > 0.0 ? 2.0 * distance / root : HUGE_VAL) : 0.0;
 }
 
-/* Returns the vector from the centre of j to that of i at a step [m], of the nearest image; neither belongs to a rigid
-   body. */
+/* Returns the vector from the centre of j to the nearest image of i at a step [m]. Neither belongs to a rigid body. */
 DEM_INLINE dem_vec dem__sphere_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
     return dem__nearest_image(
         w, dem__sub(dem__sphere_at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
@@ -5702,20 +5735,20 @@ DEM_INLINE dem_vec dem__pair_separation(const dem_world *w, ptrdiff_t i, ptrdiff
 
 typedef double dem__row[DEM__BLOCK];
 
-/* Near pairs whose timers are to be computed together; and the results of tests. */
+/* Near pairs whose timers are computed together, and the results of tests. */
 typedef struct dem__timer_batch {
-    dem__bound apart[DEM__BLOCK]; /* bound of one relative to the other: they can touch within `reach` */
+    dem__bound apart[DEM__BLOCK]; /* bound of one particle relative to the other; they touch within `reach` */
     int32_t pair[DEM__BLOCK], steps[DEM__BLOCK];
     int n;
-    int32_t *found; /* of tests: pairs that touch */
+    int32_t *found; /* tests: pairs that touch */
     ptrdiff_t touch;
     int64_t looks;
 } dem__timer_batch;
 
 DEM_INLINE void dem__clear_batch(dem__timer_batch *q) { q->n = 0, q->found = NULL, q->touch = 0, q->looks = 0; }
 
-/* Computes the steps until each pair can touch if both particles keep to their bounds: 0 for never, else 1 to
-   DEM__STEPS_MAX - 1. pace: steps a second. */
+/* Computes the number of steps until each pair can touch while both particles keep to their bounds: 0 for never, else 1
+   to DEM__STEPS_MAX - 1. pace: steps a second. */
 DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
     for (int k = 0; k < q->n; k++) {
         const dem__bound *r = &q->apart[k];
@@ -5744,8 +5777,8 @@ static inline void dem__flush_batch(dem_world *w, dem__timer_batch *q, int64_t s
     q->n = 0;
 }
 
-/* Computes the steps until the pairs in the batch are due, stores pairs and steps as a list of n entries at `to`, and
-   empties the batch. Returns the new number. */
+/* Computes how many steps remain until the pairs in the batch are due, appends pairs and steps to a list of n entries
+   at `to`, and empties the batch. Returns the new number of entries. */
 static inline ptrdiff_t dem__list_batch(const dem_world *w, dem__timer_batch *q, int32_t *to, ptrdiff_t n) {
     dem__compute_due(q, w->engine->pairs.steps_per_second);
     for (int k = 0; k < q->n; k++, n++) to[2 * n] = q->pair[k], to[2 * n + 1] = q->steps[k];
@@ -5765,7 +5798,7 @@ static inline void dem__set_listed(dem_world *w, const int32_t *list, ptrdiff_t 
     }
 }
 
-/* Returns the time since the list was built [s], on which bounds depend. */
+/* Returns the time since the list was built [s]; bounds are functions of it. */
 DEM_INLINE double dem__since_listed(const dem_world *w, int64_t step) {
     return (double)(step - w->engine->pairs.listed_step) * w->engine->run.dt;
 }
@@ -5777,7 +5810,7 @@ DEM_INLINE dem__bound dem__bound_at(const dem__bound *c, double t) {
     return now;
 }
 
-/* Appends pair p with the bound of a relative to b to the batch. Returns that relative bound. */
+/* Appends pair p to the batch with the bound of a relative to b. Returns that bound. */
 DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a,
                                        const dem__bound *b) {
     if (q->n == DEM__BLOCK) dem__flush_batch(w, q, step);
@@ -5788,7 +5821,7 @@ DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_
     return r;
 }
 
-/* Appends pair p. a, b: the bounds of its particles as they are at the step; their nearest images are taken. */
+/* Appends pair p. a, b: the bounds of its particles at the step; their nearest images are taken. */
 DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a,
                                   const dem__bound *b) {
     dem__bound *r = dem__batch_pair(w, q, p, step, a, b);
@@ -5797,7 +5830,7 @@ DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, 
     r->x = d.x, r->y = d.y, r->z = d.z;
 }
 
-/* Appends pair p, whose centres are known to be d apart [m] at a step. */
+/* Appends pair p, whose centres are d apart [m] at a step. */
 DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, dem_vec d) {
     const dem__near *pair = &w->engine->pairs.near[p];
     dem__bound *r =
@@ -5806,15 +5839,15 @@ DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t
 }
 
 /* --------------------------------------------------------------------------------------------- >>particles/exits.h */
-/* The records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises:
-   the order of records does not depend on the order of tests. */
+/* Records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises: the
+   order of records does not depend on the order of tests. */
 
 /* Returns the diameter of a sphere with a body's mass and the material of its first particle [m]. */
 static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {
     return riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density);
 }
 
-/* Records a particle, or its rigid body, that passes an exit in this step, and marks it to leave at the end of the
+/* Records a particle, or its rigid body, that passes an exit in this step, and marks it for removal at the end of the
    step. */
 static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem__run *run = &w->engine->run;
@@ -5823,11 +5856,11 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem_vec x = dem__at(w, i, tau), v = dem__true_velocity_at(w, i, tau);
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        const dem__posture p = dem__posture_at(w, r, tau);
+        const dem__pose p = dem__pose_at(w, r, tau);
         i = r->first, x = p.x, v = p.v;
     }
-    if (w->alive[i] < 0) { /* it passed another exit in this step: the one with the smaller index counts, whatever the
-                              order of tests */
+    if (w->alive[i] < 0) { /* it passed another exit in this step: the smaller index counts, whatever the order of
+                              tests */
         ptrdiff_t k = w->passed_count - 1;
         while (w->passed[k].id != w->id[i]) k--;
         if (wall < w->passed[k].exit) w->passed[k].exit = wall;
@@ -5845,7 +5878,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
         w->passed = fresh;
         bodies->passed_capacity = larger;
     }
-    /* in the order of ids, whatever the order of tests in this step */
+    /* sorted by id, whatever the order of tests in this step */
     double time = run->start_time + (double)(w->step + 1 - run->start_step) * run->dt;
     ptrdiff_t at = w->passed_count++;
     w->passed_total++;
@@ -5860,13 +5893,13 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     p->group = w->group[i];
     p->exit = wall;
     const dem__pieces own = dem__pieces_of(w, i);
-    for (ptrdiff_t k = own.first; k < own.end; k++) w->alive[k] = DEM_LEAVING; /* at the end of the step */
+    for (ptrdiff_t k = own.first; k < own.end; k++) w->alive[k] = DEM_LEAVING; /* removed at the end of the step */
     run->leaving = 1;
 }
 
-/* ------------------------------------------------------------------------------------------------ >>search/tests.h */
-/* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the
-   last chunk. */
+/* ----------------------------------------------------------------------------------------- >>search/narrow_phase.h */
+/* The narrow phase. A test of a pair, or of a particle and a wall, finds that a contact begins, or the next step in
+   which one is possible. New contacts are appended to the last chunk. */
 
 /* Returns the slot of contact k. In public functions contacts are numbered from 0 in the order of slots. */
 DEM_INLINE ptrdiff_t dem__slot_of(const dem_world *w, ptrdiff_t k) {
@@ -5914,7 +5947,7 @@ static inline int dem__new_contact(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32
     return 1;
 }
 
-/* Tests pair p: adds it to the pairs found if it touches, else to those whose timers are to be set. */
+/* Tests pair p. If it touches, adds it to the pairs found; otherwise, to those that need a new timer. */
 DEM_INLINE void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step, int rigid) {
     const dem__near *q = &w->engine->pairs.near[p];
     const dem_vec d = rigid ? dem__pair_separation(w, q->i, q->j, step) : dem__sphere_separation(w, q->i, q->j, step);
@@ -5943,20 +5976,21 @@ static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall
     return 0;
 }
 
-/* Returns an arm [m]: no point of a wall at x is faster than speed_bound + arm * spin_bound. */
+/* Returns an arm [m] such that no point of a wall at x is faster than speed_bound + arm * spin_bound. */
 DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
     const double arm =
-        dem__length(dem__sub(x, wall->position)); /* a kinematic wall's speed_bound leaves out that its origin turns */
+        dem__length(dem__sub(x, wall->position)); /* speed_bound of a kinematic wall leaves out its rotation */
     return wall->asked.drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->asked.origin, wall->asked.spin_centre))
                                               : arm;
 }
 
-/* Returns whether particle i must be tested with a wall. A screen may be touched at several bars. Any other wall that
-   it touches needs no test: it has one place, and dem__follow_meshes finds the other places of a mesh. */
+/* Returns whether particle i must be tested with a wall. A screen may be touched at several bars. A particle that
+   touches any other wall needs no test: such a wall is touched at one place, and dem__follow_meshes finds the other
+   places of a mesh. */
 DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     if (dem__is_fixed(w, i)) return 0;
     if (dem__shape_of(w, i))
-        return !dem__has_surface(&w->wall[wall]); /* others: by corners and edges, in polyhedra/pairs.h */
+        return !dem__has_surface(&w->wall[wall]); /* polyhedra/pairs.h tests corners and edges with all other walls */
     if (dem__has_elements(&w->wall[wall])) return 1;
     for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
         if (w->engine->contacts.j[c] == -1 - wall) return 0;
@@ -5964,7 +5998,7 @@ DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     return 1;
 }
 
-/* Returns whether the contact in slot c is one of a polyhedron. The functions after it read and write what a contact
+/* Returns whether a polyhedron takes part in the contact in slot c. The functions below read and write what a contact
    keeps of the place where it touches: see DEM__PLACE_NORMAL in base/engine.h. first: the first of three numbers. */
 DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
 DEM_INLINE dem_vec dem__place_vec(const dem_world *w, int first, ptrdiff_t c) {
@@ -5988,8 +6022,8 @@ DEM_INLINE void dem__set_touch(dem_world *w, ptrdiff_t c, const dem__touch *touc
     w->engine->contacts.touch[DEM__PLACE_GAP][c] = touch->gap;
 }
 
-/* Begins a contact with a wall. A cone is touched from both sides and at its rims: a contact keeps the curvature with
-   which it began. Returns 0 when out of memory. */
+/* Begins a contact with a wall. A cone is touched from both sides and at its rims, so a contact keeps the curvature
+   with which it began. Returns 0 when out of memory. */
 static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!dem__new_contact(w, i, -1 - wall, element, -1)) return 0;
@@ -5997,18 +6031,18 @@ static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, con
     if (dem__has(&w->wall[wall], DEM__KEEPS_CURVATURE)) contacts->touch[DEM__KEPT_CURVATURE][c] = touch->curvature;
     if (!dem__has(&w->wall[wall], DEM__TRIANGULATED)) return 1;
     dem__set_touch(w, c, touch);
-    contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing yet */
+    contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no cached face yet */
     dem__set_place_vec(w, DEM__PLACE_BEFORE, c, touch->normal);
     return 1;
 }
 
-/* Returns whether a point is beyond an exit. A rigid body leaves when its centre of mass is, and the centre of one of
-   its particles. */
+/* Returns whether a point is beyond an exit. A rigid body leaves when both its centre of mass and the centre of one of
+   its particles are beyond it. */
 static inline int dem__has_passed(const dem_wall *wall, dem_vec x) {
     return dem__dot(dem__sub(x, wall->position), wall->axis[2]) < 0.0;
 }
 
-/* Returns a lower limit of the gap of elements that are not among those found [m]. */
+/* Returns a lower limit of the gap to the elements that were not found [m]. */
 static inline double dem__other_elements(const dem_world *w, const dem_wall *wall, double radius,
                                          const dem__touch *touch, int found) {
     double lowest = 0.0;
@@ -6017,8 +6051,8 @@ static inline double dem__other_elements(const dem_world *w, const dem_wall *wal
     return others < w->engine->pairs.wall_reach ? others : w->engine->pairs.wall_reach;
 }
 
-/* Returns how far x is from a face of the periodic box beyond which the wall does not continue [m]: walls are not
-   repeated. */
+/* Returns the distance from x to the nearest face of the periodic box beyond which the wall does not continue [m].
+   Walls are not repeated. */
 static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wall, dem_vec x) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
@@ -6040,17 +6074,17 @@ typedef struct dem__wall_test {
     dem_wall *wall;
     dem_vec x, v;  /* of the particle at the step of the test */
     double clear;  /* lower limit of the gaps where there is no contact [m] */
-    double others; /* the same of what is not among the places found */
+    double others; /* lower limit of the gaps to all places that were not found [m] */
     int found;
     dem__touch touch[DEM__TOUCHES];
 } dem__wall_test;
 
 /* Returns a time [s] before which the particle cannot touch the wall, from its velocity and the tolerance of its bound;
-   0 if none is known. Near a wall it is longer than the time from speeds alone, but it holds for this bound only. A
-   plane, a bar and a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
+   0 if none is known. Near a wall it is longer than the time that follows from speeds alone, but it holds for this
+   bound only. A plane, a bar and a cylinder from outside are convex: a gap to them shrinks fastest along its normal. */
 static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test *t) {
     const dem_wall *wall = t->wall;
-    const double stray = 2.0 * w->engine->bodies.bound[t->i].tolerance,
+    const double spread = 2.0 * w->engine->bodies.bound[t->i].tolerance,
                  near = w->engine->pairs.touch_gap + w->engine->pairs.position_tolerance,
                  radius = w->particle[t->i].radius;
     const dem_vec u = dem__sub(t->v, wall->velocity), g = dem__free_fall(w);
@@ -6058,36 +6092,34 @@ static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test 
     if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || !dem__has(wall, DEM__CONVEX) || wall->spin != 0.0 ||
         !(a < HUGE_VAL))
         return 0.0;
-    if (dem__has_elements(wall)) least = dem__time_to_close(t->others - near, dem__length(u) + stray, a);
+    if (dem__has_elements(wall)) least = dem__time_to_close(t->others - near, dem__length(u) + spread, a);
     if (wall->kind__->closing) a = wall->kind__->closing(wall, t->touch, radius, g, u);
     for (int q = 0; q < t->found; q++) {
         if (dem__has_surface(wall) && dem__touches_element(w, t->i, t->k, t->touch[q].element)) continue;
-        const double time = dem__time_to_close(t->touch[q].gap - near, stray - dem__dot(u, t->touch[q].normal), a);
+        const double time = dem__time_to_close(t->touch[q].gap - near, spread - dem__dot(u, t->touch[q].normal), a);
         least = time < least ? time : least;
     }
     return least;
 }
 
-/* Lets a particle beyond an exit leave. A rigid body whose centre is not beyond it is tested again in the next step. */
+/* Removes a particle that is beyond an exit. A rigid body whose centre is not beyond it is tested again in the next
+   step. */
 static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t e, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, t->i);
     const double tau = (double)(step - w->particle[t->i].origin) * w->engine->run.dt;
-    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__posture_at(w, r, tau).x))) dem__pass_exit(w, t->i, t->k);
+    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__pose_at(w, r, tau).x))) dem__pass_exit(w, t->i, t->k);
     else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
 }
 
-/* Returns whether a feature wants a contact of particle i with an element of a wall before they touch. */
+/* Returns whether a feature needs the contact of particle i with an element of a wall before they touch. */
 static inline int dem__begins_early(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
     int early = 0;
-    for (int k = 0; k < w->engine->features && !early; k++) {
-        const dem__feature *f = &w->engine->feature[k];
-        if (f->begins_early) early = f->begins_early(w, i, -1 - wall, element);
-    }
+    DEM__ADD_UP(w, early, begins_early, (w, i, -1 - wall, element));
     return early;
 }
 
-/* Begins contacts at the places found, and sets what is clear of them. Returns 0 if the wall needs no other test: it is
-   touched at its only place, or memory ran out. */
+/* Begins contacts at the places found, and computes how far the rest of the wall is. Returns 0 if the wall needs no
+   other test: it is touched at its only place, or memory ran out. */
 static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
     const double near = w->engine->pairs.touch_gap;
     int touches = 0;
@@ -6106,8 +6138,8 @@ static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
     return !touches || dem__has_elements(t->wall);
 }
 
-/* Returns a limit of the speed at which particle and wall approach each other now [m/s]. most: number of steps for
-   which it holds if gravity is added. */
+/* Returns a limit of the speed at which particle and wall approach each other now [m/s]. most: the number of steps for
+   which it holds once gravity is added. */
 static inline double dem__speed_to_wall(dem_world *w, const dem__wall_test *t, int *most) {
     double *relied = &w->engine->bodies.wall_speed[t->i],
            speed = dem__length(t->v) + 2.0 * w->engine->bodies.bound[t->i].tolerance;
@@ -6137,7 +6169,7 @@ static inline void dem__wait_for_wall(dem_world *w, const dem__wall_test *t, int
     dem__set_timer(&w->engine->walls.timers, e, step + (better > steps ? better : steps));
 }
 
-/* Tests the particle and the wall of timer e, at a step to which the wall has been moved: begins contacts, or sets the
+/* Tests the particle and the wall of timer e, at a step to which the wall has been moved. Begins contacts, or sets the
    timer. */
 static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     const int skips = w->def.skip & DEM_SKIP_SPACE;
@@ -6148,7 +6180,7 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     const double tau = (double)(step - w->particle[t.i].origin) * w->engine->run.dt, radius = w->particle[t.i].radius;
     t.x = dem__at(w, t.i, tau), t.v = dem__velocity_at(w, t.i, tau);
     if (w->engine->run.has_periodic)
-        t.x = dem__in_box(w, t.x); /* where the step will put it: bars are told apart by their place */
+        t.x = dem__in_box(w, t.x); /* where the step will put it: a bar is known by its place */
     t.others = w->engine->pairs.wall_reach;
     t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->pairs.touch_gap, t.touch, &t.clear);
     if (!dem__has_surface(t.wall) && t.clear < 0.0) {
@@ -6160,18 +6192,18 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>particles/ranks.h */
-/* Ranks: the order of particles by place, in which their contacts lie in memory, so that what is computed together is
-   near together, and threads share few particles. Reads positions; writes ranks. Particles keep their numbers. Promises:
-   the order of the particles present depends only on the history of the scene. */
+/* Ranks: the order of particles in space. Contacts lie in memory in this order, so that what is computed together lies
+   close together, and threads share few particles. Reads positions; writes ranks. Particles keep their numbers.
+   Promises: the order of the particles present depends only on the history of the scene. */
 
-/* Returns the lower rank of the particles of a contact, by which contacts are ordered. */
+/* Returns the lower of the ranks of a contact's particles, by which contacts are sorted. */
 DEM_INLINE int32_t dem__lower_rank(const dem_world *w, int32_t i, int32_t j) {
     const int32_t *rank = w->engine->bodies.rank;
     return j < 0 || rank[i] < rank[j] ? rank[i] : rank[j];
 }
 
-/* Returns the place of a cell on Hilbert's curve through 1024 x 1024 x 1024 cells (Skilling 2004): cells that follow each
-   other on it are neighbours. */
+/* Returns the position of a cell on Hilbert's curve through 1024 x 1024 x 1024 cells (Skilling 2004). Successive cells
+   on the curve are neighbours. */
 static inline uint32_t dem__curve_place(uint32_t x, uint32_t y, uint32_t z) {
     uint32_t at[3] = {x, y, z}, flip = 0, place = 0;
     for (uint32_t bit = 512; bit > 1; bit >>= 1) {
@@ -6191,14 +6223,14 @@ static inline uint32_t dem__curve_place(uint32_t x, uint32_t y, uint32_t z) {
     return place;
 }
 
-/* The cube in which most particles lie: its lower corner [m], and cells a metre. */
+/* The cube in which most particles lie: its lower corner [m], and cells per metre. */
 typedef struct dem__curve_box {
     dem_vec low;
     double per_metre;
 } dem__curve_box;
 
-/* Lays the cube over four standard deviations each way from the mean, within the particles' range: the few outside go
-   into the cells at the border. */
+/* Makes the cube span four standard deviations each way from the mean, within the particles' range. The few particles
+   outside go into the cells at the border. */
 static inline dem__curve_box dem__curve_of(const dem_world *w, const int32_t *by_number) {
     double low[3], high[3], sum[3] = {0.0, 0.0, 0.0}, square[3] = {0.0, 0.0, 0.0}, n = 0.0, longest = 0.0;
     dem__curve_box box;
@@ -6226,13 +6258,13 @@ static inline dem__curve_box dem__curve_of(const dem_world *w, const int32_t *by
     return box;
 }
 
-/* Returns the cell of a coordinate; of no number the first one. */
+/* Returns the cell of a coordinate; the first cell for NaN. */
 DEM_INLINE uint32_t dem__curve_cell(double x, double low, double per_metre) {
     const double at = (x - low) * per_metre;
     return at > 0.0 ? (at < 1023.0 ? (uint32_t)at : 1023u) : 0u;
 }
 
-/* Sets the places of particles first .. end-1 on the curve, in pairs.cell_of: free but for a rebuild. */
+/* Writes the positions of particles first .. end-1 on the curve to pairs.cell_of, which only a rebuild uses. */
 static inline void dem__place_on_curve(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__curve_box *box = (const dem__curve_box *)context;
     (void)part;
@@ -6244,8 +6276,8 @@ static inline void dem__place_on_curve(dem_world *w, ptrdiff_t first, ptrdiff_t 
     }
 }
 
-/* Sorts particles by ten bits of their place, from bit `shift` on; those with the same bits stay as they are. from:
-   NULL for the order of numbers. */
+/* Sorts particles by ten bits of their position on the curve, from bit `shift` on. Those with the same bits keep their
+   order. from: NULL for the order of numbers. */
 static inline void dem__sort_by_place(const int32_t *place, int shift, ptrdiff_t n, const int32_t *from, int32_t *to) {
     int32_t start[1024];
     memset(start, 0, sizeof start);
@@ -6271,7 +6303,8 @@ static DEM__NOINLINE void dem__renew_ranks(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const int32_t *place = w->engine->pairs.cell_of;
     int32_t *other = w->engine->scratch.index;
-    const int32_t *by_number = bodies->by_place ? other : NULL; /* sums, and particles of one cell, follow numbers */
+    /* sums, and particles of one cell, follow the order of numbers */
+    const int32_t *by_number = bodies->by_place ? other : NULL;
     for (ptrdiff_t i = 0; i < w->count && by_number; i++) other[bodies->given[i]] = (int32_t)i;
     dem__curve_box box = dem__curve_of(w, by_number);
     dem__in_parts(w, dem__parts(w, 4 * w->count), w->count, dem__place_on_curve, &box);
@@ -6282,9 +6315,9 @@ static DEM__NOINLINE void dem__renew_ranks(dem_world *w) {
 }
 
 /* -------------------------------------------------------------------------------------------- >>particles/active.h */
-/* Lists of active particles, and arrays without the particles that are gone. */
+/* Lists of active particles, and removal of dropped particles from the arrays. */
 
-/* Lets particles fly that nothing touches or loads any more, after changes by the caller. */
+/* After changes by the caller, begins flights of particles that nothing touches or loads. */
 static inline void dem__release_unloaded(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t i = 0; i < w->count && bodies->loads_on; i++) {
@@ -6309,7 +6342,7 @@ static inline void dem__list_active(dem_world *w) {
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__wall_state *walls = &w->engine->walls;
     dem__timers *t = &walls->timers;
-    if (w->engine->run.needs_lists) return; /* they are built anew */
+    if (w->engine->run.needs_lists) return; /* they are rebuilt */
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls && w->engine->scratch.index[i] >= 0; k++) {
             t->due[w->engine->scratch.index[i] * w->walls + k] = t->due[i * w->walls + k];
@@ -6325,7 +6358,8 @@ DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, p
     }
 }
 
-/* Closes the gaps in the order of particles, and in the ranks where chunks begin: before the arrays are moved. */
+/* Closes the gaps in the order of particles, and in the ranks at which chunks begin. Called before the arrays are
+   moved. */
 static inline void dem__close_ranks(dem_world *w, const int32_t *remap) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *by_rank = w->engine->bodies.by_rank, left = 0;
@@ -6337,7 +6371,7 @@ static inline void dem__close_ranks(dem_world *w, const int32_t *remap) {
     for (; q >= 0; q--) contacts->chunk[q].first_rank = left;
 }
 
-/* Removes dropped particles from the arrays; the others keep their order. */
+/* Removes dropped particles from the arrays. The others keep their order. */
 static inline void dem__compact(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->bodies.dropped) return;
@@ -6376,13 +6410,14 @@ static inline void dem__compact(dem_world *w) {
 /* The grid of one size class: spheres up to DEM__CLASS times as large as its smallest. */
 typedef struct dem__grid {
     double low[3], inverse[3]; /* lower corner [m]; 1 / cell size [1/m] */
-    double widest;             /* radius of its largest sphere [m] */
+    double widest;             /* radius of the largest sphere [m] */
     int32_t n[3], wraps[3];
-    ptrdiff_t count, first; /* number of spheres; its first cell in the common list */
+    ptrdiff_t count, first; /* number of spheres; where its first cell is in the common list */
 } dem__grid;
 
-#define DEM__CLASS 2.5         /* from 2 to 3 the time is the same: fewer levels, but more spheres in a cell */
-enum { DEM__LEVELS_MAX = 16 }; /* beyond 1 : 2.5^15 the last takes all */
+#define DEM__CLASS 2.5         /* any value from 2 to 3 takes the same time: a larger one means fewer levels, but more
+                                  spheres in a cell */
+enum { DEM__LEVELS_MAX = 16 }; /* the last level takes all spheres more than 2.5^15 times as large as the smallest */
 
 /* Returns the number of a sphere's size class. */
 DEM_INLINE int dem__level(double radius, double smallest) {
@@ -6392,9 +6427,9 @@ DEM_INLINE int dem__level(double radius, double smallest) {
     return level;
 }
 
-/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, again among
-   the points in that range as long as this halves its length. The few outside go into the cells at the border;
-   otherwise one particle far away would make all cells large. */
+/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, repeated for
+   the points in that range as long as this halves its length. The few points outside go into the cells at the border.
+   Otherwise one particle far away would make all cells large. */
 static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double *low, double *high) {
     double from = HUGE_VAL, to = -HUGE_VAL, span;
     for (ptrdiff_t i = 0; i < n; i++) {
@@ -6418,7 +6453,7 @@ static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double
     *low = from, *high = to;
 }
 
-/* Lays cells no smaller than `size` over a box, at most four a sphere. */
+/* Divides a box into cells no smaller than `size`, at most four for each sphere. */
 static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size, dem_vec low, dem_vec high) {
     double span[3];
     for (int a = 0; a < 3; a++) {
@@ -6439,8 +6474,8 @@ static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size,
     }
 }
 
-/* Finds the cells of an axis that [v - reach, v + reach] meets, each at most once. Returns their number; first: the
-   first one, from which the caller counts on and wraps. */
+/* Finds the cells along an axis that [v - reach, v + reach] overlaps, each at most once. Returns how many. first: the
+   first of them; the caller counts on from it and wraps. */
 DEM_INLINE int32_t dem__cells(const dem__grid *g, int a, double v, double reach, int32_t *first) {
     const double from = (v - reach - g->low[a]) * g->inverse[a], to = (v + reach - g->low[a]) * g->inverse[a],
                  last = (double)(g->n[a] - 1);
@@ -6465,7 +6500,7 @@ DEM_INLINE ptrdiff_t dem__cell(const dem__grid *g, dem_vec at) {
 /* ------------------------------------------------------------------------------------------------ >>walls/motion.h */
 /* Setting walls in motion: vibrations, rotations, the caller's functions, forces and torques. */
 
-/* Places a wall of the world, or a copy of one, where it is now. Its function may not change the world. */
+/* Moves a wall of the world, or a copy of one, to where it is at present. Its function may not change the world. */
 static inline void dem__place_wall(dem_world *w, dem_wall *a) {
     w->engine->run.running = 1;
     dem__move_wall(a, w->time);
@@ -6482,13 +6517,18 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
     a->asked.motion_start = w->time;
     if (a->asked.drive != DEM_KINEMATIC)
-        a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
+        a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive is the wall's only motion */
     a->asked.drive = DEM_KINEMATIC;
     w->engine->run.needs_lists = 1;
     return a;
 }
 
-/* Sets the limits of a kinematic wall's speed, acceleration and spin, which timers rely on. */
+/* Returns whether a wall's surface moves unlike its origin: it may rotate, or is a belt. */
+static inline int dem__slides(const dem_wall *a) {
+    return a->asked.drive != DEM_KINEMATIC || a->spin != 0.0 || dem__is_belt(a);
+}
+
+/* Sets the limits of a kinematic wall's speed, acceleration and spin, on which timers rely. */
 static inline void dem__bound_speed(dem_wall *a) {
     double rate = 2.0 * RIDDLE_PI * a->asked.frequency;
     const dem_vec n = a->axis[2];
@@ -6499,7 +6539,7 @@ static inline void dem__bound_speed(dem_wall *a) {
         rate * rate *
         (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
     a->spin_bound = fabs(a->spin);
-    a->slides = a->spin != 0.0 || dem__is_belt(a);
+    a->slides = dem__slides(a);
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
@@ -6540,14 +6580,14 @@ DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_ve
     return DEM_OK;
 }
 
-/* Makes a drive the only motion of a wall from now on. */
+/* Makes a drive the only motion of a wall. */
 static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
     dem_wall *a = dem__rebase_wall(w, wall);
     a->asked.amplitude = a->asked.drift = dem_vec3(0.0, 0.0, 0.0);
     a->spin = a->spin_rate = a->coordinate = a->rate = a->rate_change = 0.0;
     a->speed_bound = a->spin_bound = 0.0; /* the first step sets them */
-    a->slides = 1;
     a->asked.drive = (int)drive;
+    a->slides = dem__slides(a);
     w->engine->run.needs_forces = 1; /* its acceleration must be computed */
     return a;
 }
@@ -6614,7 +6654,7 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
     world->wall[wall].asked.belt = velocity;
-    world->wall[wall].slides = 1;
+    world->wall[wall].slides = dem__slides(&world->wall[wall]);
     return DEM_OK;
 }
 
@@ -6625,7 +6665,7 @@ DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, doubl
         !dem__moderate(speed))
         return DEM_BAD_ARGUMENT;
     world->wall[wall].asked.belt_turn = dem__scale(speed, unit);
-    world->wall[wall].slides = 1;
+    world->wall[wall].slides = dem__slides(&world->wall[wall]);
     return DEM_OK;
 }
 
@@ -6650,8 +6690,8 @@ static inline void dem__kick_walls(dem_world *w, double h) {
     }
 }
 
-/* Applies an impulse at a sphere's place, where the wall's normal is n, and an angular impulse to a wall, in addition
-   to the forces of the step. */
+/* Applies an impulse at a sphere's position, where the wall's normal is n, and an angular impulse to a wall, in
+   addition to the forces of the step. */
 static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec n, dem_vec impulse, dem_vec angular) {
     const dem_vec about_origin = dem__add(angular, dem__cross(dem__sub(place, a->position), impulse));
     dem__book_push(a, 1.0, impulse, about_origin, -dem__dot(impulse, dem__belt_velocity(a, n)));
@@ -6704,33 +6744,34 @@ DEM_INLINE void dem__mark_to_check(dem_world *w, ptrdiff_t i) {
     for (ptrdiff_t k = own.first; k < own.end; k++) dem__mark_one(w, k);
 }
 
-/* Returns a limit of the change of velocity by an acceleration in one step [m/s]; the sum of components needs no root.
- */
+/* Returns a limit of how much an acceleration changes the velocity in one step [m/s]. A sum of components needs no
+   root. */
 DEM_INLINE double dem__most_change(double dt, dem_vec pull) {
     return dt * (fabs(pull.x) + fabs(pull.y) + fabs(pull.z));
 }
 
-/* Sets how much of a particle's tolerance is left after the next step [m/s]. strayed: the deviation of its velocity now
-   [m/s]. */
-DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double strayed) {
+/* Sets by how much the velocity of particle i may still change before it leaves its bound [m/s]. deviation: how far it
+   is from the bound's velocity now [m/s]. */
+DEM_INLINE void dem__set_tolerance_left(dem_world *w, ptrdiff_t i, double deviation) {
     w->particle[i].tolerance_left__ =
-        w->engine->bodies.bound[i].tolerance - strayed -
+        w->engine->bodies.bound[i].tolerance - deviation -
         dem__most_change(w->engine->run.dt, dem__sub(w->particle[i].a, dem__free_fall(w)));
 }
 
-/* Sets a new bound for particle i, which is at x and has velocity v at a step. In an impact that has just begun, the
-   velocity changes about as much after its middle as before: the bound has the velocity of the middle, and its
-   tolerance includes both ends, so that one bound lasts for the whole impact. Otherwise the tolerance allows 16 steps
-   of the present force and a little more. In flight it is very small: only a contact changes the velocity, and small
-   tolerances give late timers. */
+/* Sets a new bound for particle i, which is at x with velocity v at a step.
+
+   In an impact that has just begun, the velocity changes about as much after the middle of the impact as before it. The
+   bound has the velocity of the middle, and its tolerance includes both ends, so one bound lasts for the whole impact.
+   Otherwise the tolerance allows 16 steps of the present force and a little more. In flight it is very small: only a
+   contact changes the velocity, and small tolerances give late timers. */
 DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec x, dem_vec v) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__pairs *pairs = &w->engine->pairs;
     const double t = dem__since_listed(w, step);
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body =
-        w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* in flight it turns about the centre of mass */
-    const double swing = body ? bodies->calls->swing(body, dem__length(bodies->offset[i])) : 0.0;
+        w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* a body in flight turns about its centre of mass */
+    const double turning_speed = body ? bodies->calls->turning_speed(body, dem__length(bodies->offset[i])) : 0.0;
     const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a)
                            : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
@@ -6743,13 +6784,13 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     if (turn > 0.0 && !body)
         c->tolerance = 0.25 * pairs->least_tolerance + 1.1 * turn + 0.125 * held; /* more than the next step needs */
     else c->tolerance = (w->touching[i] == 0 ? 0.001 : 1.0) * pairs->least_tolerance + held;
-    c->tolerance += swing;
+    c->tolerance += turning_speed;
     DEM__ADD_UP(w, c->tolerance, drift, (w, i));
     c->reach = w->particle[i].radius + 0.5 * pairs->touch_gap + pairs->position_tolerance - t * c->tolerance;
     dem__set_tolerance_left(w, i, turn);
 }
 
-/* Returns the rounding error of the position farthest from the origin [m]. */
+/* Returns the rounding error of the position that is farthest from the origin [m]. */
 static inline double dem__position_rounding(const dem_world *w) {
     double farthest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -6759,21 +6800,21 @@ static inline double dem__position_rounding(const dem_world *w) {
     return 8.0 * DBL_EPSILON * farthest;
 }
 
-/* Result of new bounds, one a thread: the step in which the list must be checked, and a particle that is too fast (-1:
-   none). */
+/* What new bounds lead to, one for each thread: the step in which the list must be checked, and a particle that is too
+   fast (-1: none). */
 typedef struct dem__outcome {
     int64_t check;
     ptrdiff_t fast;
 } dem__outcome;
 DEM_INLINE dem__outcome dem__no_outcome(const dem_world *w) {
-    const dem__outcome news = {w->engine->pairs.next_check, -1};
-    return news;
+    const dem__outcome outcome = {w->engine->pairs.next_check, -1};
+    return outcome;
 }
-static inline void dem__apply_outcome(dem_world *w, const dem__outcome *news) {
-    if (news->check < w->engine->pairs.next_check) w->engine->pairs.next_check = news->check;
-    if (news->fast < 0 || w->status != DEM_OK) return;
+static inline void dem__apply_outcome(dem_world *w, const dem__outcome *outcome) {
+    if (outcome->check < w->engine->pairs.next_check) w->engine->pairs.next_check = outcome->check;
+    if (outcome->fast < 0 || w->status != DEM_OK) return;
     w->status = DEM_TOO_FAST;
-    w->failed_id = w->id[news->fast];
+    w->failed_id = w->id[outcome->fast];
 }
 
 /* The frame in which the list measures how far particles have moved: its displacement since the list was built [m] and
@@ -6790,50 +6831,51 @@ DEM_INLINE dem__list_frame dem__frame_at(const dem_world *w, int64_t step) {
     return f;
 }
 
-/* How far a particle may move in that frame before it could touch one that is not listed, and how fast it can move
-   there. */
-typedef struct dem__leeway {
+/* How far a particle may move in that frame before it could touch one that is not listed, and how fast it moves there
+   at most. */
+typedef struct dem__skin_left {
     double left, speed; /* [m], [m/s] */
-} dem__leeway;
-DEM_INLINE dem__leeway dem__leeway_of(const dem_world *w, ptrdiff_t i, const dem__list_frame *f, dem_vec x, dem_vec v) {
-    dem__leeway q;
-    q.left = 0.49 * w->engine->pairs.margin -
+} dem__skin_left;
+DEM_INLINE dem__skin_left dem__skin_left_of(const dem_world *w, ptrdiff_t i, const dem__list_frame *f, dem_vec x,
+                                            dem_vec v) {
+    dem__skin_left q;
+    q.left = 0.49 * w->engine->pairs.skin -
              dem__length(dem__nearest_image(w, dem__sub(x, dem__add(w->engine->pairs.listed_at[i], f->way))));
     q.speed = dem__length(dem__sub(v, f->velocity)) + 2.0 * w->engine->bodies.bound[i].tolerance;
     return q;
 }
 
-/* Returns the number of whole steps for which the leeway lasts; the list is checked before the first step that it does
-   not cover. */
-DEM_INLINE int dem__steps_left(const dem_world *w, const dem__leeway *q) {
+/* Returns for how many whole steps the skin lasts. The list is checked before the first step that the skin does not
+   cover. */
+DEM_INLINE int dem__steps_left(const dem_world *w, const dem__skin_left *q) {
     return dem__steps_until(w, dem__time_to_cover(q->left, q->speed, w->engine->pairs.frame_fall)) - 1;
 }
 
-/* Returns whether the leeway lasts for a time [s]; false for NaN. */
-DEM_INLINE int dem__lasts(const dem_world *w, const dem__leeway *q, double time) {
+/* Returns whether the skin lasts for a time [s]; false for NaN. */
+DEM_INLINE int dem__lasts(const dem_world *w, const dem__skin_left *q, double time) {
     return q->left > time * (q->speed + 0.5 * w->engine->pairs.frame_fall * time);
 }
 
-/* Applies the consequences of particle i's new bound: the next check of the list, the speed limit, its wall timers.
+/* Applies what follows from a new bound of particle i: the next check of the list, the speed limit, its wall timers.
    shifted: how far corrections moved it from the last bound [m]. Returns 1 if a wall must be tested sooner than its
    timer says; the caller then calls dem__advance_wall_timers. */
 DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const dem__list_frame *f, dem_vec x, dem_vec v,
-                                double shifted, dem__outcome *news) {
+                                double shifted, dem__outcome *outcome) {
     const dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     dem__wall_state *walls = &w->engine->walls;
-    const dem__leeway leeway = dem__leeway_of(w, i, f, x, v);
+    const dem__skin_left skin = dem__skin_left_of(w, i, f, x, v);
     double speed = dem__length(v);
     int sooner = 0;
-    if (!(speed * run->dt <= dem__longest_step(w, i)) && news->fast < 0) news->fast = i;
+    if (!(speed * run->dt <= dem__longest_step(w, i)) && outcome->fast < 0) outcome->fast = i;
     speed += 2.0 * bodies->bound[i].tolerance;
-    if (!dem__lasts(w, &leeway, (double)(news->check - step) * run->dt)) {
-        const int64_t due =
-            leeway.left > 0.0 ? step + dem__steps_left(w, &leeway) : step; /* 0: a host moved it: at once */
-        if (due < news->check) news->check = due;
+    if (!dem__lasts(w, &skin, (double)(outcome->check - step) * run->dt)) {
+        /* 0: a host moved the particle, so check at once */
+        const int64_t due = skin.left > 0.0 ? step + dem__steps_left(w, &skin) : step;
+        if (due < outcome->check) outcome->check = due;
     }
     if (!(w->def.skip & DEM_SKIP_SPACE)) return 0;
-    double slower = 1.0; /* the timers of walls relied on a lower speed: their steps get fewer */
+    double slower = 1.0; /* wall timers relied on a lower speed: they last fewer steps */
     if (speed > bodies->wall_speed[i]) {
         slower = bodies->wall_speed[i] / (1.25 * speed);
         bodies->wall_speed[i] = 1.25 * speed;
@@ -6845,12 +6887,12 @@ DEM_INLINE int dem__apply_bound(dem_world *w, ptrdiff_t i, int64_t step, const d
         if (walls->timers.due[e] == DEM__STOPPED) continue;
         const double left = (double)(dem__steps_sure(w, e, step) - 1) * slower - lost;
         const int now = left > 0.0 ? 1 + (int)left : 1;
-        walls->sure[e] = (uint32_t)(uint64_t)(step + now); /* the test computes the step anew */
+        walls->sure[e] = (uint32_t)(uint64_t)(step + now); /* the test computes the step again */
         sooner |= now < dem__steps_due(&walls->timers, e, step);
     }
     return sooner;
 }
-/* Sets the wall timers of particle i that are later than walls.sure to that step. */
+/* Brings forward the wall timers of particle i that are later than walls.sure. */
 static inline void dem__advance_wall_timers(dem_world *w, ptrdiff_t i, int64_t step) {
     dem__wall_state *walls = &w->engine->walls;
     for (int k = 0; k < w->walls; k++) {
@@ -6861,20 +6903,20 @@ static inline void dem__advance_wall_timers(dem_world *w, ptrdiff_t i, int64_t s
     }
 }
 
-/* Sets a new bound for particle i and applies its consequences, except for its pairs: see dem__reset_pair_timers. Not
-   for several threads at once. */
+/* Sets a new bound for particle i and applies what follows, except for its pairs: see dem__reset_pair_timers. Not
+   thread-safe. */
 static inline void dem__renew_bound(dem_world *w, ptrdiff_t i, int64_t step) {
     const double shifted = w->engine->bodies.shifted[i],
                  tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
     const dem_vec x = dem__at(w, i, tau), v = dem__velocity_at(w, i, tau);
     const dem__list_frame frame = dem__frame_at(w, step);
-    dem__outcome news = dem__no_outcome(w);
+    dem__outcome outcome = dem__no_outcome(w);
     dem__set_bound(w, i, step, x, v);
-    if (dem__apply_bound(w, i, step, &frame, x, v, shifted, &news)) dem__advance_wall_timers(w, i, step);
-    dem__apply_outcome(w, &news);
+    if (dem__apply_bound(w, i, step, &frame, x, v, shifted, &outcome)) dem__advance_wall_timers(w, i, step);
+    dem__apply_outcome(w, &outcome);
 }
 
-/* Makes a test of every particle with wall k due at a step. */
+/* Makes all particles due for a test with wall k at a step. */
 static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
     for (ptrdiff_t i = 0; i < w->count && (w->def.skip & DEM_SKIP_SPACE); i++) {
         const int32_t e = (int32_t)i * w->walls + k;
@@ -6882,21 +6924,21 @@ static inline void dem__test_wall_by_all(dem_world *w, int k, int64_t step) {
     }
 }
 
-/* Moves walls to a step. Timers rely on a limit of each wall's speed: a driven wall that exceeds its limit gets a
-   larger one, and is tested with all particles in this step. Returns 0 if a wall's position is not finite. */
+/* Moves walls to a step. Timers rely on a limit of each wall's speed. A driven wall that exceeds it gets a larger one
+   and is tested with all particles in this step. Returns 0 if a wall's position is not finite. */
 static inline int dem__move_walls(dem_world *w, int64_t step) {
     const dem__run *run = &w->engine->run;
     const double time = run->start_time + (double)(step - run->start_step) * run->dt;
-    const dem_wall *last = NULL; /* to which the sway belongs */
-    dem__sway sway;
+    const dem_wall *last = NULL; /* the wall for which `oscillation` was computed */
+    dem__oscillation oscillation;
     for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
         const double t = time - a->asked.motion_start;
         if (a->asked.drive == DEM_KINEMATIC) {
             if (!(a->speed_bound > 0.0 || a->spin_bound > 0.0)) continue;
-            if (!last || !dem__sways_like(a, last)) sway = dem__sway_at(a, t);
+            if (!last || !dem__oscillates_like(a, last)) oscillation = dem__oscillation_at(a, t);
             last = a;
-            dem__kinematic_wall(a, t, &sway);
+            dem__kinematic_wall(a, t, &oscillation);
             continue;
         }
         const dem_vec from = a->position, axis[3] = {a->axis[0], a->axis[1], a->axis[2]};
@@ -6938,14 +6980,14 @@ static inline int32_t dem__near_pair(const dem_world *w, int32_t i, int32_t j) {
 /* New timers of the near pairs of n particles with new bounds. */
 typedef struct dem__reset_list {
     const int32_t *particle;
-    ptrdiff_t n, room; /* room: entries of a thread's list; 0: timers are set at once, by one thread */
+    ptrdiff_t n, room; /* room: entries of a thread's list; 0: one thread sets the timers at once */
     int64_t step;
     ptrdiff_t listed[DEM__PARTS_MAX];
     int parts;
 } dem__reset_list;
 
-/* Computes the timers of the pairs of particles reset[0 .. n-1]: sets them, or lists them from `list` on, where there is
-   room for `room`. Returns the number listed, or -1 if there is no room. */
+/* Computes the timers of the pairs of particles reset[0 .. n-1]. Sets them, or appends them to `list` if it has room
+   (`room` entries). Returns how many were listed, or -1 if they do not fit. */
 DEM_INLINE ptrdiff_t dem__reset_timers_of(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step, int32_t *list,
                                           ptrdiff_t room) {
     dem__pairs *pairs = &w->engine->pairs;
@@ -6954,7 +6996,7 @@ DEM_INLINE ptrdiff_t dem__reset_timers_of(dem_world *w, const int32_t *reset, pt
     dem__timer_batch waits;
     dem__clear_batch(&waits);
     for (ptrdiff_t m = dem__prefetch_from(n, 16); m < n; m++) {
-        /* prefetch in three stages: where a list of neighbours begins, the list, what it names */
+        /* prefetch in three stages: where a list of neighbours begins, the list, the particles in it */
         if (m + 16 < n) DEM__PREFETCH(&pairs->adjacent_start[reset[m + 16]]);
         if (m >= -8 && m + 8 < n) {
             const int32_t *neighbours = &pairs->adjacent[2 * pairs->adjacent_start[reset[m + 8]]];
@@ -6985,14 +7027,14 @@ DEM__AVX2_CLONE(dem__reset_timers_part,
                  ptrdiff_t *listed),
                 (w, reset, n, step, list, room, listed), *listed = dem__reset_timers_of(w, reset, n, step, list, room))
 
-/* Lists the timers of the pairs of particles first .. end-1 of the list, in this thread's part of timers.list, which is
-   free between two searches for what is due. */
+/* Computes the new timers of the pairs of particles first .. end-1 and lists them in this thread's part of timers.list,
+   which is free between two searches for due tests. */
 static inline void dem__list_resets(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__reset_list *q = (dem__reset_list *)context;
     dem__reset_timers_part(w, q->particle + first, end - first, q->step,
                            w->engine->pairs.timers.list + 2 * q->room * part, q->room, &q->listed[part]);
 }
-/* Sets those of the listed timers that are in this thread's lines: every `parts`-th group of 64. */
+/* Sets those of the listed timers that lie in this thread's lines: every `parts`-th group of 64. */
 static inline void dem__set_resets(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__reset_list *q = (const dem__reset_list *)context;
     dem__timers *t = &w->engine->pairs.timers;
@@ -7007,8 +7049,8 @@ static inline void dem__set_resets(dem_world *w, ptrdiff_t first, ptrdiff_t end,
     }
 }
 
-/* Sets new timers for the near pairs of n particles with new bounds. Several threads compute them; then each sets those
-   of its lines, because timers of a line share a number. */
+/* Sets new timers for the near pairs of n particles with new bounds. All threads compute them. Then each thread sets
+   those in its own lines, because the timers of a line share their earliest step. */
 static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, ptrdiff_t n, int64_t step) {
     dem__reset_list q;
     ptrdiff_t nothing, listed = 0, least = 0;
@@ -7027,11 +7069,11 @@ static inline void dem__reset_pair_timers(dem_world *w, const int32_t *reset, pt
     dem__reset_timers_part(w, reset, n, step, NULL, 0, &nothing);
 }
 
-/* ----------------------------------------------------------------------------------------------- >>search/margin.h */
-/* The frame and the margin of a list of near pairs, which determine how long the list lasts. Reads bodies; writes these
+/* ------------------------------------------------------------------------------------------------- >>search/skin.h */
+/* The frame and the skin of the list of near pairs, which determine how long it lasts. Reads bodies; writes these
    fields of pairs. */
 
-/* Returns the length of the box along an axis; HUGE_VAL where it is not periodic. */
+/* Returns the length of the periodic box along an axis; HUGE_VAL where it is not periodic. */
 DEM_INLINE double dem__period(const dem_world *w, int axis) {
     return w->def.periodic[axis] ? dem_axis(w->def.high, axis) - dem_axis(w->def.low, axis) : HUGE_VAL;
 }
@@ -7041,8 +7083,8 @@ static inline double dem__narrowest(const dem_world *w) {
     return narrowest;
 }
 
-/* Chooses the frame in which the list measures how far particles have moved, so that it lasts long: it moves at their
-   mean velocity, and falls with them if most fly. */
+/* Chooses the frame in which the list measures how far particles have moved. It moves at their mean velocity, and falls
+   with them if most are in flight, so that the list lasts long. */
 static inline void dem__choose_frame(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int flies = 2 * w->engine->bodies.active_count < w->count;
@@ -7057,8 +7099,8 @@ static inline void dem__choose_frame(dem_world *w) {
     pairs->frame_fall = flies ? 0.0 : pairs->gravity_size;
 }
 
-/* Stores where every particle is, and finds the smallest and the largest radius [m]. Returns 0 if a position is not
-   finite. */
+/* Records the positions of all particles, and finds the smallest and the largest radius [m]. Returns 0 if a position is
+   not finite. */
 static inline int dem__list_positions(dem_world *w, double *smallest, double *largest) {
     *smallest = HUGE_VAL, *largest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -7084,7 +7126,8 @@ static inline double dem__most_approach(const dem_world *w) {
     double farthest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
-        const double tau = dem__now(w, i), most = 0.75 * w->particle[i].radius; /* above it a particle is too fast */
+        /* a particle that moves farther is too fast */
+        const double tau = dem__now(w, i), most = 0.75 * w->particle[i].radius;
         const double moved = dem__length(dem__sub(dem__sub(dem__at(w, i, tau + dt), dem__at(w, i, tau)), way));
         const double counts = moved < most ? moved : most;
         farthest = counts > farthest ? counts : farthest;
@@ -7092,28 +7135,28 @@ static inline double dem__most_approach(const dem_world *w) {
     return 2.0 * farthest;
 }
 
-/* Chooses the margin of the list so that lists last long enough, for one step at least, and sets what depends on it. */
-static inline void dem__choose_margin(dem_world *w, int keeps, double smallest, double largest) {
+/* Chooses the skin so that a list lasts long enough, for one step at least, and sets what depends on it. */
+static inline void dem__choose_skin(dem_world *w, int keeps, double smallest, double largest) {
     dem__pairs *pairs = &w->engine->pairs;
-    pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* not rounded up */
+    pairs->steps_per_second = (1.0 - 1e-9) / w->engine->run.dt; /* a little less, so that times are not rounded up */
     const int few = pairs->count < DEM__FEW_PAIRS * w->count, lasts = few ? 4 * DEM__LIST_STEPS : DEM__LIST_STEPS;
-    if (keeps) pairs->margin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
-    pairs->margin_factor = dem__clamp(pairs->margin_factor, 1.0, 3.0);
-    const double usual = 2.0 * smallest * w->def.skin * pairs->margin_factor, least = 1.05 * dem__most_approach(w),
+    if (keeps) pairs->skin_factor *= (double)lasts / (double)(w->step - pairs->listed_step + 1);
+    pairs->skin_factor = dem__clamp(pairs->skin_factor, 1.0, 3.0);
+    const double usual = 2.0 * smallest * w->def.skin * pairs->skin_factor, least = 1.05 * dem__most_approach(w),
                  wanted = usual > least ? usual : least,
-                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* to an image */
-    pairs->margin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
-    pairs->least_tolerance = 0.05 * pairs->margin / (DEM__RETEST_STEPS * w->engine->run.dt);
-    pairs->wall_reach = 4.0 * pairs->margin;
-    const double rounding = dem__position_rounding(w), most = 0.25 * pairs->margin;
-    /* as much as slow contacts shift; faster ones are rare, and a larger tolerance would cost more tests of particles
-       that are near */
+                 room = 0.5 * dem__narrowest(w) - 2.0 * largest; /* an image is no second neighbour */
+    pairs->skin = w->count == 0 ? 1.0 : wanted < room ? wanted : room;
+    pairs->least_tolerance = 0.05 * pairs->skin / (DEM__RETEST_STEPS * w->engine->run.dt);
+    pairs->wall_reach = 4.0 * pairs->skin;
+    const double rounding = dem__position_rounding(w), most = 0.25 * pairs->skin;
+    /* as much as corrections of slow contacts shift a particle. Faster contacts are rare, and a larger tolerance would
+       cost more tests of near pairs */
     pairs->position_tolerance = 2e-6 * smallest + (rounding < most ? rounding : most);
 }
 
 /* --------------------------------------------------------------------------------------- >>search/neighbour_list.h */
-/* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two
-   spheres that are not listed cannot touch before the next check. */
+/* Near pairs and the rebuilding of their list: the broad phase. Reads bodies; writes pairs, timers and bounds.
+   Promises: two spheres that are not listed cannot touch before the next check. */
 
 /* The near pairs that a thread finds; room: how many fit. */
 typedef struct dem__found_pairs {
@@ -7125,17 +7168,17 @@ typedef struct dem__found_pairs {
 static inline int dem__add_near(const dem_world *w, dem__found_pairs *finds, int32_t i, int32_t j) {
     if (finds->n == finds->room) return 0;
     dem__near *q = &finds->pair[finds->n++];
-    const int in_order = w->id[i] < w->id[j]; /* so are their numbers, in whatever order they lie */
+    const int in_order = w->id[i] < w->id[j]; /* the order of their ids, whatever their order in memory */
     q->i = in_order ? i : j;
     q->j = in_order ? j : i;
     q->distance = w->particle[i].radius + w->particle[j].radius;
     return 1;
 }
 
-/* Spheres that may be near to those of a cell. */
+/* Spheres that may be near those of a cell. */
 enum {
     DEM__CANDIDATES_MAX = 256
-}; /* twice as many as a cell and its neighbours contain in a dense bed of equal spheres */
+}; /* twice as many as a cell and its neighbours hold in a dense bed of equal spheres */
 typedef struct dem__candidates {
     double x[DEM__CANDIDATES_MAX], y[DEM__CANDIDATES_MAX], z[DEM__CANDIDATES_MAX], extent[DEM__CANDIDATES_MAX];
     int32_t at[DEM__CANDIDATES_MAX]; /* in the sorted list */
@@ -7148,7 +7191,7 @@ DEM_INLINE double dem__image(double d, double length) {
     return d < -0.5 * length ? d + length : d;
 }
 
-/* Lists the candidates near a sphere by their numbers. Without a branch, which would be mispredicted. */
+/* Lists the candidates near a sphere. Has no branch, because it would be mispredicted. */
 DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near,
                                  int *count) {
     double room[DEM__CANDIDATES_MAX];
@@ -7169,8 +7212,8 @@ DEM__AVX2_CLONE(dem__choose,
                 (const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count),
                 (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
 
-/* Adds the near pairs of spheres first .. end-1 of the sorted list with candidates that come after each in the list.
-   Returns 0 if there is no room. */
+/* Adds the near pairs of spheres first .. end-1 of the sorted list, each with the candidates that follow it in the
+   list. Returns 0 if they do not fit. */
 static inline int dem__pairs_with_candidates(const dem_world *w, const dem__candidates *crowd, int32_t first,
                                              int32_t end, dem__found_pairs *finds) {
     const double length[3] = {dem__period(w, 0), dem__period(w, 1), dem__period(w, 2)};
@@ -7186,8 +7229,8 @@ static inline int dem__pairs_with_candidates(const dem_world *w, const dem__cand
     return 1;
 }
 
-/* Adds the near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one
-   level. Returns 0 if there is no room. */
+/* Adds the near pairs of spheres first .. end-1 of the sorted list, which share a cell, with the spheres that follow
+   each of them on one level. Returns 0 if they do not fit. */
 static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end,
                                      dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
@@ -7201,7 +7244,7 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
         low.z = scratch[p].z < low.z ? scratch[p].z : low.z, high.z = scratch[p].z > high.z ? scratch[p].z : high.z;
         extent = scratch[p].tolerance > extent ? scratch[p].tolerance : extent;
     }
-    const double reach = extent + g->widest + 0.5 * w->engine->pairs.margin;
+    const double reach = extent + g->widest + 0.5 * w->engine->pairs.skin;
     int32_t from[3], cells[3];
     for (int a = 0; a < 3; a++) {
         const double l = dem_axis(low, a), h = dem_axis(high, a);
@@ -7214,7 +7257,7 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
         const int32_t cy = from[1] + row % cells[1], cz = from[2] + row / cells[1];
         const int32_t iy = cy < g->n[1] ? cy : cy - g->n[1], iz = cz < g->n[2] ? cz : cz - g->n[2];
         const int32_t *cell = start + g->first + ((ptrdiff_t)iz * g->n[1] + iy) * g->n[0];
-        for (int part = 0; part < 2; part++) { /* neighbouring cells of a row are neighbours in the list */
+        for (int part = 0; part < 2; part++) { /* cells that are neighbours in a row are neighbours in the list */
             const int32_t last = part ? cell[cells[0] - before] : cell[from[0] + before];
             int32_t q = part ? cell[0] : cell[from[0]];
             for (q = q > first ? q : first; q < last; q++) {
@@ -7231,7 +7274,7 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
     return dem__pairs_with_candidates(w, &crowd, first, end, finds);
 }
 
-/* Sorts the spheres by size class, then by cell of the class's grid. Returns the number of classes; 0 when out of
+/* Sorts the spheres by size class, then by the cells of the class's grid. Returns the number of classes; 0 when out of
    memory. Uses the bounds as scratch memory, because a rebuild sets all of them. */
 static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     dem__bodies *bodies = &w->engine->bodies;
@@ -7257,7 +7300,7 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
         dem__grid *g = &grid[level];
         if (g->count == 0) continue;
         levels = level + 1;
-        dem__make_grid(w, g, 2.0 * g->widest + pairs->margin, low, high);
+        dem__make_grid(w, g, 2.0 * g->widest + pairs->skin, low, high);
         g->first = cells;
         cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
     }
@@ -7280,14 +7323,14 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
         sorted[k] = (int32_t)i;
         bodies->bound[k].x = w->engine->pairs.listed_at[i].x, bodies->bound[k].y = w->engine->pairs.listed_at[i].y,
         bodies->bound[k].z = w->engine->pairs.listed_at[i].z;
-        bodies->bound[k].tolerance = w->particle[i].radius + 0.5 * pairs->margin;
+        bodies->bound[k].tolerance = w->particle[i].radius + 0.5 * pairs->skin;
     }
     return levels;
 }
 
-/* Finds the near pairs of the spheres whose cells begin in first .. end-1 of the sorted list. Spheres of a cell are
-   compared with the cells around it, on their own level and on coarser ones, and there with those after them in the
-   list. Returns 0 if there is no room. */
+/* Finds the near pairs of the spheres whose cells begin in first .. end-1 of the sorted list. The spheres of a cell are
+   compared with those in the cells around it, on their own level and on coarser ones, if these follow them in the list.
+   Returns 0 if the pairs do not fit. */
 static inline int dem__find_pairs_part(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first,
                                        ptrdiff_t end, dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
@@ -7321,8 +7364,8 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
     s->finds[part].full = !dem__find_pairs_part(w, s->grid, s->levels, first, end, &s->finds[part]);
 }
 
-/* Removes the pairs of particles of one rigid body, and of two fixed particles. */
-static inline void dem__drop_idle_pairs(dem_world *w) {
+/* Removes pairs within a rigid body, and pairs of two fixed particles. */
+static inline void dem__drop_skipped_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t *of = w->engine->bodies.rigid_of;
     ptrdiff_t kept = 0;
@@ -7334,8 +7377,8 @@ static inline void dem__drop_idle_pairs(dem_world *w) {
     pairs->count = kept;
 }
 
-/* Finds the near pairs, those with a gap below the margin. Each thread searches a part of the sorted spheres; if one
-   has no room, all search again with more. Returns 0 when out of memory. */
+/* Finds the near pairs: those with a gap below the skin. Each thread searches a part of the sorted spheres. If one runs
+   out of room, all search again with more. Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__search s;
@@ -7359,11 +7402,11 @@ static inline int dem__find_pairs(dem_world *w) {
         memmove(pairs->near + pairs->count, s.finds[q].pair, (size_t)s.finds[q].n * sizeof *pairs->near);
         pairs->count += s.finds[q].n;
     }
-    if (w->engine->bodies.rigid || w->engine->bodies.has_fixed) dem__drop_idle_pairs(w);
+    if (w->engine->bodies.rigid || w->engine->bodies.has_fixed) dem__drop_skipped_pairs(w);
     return 1;
 }
 
-/* Lists the near pairs of each particle, so that each pair is listed twice. Returns 0 when out of memory. */
+/* Lists the near pairs of each particle; each pair is listed twice. Returns 0 when out of memory. */
 static inline int dem__find_adjacent(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     if (w->count == 0) return 1;
@@ -7398,7 +7441,7 @@ static inline void dem__list_wall_contacts(dem_world *w) {
 static inline void dem__find_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     DEM__EACH_CONTACT(w, c) {
-        if (dem__is_convex_contact(w, c)) continue; /* see dem__list_convex_pairs */
+        if (dem__is_convex_contact(w, c)) continue; /* dem__list_convex_pairs does it */
         const int32_t p = contacts->j[c] < 0 ? -1 : dem__near_pair(w, contacts->i[c], contacts->j[c]);
         contacts->near[c] = p;
         if (p >= 0) dem__stop_timer(&w->engine->pairs.timers, p);
@@ -7431,8 +7474,8 @@ static inline void dem__set_all_timers(dem_world *w) {
         dem__in_parts(w, dem__parts(w, pairs->count), pairs->timers.pages, dem__set_new_timers_range, NULL);
 }
 
-/* Makes timers for a new list: near pairs as if apart; those of walls stay (keeps), or are all stopped. Returns 0 when
-   out of memory. */
+/* Makes the timers of a new list. Near pairs begin without contact. Wall timers stay (keeps), or all are stopped.
+   Returns 0 when out of memory. */
 static inline int dem__make_timers(dem_world *w, int keeps) {
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t walls = w->count * w->walls;
@@ -7449,7 +7492,7 @@ static inline int dem__make_timers(dem_world *w, int keeps) {
     return 1;
 }
 
-/* Lets speed limits of driven walls shrink, and sets timers of walls for a list made anew. */
+/* Lowers the speed limits of driven walls where possible, and sets the wall timers for a new list. */
 static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
@@ -7466,15 +7509,15 @@ static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     }
 }
 
-/* Notes a failure while lists are built: the next run builds all of them anew. Returns 0. */
+/* Records a failure while lists are built: the next run builds all of them again. Returns 0. */
 static inline int dem__fail_to_list(dem_world *w, dem_status status) {
     w->status = status;
     w->engine->run.needs_lists = 1;
     return 0;
 }
 
-/* Builds near pairs, timers and bounds anew. Timers of walls stay unless something was changed from outside. Returns 0
-   after a failure. */
+/* Rebuilds near pairs, timers and bounds. Wall timers stay unless the caller changed something. Returns 0 after a
+   failure. */
 static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -7482,14 +7525,15 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     const int keeps = !run->needs_lists;
     DEM__TELL(w, keep_up, (w));
     if (w->status != DEM_OK) return 0;
-    if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
+    /* closing the gaps costs about as much as finding the pairs */
+    if (!keeps || bodies->dropped > w->count / 16) dem__compact(w);
     if (!keeps) dem__release_unloaded(w);
     dem__list_active(w);
     dem_status status = DEM_OK;
     double smallest, largest;
     if (!dem__list_positions(w, &smallest, &largest)) return 0;
     dem__choose_frame(w);
-    dem__choose_margin(w, keeps, smallest, largest);
+    dem__choose_skin(w, keeps, smallest, largest);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) return dem__fail_to_list(w, DEM_TOO_MANY);
     if (!dem__make_timers(w, keeps)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
@@ -7505,7 +7549,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__renew_bound(w, i, w->step);
     }
-    if (pairs->next_check <= w->step) pairs->next_check = w->step + 1; /* the margin is large enough for one step */
+    if (pairs->next_check <= w->step) pairs->next_check = w->step + 1; /* the skin is large enough for one step */
     dem__set_all_timers(w);
     if (w->status != DEM_OK) return 0;
     dem__set_wall_timers(w, keeps);
@@ -7513,8 +7557,8 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
 }
 
 /* Checks whether anything has moved so far that an unlisted pair could touch soon. If so, rebuilds the list; otherwise
-   sets the step of the next check. A list takes as long as forty checks: the older it is, the more steps a check must
-   gain. Returns 0 after a failure. */
+   sets the step of the next check. A rebuild takes as long as forty checks, so the older the list, the more steps a
+   check must gain. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const int64_t least = 1 + (w->step - w->engine->pairs.listed_step) / 40;
@@ -7524,9 +7568,9 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         const double tau = dem__now(w, i);
-        const dem__leeway leeway = dem__leeway_of(w, i, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau));
-        if (dem__lasts(w, &leeway, (double)(due - w->step) * w->engine->run.dt)) continue;
-        const int steps = dem__steps_left(w, &leeway);
+        const dem__skin_left skin = dem__skin_left_of(w, i, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau));
+        if (dem__lasts(w, &skin, (double)(due - w->step) * w->engine->run.dt)) continue;
+        const int steps = dem__steps_left(w, &skin);
         if (steps < least) return dem__rebuild(w);
         due = w->step + steps;
     }
@@ -7536,12 +7580,12 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
 
 /* ---------------------------------------------------------------------------------------------- >>contacts/block.h */
 /* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads
-   bodies, walls and contacts; writes contacts through columns. Promises: what it writes of a contact depends on that
-   contact and its bodies alone. */
+   bodies, walls and contacts; writes contacts through columns. Promises: what it writes of a contact depends only on
+   that contact and its bodies. */
 
 /* Geometry and motion of a block of contacts, before the law is called. */
 typedef struct dem__rows {
-    dem__row dx, dy, dz;             /* to the centre of i, from that of j or from the axis of a round wall */
+    dem__row dx, dy, dz;             /* from the centre of j, or from the axis of a round wall, to the centre of i */
     dem__row vx, vy, vz, ax, ay, az; /* relative velocity in the middle of the step, relative acceleration */
     dem__row wi[3], wj[3];           /* spins */
     dem__row nx, ny, nz, gap, inverse;
@@ -7550,12 +7594,12 @@ typedef struct dem__rows {
 
 /* Constants of a block of contacts. Kept from block to block, because most contacts are of the same types. */
 typedef struct dem__type_rows {
-    int32_t kind[DEM__BLOCK]; /* contact type of the row; -1: constants of its own; -2: not filled yet */
+    int32_t kind[DEM__BLOCK]; /* contact type of the row; -1: constants of its own; -2: empty */
     dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
 } dem__type_rows;
 
-/* Computes the geometry of contact k for the law. half: half of the step [s]; lag: a constant, 0 where velocities and
-   spins are those of the rows' positions (links). */
+/* Computes the geometry of contact k for the law. half: half of the step [s]. lag: a constant, 0 for links, whose
+   velocities and spins belong to the same time as the rows' positions. */
 DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, double lag,
                                       int has_friction, dem_contact *q, double *arm_i, double *arm_j) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
@@ -7564,14 +7608,14 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     q->gap = b->gap[k];
     q->closing = -along - half * (b->ax[k] * nx + b->ay[k] * ny + b->az[k] * nz);
     if (!has_friction) return;
-    /* arms D r_i/(r_i + r_j) add up to the distance, which conserves angular momentum */
+    /* the arms D r_i/(r_i + r_j) add up to the distance D, which conserves angular momentum */
     const double distance = t->sum[k] + b->gap[k], ai = t->part[k] * distance, aj = (1.0 - t->part[k]) * distance;
     const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k],
                  sz = ai * b->wi[2][k] + aj * b->wj[2][k];
     *arm_i = ai, *arm_j = aj;
-    /* velocities and spins are those of the middle of the step, so the slip is computed with the normal of that time, n
-       - t; otherwise a rolling contact whose normal turns would gain energy. Terms of second order in t are left out.
-       */
+    /* velocities and spins are those of the middle of the step, so the slip is computed with the normal at that
+       time, n - t; otherwise a rolling contact whose normal turns would gain energy. Terms of second order in t are
+       left out. */
     const double tx = lag * b->tx[k], ty = lag * b->ty[k], tz = lag * b->tz[k];
     const double sn = sx * nx + sy * ny + sz * nz, lx = sx + sn * tx, ly = sy + sn * ty, lz = sz + sn * tz;
     q->translation[0] = b->vx[k] - along * (nx - tx), q->translation[1] = b->vy[k] - along * (ny - ty);
@@ -7583,8 +7627,8 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     q->spin[2] = b->wi[2][k] - b->wj[2][k];
 }
 
-/* Turns a tangential vector of the history with the contact: from the old normal to the new one, which differ by the
-   tangential motion, to second order and without a root; and about the normal with the mean spin. */
+/* Turns a tangential vector of the history with the contact: from the old normal to the new one, to second order and
+   without a root, and about the normal with the mean spin. */
 DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
     const double bx = nx - b->tx[k], by = ny - b->ty[k],
@@ -7618,8 +7662,8 @@ DEM_INLINE void dem__columns_of(const dem_world *w, ptrdiff_t c, const dem_law *
     at->elastic = features & DEM_ENERGY ? contacts->elastic + c : NULL;
 }
 
-/* Sets where the results of a block go: forces into the block's rows, because few runs keep them; the rest directly to
-   the contacts or, with `copies`, into rows. */
+/* Sets where the results of a block go. Forces go into the block's rows, because few runs keep them. The rest goes
+   directly to the contacts or, with `copies`, into rows. */
 DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, int copies,
                                  dem__block_rows *b, dem__columns *at) {
     dem__columns_of(w, c, law, features, at);
@@ -7650,7 +7694,7 @@ DEM_INLINE void dem__store(const dem__columns *to, const dem__columns *from, int
     if (features & DEM_ENERGY) dem__store_ledger(to, from, n);
 }
 
-/* Copies the constants of a block whose contacts have constants of their own. */
+/* Copies the constants of a block of contacts that have constants of their own. */
 static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
     const size_t bytes = (size_t)n * sizeof(double);
@@ -7660,7 +7704,7 @@ static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, in
     for (int k = 0; k < n; k++) t->kind[k] = -1;
 }
 
-/* Loads the constants of those rows whose contact type is not that of the block before. */
+/* Loads the constants of those rows whose contact type differs from that of the block before. */
 DEM__FAST static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants,
                                                      dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -7723,7 +7767,7 @@ DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old,
     at->elastic[c] = r->elastic;
 }
 
-/* Finds the place where a wall is touched by the contact in a slot, or by a link (slot -1). */
+/* Finds where a wall is touched by the contact in a slot, or by a link (slot -1). */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius,
                                  int32_t element, dem__touch *touch) {
     if (dem__has(wall, DEM__HALF_SPACE)) dem__touch_flat(wall, dem__sub(x, wall->position), radius, touch);
@@ -7738,16 +7782,16 @@ typedef struct dem__wall_row {
     const dem_particle *particle;
     const dem_wall *wall;
     int row;
-    dem_vec from, velocity; /* round wall: the centre from its axis [m]; velocity of the wall at the contact [m/s] */
+    dem_vec from, velocity; /* round wall: from its axis to the centre [m]; velocity of the wall at the contact [m/s] */
     ptrdiff_t slot;         /* of the contact; -1: of a link */
     int32_t element;
     double outside,
-        inner; /* round wall: 1, or -1 from inside, and its radius [m]; otherwise outside is 0, and touch is known */
+        inner; /* round wall: 1, or -1 from inside, and its radius [m]; other walls: 0, and touch is known */
     dem__touch touch;
 } dem__wall_row;
 
 /* Gathers row k: particle i at an element of a wall, for the contact in a slot or a link (-1). A round wall is treated
-   like another sphere: dem__complete_rows computes root and quotient. */
+   like another sphere: dem__complete_rows computes its root and quotient. */
 static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element,
                                            ptrdiff_t slot, dem__rows *b, int k, double half, dem__wall_row *at) {
     const dem_wall *wall = &w->wall[number];
@@ -7770,8 +7814,8 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
     b->wj[0][k] = b->wj[1][k] = b->wj[2][k] = 0.0;
 }
 
-/* Replaces a row's velocities by those relative to the wall's surface at the contact, where the surface does not move
-   as a whole. */
+/* Replaces the velocities of a row by those relative to the wall's surface at the contact, where the surface does not
+   move as a whole. */
 static DEM__NOINLINE void dem__slide(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const dem_wall *wall = at->wall;
@@ -7821,7 +7865,7 @@ DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at)
     if (at->wall->slides) dem__slide(b, half, at);
 }
 
-/* Computes the change of the normal at a wall: the sphere moves over the wall's shape, and the wall turns. */
+/* Computes the change of the normal at a wall: the sphere moves over the wall, and the wall turns. */
 static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, double half, double turn,
                                             const dem__wall_row *at) {
     const int k = at->row;
@@ -7834,7 +7878,7 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, dem__place_before(w, at->slot)));
     } else {
         dem_vec u = dem_vec3(b->vx[k], b->vy[k], b->vz[k]);
-        if (wall->slides) { /* u is relative to its surface, not to its frame */
+        if (wall->slides) { /* u is relative to the wall's surface, not to its frame */
             dem_vec carried = dem__plus(wall->velocity, -half, wall->acceleration);
             const dem_vec spin = dem__scale(wall->spin, wall->spin_axis);
             if (wall->spin != 0.0) carried = dem__add(carried, dem__cross(spin, dem__sub(s->x, wall->position)));
@@ -7847,8 +7891,9 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
 }
 
-/* Computes nearest images, normals and gaps of a block, and with friction the changes of the normals in the time `turn`
-   before the end of the step (links: half the time since their last evaluation). `walls` of the rows are at walls. */
+/* Computes nearest images, normals and gaps of a block. With friction, also the changes of the normals in the time
+   `turn` before the end of the step (links: half the time since their last evaluation). `walls` of the rows are at
+   walls. */
 DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half,
                                    double turn, dem__wall_row *wall, int walls, int has_friction) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);
@@ -7880,12 +7925,12 @@ DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__
 }
 
 /* -------------------------------------------------------------------------------- >>contacts/first_and_last_step.h */
-/* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction,
-   history and losses. Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the
+/* Partial steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction,
+   history and losses. Promises: with the impulse and the shift, the motion of the two bodies is as accurate as in the
    steps between. */
 
-/* Returns the part of the law's normal force that the overlap makes [N], at a gap [m] and a closing speed [m/s]. Leaves
-   the history unchanged. */
+/* Returns the part of the law's normal force that stems from the overlap [N], at a gap [m] and a closing speed [m/s].
+   Leaves the history unchanged. */
 DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing,
                                    double *elastic, const dem_law *law) {
     dem_contact c = *contact;
@@ -7901,8 +7946,8 @@ DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *sta
     return r.contact;
 }
 
-/* Moves the two bodies along the normal over a time t [s], by their contact force alone, in one Runge-Kutta step of
-   fourth order. Returns the force at the end [N]. */
+/* Moves the two bodies along the normal for a time t [s] under their contact force alone, in one fourth-order
+   Runge-Kutta step. Returns the force at the end [N]. */
 DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *gap, double *closing, double t,
                             const dem_law *law) {
     double g = *gap, u = *closing, m = 1.0 / c->mass, elastic;
@@ -7915,20 +7960,20 @@ DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *g
     return dem__force_alone(c, state, *gap, *closing, &elastic, law);
 }
 
-/* A contact begins and ends within a step. Verlet would give that step the whole force or none. Therefore the normal
-   motion of the two bodies through it is integrated by itself; the difference from Verlet's motion is applied as an
-   impulse and a shift along the normal. Verlet's velocity is a central difference, (x(t+h) - x(t-h)) / 2h, which
-   differs from the true velocity by h^2/6 x'''. */
-typedef struct dem__edge_motion {
+/* A contact begins and ends within a step. Verlet's scheme would apply the force for the whole step or not at all.
+   Therefore the normal motion of the two bodies in that step is integrated separately, and the difference from Verlet's
+   motion is applied as an impulse and a shift along the normal. Verlet's velocity is a central difference, (x(t+h) -
+   x(t-h)) / 2h, which differs from the true velocity by h^2/6 x'''. */
+typedef struct dem__partial_motion {
     double impulse, shift; /* [N s], [kg m]: divided by a mass, changes of velocity and of position along n */
     double gap, closing;   /* at the end of the step */
-    double duration;       /* of contact within the step [s] */
+    double duration;       /* how long the contact lasts within the step [s] */
     double loss, elastic;  /* dissipated by the normal dashpot in the step; stored at its end [J] */
     double before;         /* last step only: closing speed at the start of the step [m/s] */
-} dem__edge_motion;
+} dem__partial_motion;
 
 /* Integrates the normal motion through the first step of a contact. Returns 0 if the bodies do not approach. */
-DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e,
+DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__partial_motion *e,
                                       const dem_law *law) {
     double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
     if (!(c->closing > 0.0)) return 0;
@@ -7939,7 +7984,8 @@ DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state,
     const double force = dem__force_alone(c, state, e->gap, e->closing, &elastic, law);
     double next = e->gap, then = e->closing;
     dem__flow(c, state, &next, &then, h, law);
-    const double handed = (e->gap - next) * c->rate + 0.5 * h * force / c->mass; /* leads to `next` by Verlet */
+    /* Verlet's scheme leads from it to `next` */
+    const double handed = (e->gap - next) * c->rate + 0.5 * h * force / c->mass;
     e->impulse = c->mass * (c->closing - handed);
     e->shift = c->mass * (e->gap - c->gap);
     e->elastic = elastic;
@@ -7948,15 +7994,16 @@ DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state,
 }
 
 /* Integrates the normal motion through the last step of a contact. gap, force: of the step before. Returns 0 if
-   Verlet's step stands. `verlet` is the closing speed from which Verlet, for the two bodies alone, leads to the present
-   gap. */
+   Verlet's step stands. `verlet` is the closing speed from which Verlet's scheme, for the two bodies alone, leads to
+   the present gap. */
 DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, double gap, double force,
-                                     dem__edge_motion *e, const dem_law *law) {
+                                     dem__partial_motion *e, const dem_law *law) {
     const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass,
                  verlet = (gap - c->gap) * c->rate + half_kick;
     const double speed =
-        c->closing + 2.0 * half_kick; /* nearly `verlet`, but from velocities: right if a wall has jumped, too */
-    double own = speed;               /* true closing speed: integrated one step back, it gives the last mean one */
+        c->closing + 2.0 * half_kick; /* nearly `verlet`, but computed from velocities, so that it holds if a wall has
+                                         jumped, too */
+    double own = speed;               /* true closing speed: one step back it gives the last mean speed */
     if (!(verlet < 0.0 && gap < 0.0)) return 0;
     for (int k = 0; k < 2; k++) {
         double back = gap, then = own;
@@ -7969,9 +8016,9 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
     dem__force_alone(c, state, gap, u, &before, law);
     for (int k = 0; k < 3; k++) {
         double rest, last = h - t;
-        if (pulls) rest = v < 0.0 ? g / v : 0.0; /* the dashpot may pull: contact ends where the overlap is zero */
-        else { /* the force is clipped at zero: contact ends where it is zero, found with its slope over a
-                                                    short time */
+        if (pulls) rest = v < 0.0 ? g / v : 0.0; /* the dashpot may pull: the contact ends where the overlap is zero */
+        else { /* the force is clipped at zero: the contact ends where it reaches zero, found from its slope over a
+                  short time */
             const double moment = h / 64.0,
                          fp = dem__force_alone(c, state, g - moment * v, v - moment * f / c->mass, &after, law);
             rest = fp < f ? moment * f / (f - fp) : last;
@@ -7994,14 +8041,14 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
 
 /* A contact that begins or ends within a step: its state at the start, where its force at the end is written, and the
    wall's velocity. */
-typedef struct dem__edge {
+typedef struct dem__partial_step {
     double gap, force, state[DEM_STATE_MAX], *out[9], arm_i, arm_j;
     dem_vec wall_speed;
-} dem__edge;
+} dem__partial_step;
 
-/* Adds friction and rolling, as they are in r, to an impulse: over `time` [s], and over `scaled` [s], a normal impulse
-   divided by the normal force of r. That force may be tiny: friction that remains without it (r->remaining) is left out
-   of the scaled part. */
+/* Adds friction and rolling, as they are in r, to an impulse: over `time` [s], and in proportion to the normal impulse
+   over `scaled` [s], which is that impulse divided by the normal force of r. That force may be tiny, so friction that
+   remains without it (r->remaining) is left out of the scaled part. */
 DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_response *r, double time, double scaled,
                                           int features) {
     for (int a = 0; a < 3; a++) {
@@ -8011,16 +8058,16 @@ DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_respo
 }
 
 /* Adds friction in the step in which a contact begins, by a Radau rule: after a third of the time t in contact, and at
-   its end, r. The normal impulse exceeds that of t because Verlet's velocities are central differences; friction
-   exceeds in proportion. */
-DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_motion *e, double *s,
+   its end, r. The normal impulse exceeds that over t because Verlet's velocities are central differences. Friction
+   exceeds its own in proportion. */
+DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__partial_motion *e, double *s,
                                     const dem_response *r, dem_response *impulse, const dem_law *law, int features) {
     const double t = e->duration, beyond = e->impulse - touch->mass * (touch->closing - e->closing);
     dem_response third;
     memset(&third, 0, sizeof third);
     dem_contact q = *touch;
     q.gap = (7.0 * e->gap - t * (4.0 * touch->closing - 2.0 * e->closing)) /
-            27.0; /* of the cubic through the motion's ends */
+            27.0; /* from the cubic through both ends of the motion */
     q.closing = t > 0.0 ? -4.0 / 3.0 * e->gap / t - e->closing / 3.0 : touch->closing;
     q.dt = t / 3.0;
     law->force(&q, s, &third);
@@ -8028,18 +8075,18 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_mo
     dem__add_friction_impulse(impulse, r, 0.25 * t, r->contact > 0.0 ? beyond / r->contact : 0.0, features);
 }
 
-/* Result of an edge step: impulses, the normal force that the next step starts from [N], the work of the wall by
+/* Result of a partial step: impulses, the normal force that the next step starts from [N], the work of the wall by
    friction [J]. */
-typedef struct dem__edge_result {
-    dem__edge_motion e;
-    dem_response impulse; /* at the end without Verlet's own half kicks */
+typedef struct dem__partial_result {
+    dem__partial_motion e;
+    dem_response impulse; /* at the end, without Verlet's own half kicks */
     double start, driven;
-} dem__edge_result;
+} dem__partial_result;
 
-/* Corrects the step in which a contact begins, from history s: force, history and losses. Returns 0 if it does not
-   begin. */
-DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was,
-                                       const dem_law *law, int features, dem__edge_result *m) {
+/* Corrects the step in which a contact begins, from history s: force, history and losses. Returns 0 if the contact does
+   not begin. */
+DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__partial_step *was,
+                                       const dem_law *law, int features, dem__partial_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
@@ -8070,8 +8117,8 @@ DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__col
 }
 
 /* Corrects the step in which a contact ends: force, history and losses. Returns 0 if Verlet's step stands. */
-DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was,
-                                      const dem_law *law, int features, dem__edge_result *m) {
+DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__partial_step *was,
+                                      const dem_law *law, int features, dem__partial_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
@@ -8100,13 +8147,13 @@ DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__colu
     return 1;
 }
 
-/* Corrects an edge step of the contact in slot c; stores impulses and shift for the end of the step. */
-DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was, const dem_law *law,
-                                  int features) {
+/* Corrects a partial step of the contact in slot c. Stores impulse and shift for the end of the step. */
+DEM_INLINE void dem__correct_partial_step(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__partial_step *was,
+                                          const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     const int first = was->force == 0.0;
     dem__columns at;
-    dem__edge_result m;
+    dem__partial_result m;
     double s[DEM_STATE_MAX], *impulse[9];
     dem__correction *handed = &contacts->correction[c];
     memset(&m, 0, sizeof m);
@@ -8114,7 +8161,7 @@ DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, con
     for (int a = 0; a < law->states; a++) s[a] = first && a < law->history ? 0.0 : at.state[a][0];
     const int mended = first ? dem__correct_first_step(q, s, &at, was, law, features, &m)
                              : dem__correct_last_step(q, s, &at, was, law, features, &m);
-    contacts->edge[c] = mended != 0;
+    contacts->partial[c] = mended != 0;
     if (!mended) return;
     if (!first && m.start != 0.0) contacts->ended[c] = 0;
     at.gap[0] = m.e.gap;
@@ -8132,24 +8179,26 @@ DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, con
 }
 
 /* --------------------------------------------------------------------------------------------- >>contacts/kernel.h */
-/* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes
-   contacts, the sums of bodies and the forces on walls. Promises: the same bits for any division among threads. */
+/* Forces of contacts and links, block by block: rows, law, partial steps, sums. Reads bodies, walls, contacts,
+   links; writes contacts, the sums of bodies and the forces on walls. Promises: the same bits for any division among
+   threads. */
 
-/* What one thread needs for a block. It lies in the engine, because a stack may be small (64 kB in WebAssembly). */
+/* The working memory of a thread for a block. It lies in the engine, because a stack may be small (64 kB in
+   WebAssembly). */
 struct dem__work {
     dem__rows rows;
     dem__type_rows types;
     dem__block_rows block;
     dem__row before, was, ended,
-        past[DEM_STATE_MAX]; /* of the step before: force, gap; whether it ended; history at the start */
+        past[DEM_STATE_MAX]; /* of the step before: force, gap, whether the contact ended; history at the start */
     dem__wall_row wall[DEM__BLOCK];
     int walls;
     dem__timer_batch batch;                       /* for tests of pairs */
     int32_t head[DEM__CHUNKS], tail[DEM__CHUNKS]; /* lists of postponed forces for each share: see dem__postponed */
 };
 
-/* Returns the working memory of a thread. It begins with a cache line: otherwise every second vector of a row would lie
-   in two, which costs 4 % of the time of a bed. */
+/* Returns the working memory of a thread. It begins with a cache line. Otherwise every second vector of a row would lie
+   in two lines, which costs 4 % of the time of a bed. */
 enum { DEM__WORK_BYTES = (int)((sizeof(dem__work) + 63) / 64 * 64) };
 DEM_INLINE dem__work *dem__work_of(const dem_world *w, int part) {
     return (dem__work *)(void *)(w->engine->scratch.work + (size_t)part * DEM__WORK_BYTES);
@@ -8172,9 +8221,9 @@ static inline int dem__make_work(dem_world *w) {
     return 1;
 }
 
-typedef void dem__edge_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was);
+typedef void dem__partial_step_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__partial_step *was);
 
-/* Returns whether a contact began or ended in this step, from its forces and the gap before. Computed with bits:
+/* Returns whether a contact began or ended in this step, from its forces and the gap before. It works on bits, because
    branches would keep the loop scalar. */
 DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
     const int64_t idle = before == 0.0;
@@ -8182,7 +8231,7 @@ DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_bef
 }
 
 /* Marks and lists the contacts that began or ended, or that their law has ended, in the block from slot base on.
-   Returns their number. */
+   Returns how many. */
 DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t base, int n, const double *before,
                                      const double *was, const double *ended, const double *force) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -8194,7 +8243,7 @@ DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t bas
     }
     for (int k = 0; k < n && any; k++) {
         if (!mark[k]) continue;
-        contacts->edge[base + k] = (uint8_t)(mark[k] & 1);
+        contacts->partial[base + k] = (uint8_t)(mark[k] & 1);
         contacts->ended[base + k] = (uint8_t)(mark[k] >> 1);
         contacts->slots[in->first + in->marked++] = (int32_t)(base + k);
     }
@@ -8206,7 +8255,7 @@ DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t bas
 DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k,
                                 int has_friction, int to_i, int to_j) {
     const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
-    double turn_i[3], turn_j[3]; /* all is read before the sums are written, so that they are added as vectors */
+    double turn_i[3], turn_j[3]; /* all sums are read before they are written, so that they are added as vectors */
     for (int a = 0; a < 3; a++)
         turn_i[a] = has_friction ? out[3 + a][k] : 0.0, turn_j[a] = has_friction ? out[6 + a][k] : 0.0;
     if (to_i) {
@@ -8253,8 +8302,8 @@ DEM_INLINE void dem__postpone(dem_world *w, dem__work *x, int32_t entry, int sid
 }
 
 /* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. postpone_from: INT32_MAX, or
-   ranks from it on belong to earlier shares, whose threads must add first; what they get is postponed for
-   dem__add_postponed. */
+   the rank from which on particles belong to earlier shares, whose threads must add first. Forces on these are
+   postponed for dem__add_postponed. */
 DEM_INLINE void dem__gather_forces(dem_world *w, dem__work *x, ptrdiff_t q, ptrdiff_t base, int n, double *const *out,
                                    int has_friction, int32_t postpone_from) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -8285,7 +8334,7 @@ DEM_INLINE void dem__prefetch_particle(const dem_world *w, ptrdiff_t j) {
     DEM__PREFETCH(&p->x);
     DEM__PREFETCH(&p->a);
 }
-/* Prefetches what the kernel reads and sums of body j. For a wall (j < 0) the address is one before the arrays: a
+/* Prefetches what the kernel reads and adds up of body j. For a wall (j < 0) the address lies one before the arrays: a
    prefetch cannot fail. */
 DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum *sum, ptrdiff_t j) {
     const uintptr_t p = (uintptr_t)particle + (uintptr_t)j * sizeof *particle;
@@ -8294,8 +8343,8 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
     DEM__PREFETCH((const void *)((uintptr_t)sum + (uintptr_t)j * sizeof *sum));
 }
 
-/* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would
-   slow the kernel. */
+/* These call the functions for polyhedra on a block. They stand apart because a call through a pointer would slow the
+   kernel down. */
 static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
     w->engine->convex.calls->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
@@ -8303,12 +8352,12 @@ static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *
                                                  const dem__columns *at, double half, int features) {
     w->engine->convex.calls->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
-static DEM__NOINLINE void dem__leave_other_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
+static DEM__NOINLINE void dem__exclude_other(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     w->engine->convex.calls->leave_edges(w, in, marked);
 }
 
-/* Gathers the block of n contacts from slot base on, and prefetches the next one, of this chunk or of the one after it.
- */
+/* Gathers the block of n contacts from slot base on, and prefetches the next block, of this chunk or of the one after
+   it. */
 DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t chunk, ptrdiff_t base, int n,
                                   const dem_law *law, double half, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -8336,32 +8385,32 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     if (w->engine->convex.calls) dem__fill_other_rows(w, x, base, n, half);
 }
 
-/* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the
-   sizes only. Conditions on features are constant where the loop is compiled. */
+/* Calls the law for n contacts of a block, or for n links, and stores its results. Links use only the sizes of a
+   contact type. Conditions on features are constants where the loop is compiled. */
 #define DEM__OF_LINKS (1 << 20) /* no enum: C++20 warns where numbers of two enums are combined */
 DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n,
                                const dem__columns *old, const dem__columns *at, const dem_law *law, double h,
                                double rate, int features) {
     const void *user = w->user;
     const int has_friction = (features & DEM_FRICTION) != 0, is_link = (features & DEM__OF_LINKS) != 0;
-    dem__row share; /* in a loop of its own, which is left out for a law that does not use it */
+    dem__row share; /* a loop of its own, which compilers leave out if the law does not use it */
     for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, i[k], j[k]);
     DEM__INDEPENDENT
     for (int k = 0; k < n; k++) {
         dem_contact q;
         dem_response r;
         double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-        memset(&r, 0, sizeof r); /* what a law leaves out is 0 */
+        memset(&r, 0, sizeof r); /* quantities that a law does not set are 0 */
         for (int a = 0; a < law->constants && !is_link; a++) p[a] = x->types.constant[a][k];
         for (int a = 0; a < law->states; a++) s[a] = old->state[a][k];
         if (law->vectors > 0)
-            dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */
+            dem__turn(&x->rows, k, h, s); /* a function: clang does not unroll so long a loop, even for one turn */
         for (int a = 1; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
         for (int a = 0; a < law->history && has_friction && !is_link; a++) x->past[a][k] = s[a];
         dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, is_link ? 0.0 : 1.0, has_friction, &q,
                               &arm_i, &arm_j);
         const double predict =
-            is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop does not vectorise */
+            is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop would not be vectorised */
         q.closing *= x->rows.gap[k] < 0.0 ? predict : 1.0;
         q.mass = is_link ? 0.0 : x->types.mass[k];
         q.share = share[k];
@@ -8379,7 +8428,8 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         }
         dem__put_force(at->out, k, &q, &r, arm_i, arm_j, features);
         if (features & DEM_ENERGY) {
-            r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* mean along a step: k/24 less; predict is 1 - 11 k/24 */
+            /* the mean along a step has k/24 less, and predict is 1 - 11 k/24 */
+            r.normal_power *= 1.0 - (1.0 - predict) / 11.0;
             dem__put_losses(at, old, k, &r, h, x->before[k]);
         }
     }
@@ -8398,10 +8448,10 @@ DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns
     }
 }
 
-/* Corrects the edge steps of a block: those of the last `marked` contacts that its chunk has listed. */
-DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base, ptrdiff_t marked,
-                                   const dem__columns *old, const dem__columns *at, const dem_law *law,
-                                   dem__edge_fn *correct, int features) {
+/* Corrects the partial steps of a block: those of the last `marked` contacts in its chunk's list. */
+DEM_INLINE void dem__correct_partial_steps(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base,
+                                           ptrdiff_t marked, const dem__columns *old, const dem__columns *at,
+                                           const dem_law *law, dem__partial_step_fn *correct, int features) {
     const dem__run *run = &w->engine->run;
     const dem__contacts *contacts = &w->engine->contacts;
     const int has_friction = (features & DEM_FRICTION) != 0;
@@ -8409,31 +8459,31 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
         const ptrdiff_t c = contacts->slots[in->first + m];
         const int k = (int)(c - base);
         dem_contact view;
-        dem__edge edge;
+        dem__partial_step partial;
         double p[DEM_CONSTANTS_MAX];
-        if (!contacts->edge[c]) continue;
+        if (!contacts->partial[c]) continue;
         while (q < x->walls && x->wall[q].row < k) q++;
         for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
-        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &edge.arm_i,
-                              &edge.arm_j);
+        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &partial.arm_i,
+                              &partial.arm_j);
         view.mass = x->types.mass[k];
         view.share =
-            dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law may leave uncomputed */
+            dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law need not compute */
         view.dt = 0.0;
         view.rate = 1.0 / run->dt;
         view.constants = p;
         view.user = w->user;
-        edge.gap = x->was[k], edge.force = x->before[k];
+        partial.gap = x->was[k], partial.force = x->before[k];
         for (int a = 0; a < law->states && has_friction; a++)
-            edge.state[a] = a < law->history ? x->past[a][k] : old->state[a][k];
-        for (int a = 0; a < 9; a++) edge.out[a] = at->out[a] + k;
-        edge.wall_speed = contacts->j[c] < 0 ? x->wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
-        correct(w, c, &view, &edge);
+            partial.state[a] = a < law->history ? x->past[a][k] : old->state[a][k];
+        for (int a = 0; a < 9; a++) partial.out[a] = at->out[a] + k;
+        partial.wall_speed = contacts->j[c] < 0 ? x->wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
+        correct(w, c, &view, &partial);
         for (int a = 0; a < (has_friction ? 9 : 3) && run->keeps_wrenches; a++) old->out[a][k] = at->out[a][k];
     }
 }
 
-/* Adds up the power of belts: that of the rest of a wall's motion follows from the sums of its forces. */
+/* Adds up the power of belts. The power of the rest of a wall's motion follows from the sums of its forces. */
 static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdiff_t chunk, const double *fx,
                                          const double *fy, const double *fz) {
     for (int q = 0; q < x->walls; q++) {
@@ -8447,10 +8497,10 @@ static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdi
 }
 
 /* Evaluates the contacts of a chunk. A contact reads its own slot, particles and walls, which do not change meanwhile,
-   and writes its own slot; therefore any division among threads gives the same bits. Each block is summed while it is
-   in the cache. */
+   and writes only its own slot. Therefore any division among threads gives the same bits. Each block is summed while it
+   is in the cache. */
 DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law,
-                                    dem__edge_fn *correct, int features, int32_t postpone_from) {
+                                    dem__partial_step_fn *correct, int features, int32_t postpone_from) {
     const dem__run *run = &w->engine->run;
     const int has_friction = (features & DEM_FRICTION) != 0;
     const int only_ledger = (features & DEM_ENERGY) && run->only_ledger;
@@ -8465,7 +8515,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate,
                        features);
         if (w->engine->convex.calls) {
-            const dem__columns same = at; /* the address of `at` itself would keep clang from vectorising the law */
+            const dem__columns same = at; /* with the address of `at` itself, clang would not vectorise the law */
             dem__finish_other_rows(w, x, base, n, &same, 0.5 * h, features);
         }
         if (features & DEM_ENERGY) dem__put_wall_work(x, n, &old, &at, 0.5 * h);
@@ -8474,9 +8524,9 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
             continue;
         }
         const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
-        if (w->engine->convex.calls) dem__leave_other_edges(w, in, marked);
+        if (w->engine->convex.calls) dem__exclude_other(w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
-        if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
+        if (h > 0.0) dem__correct_partial_steps(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, x, chunk, base, n, at.out, has_friction, postpone_from);
         if (x->walls > 0) dem__add_belts(w, x, chunk, at.out[0], at.out[1], at.out[2]);
     }
@@ -8484,7 +8534,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
 
 /* Evaluates the contacts of chunks first .. end-1 on one thread. */
 DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law,
-                            dem__edge_fn *correct, int features) {
+                            dem__partial_step_fn *correct, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__work *work = dem__work_of(w, part);
     const int32_t postpone_from = part > 0 && contacts->shares > 1 ? contacts->share_from[part - 1] : INT32_MAX;
@@ -8505,15 +8555,15 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
                     call)
 #define DEM__KERNEL_LOOPS(name, law, features)                                                                         \
     DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q,                     \
-                                                    const dem__edge *was) {                                            \
-        dem__correct_edge(world, c, q, was, &(law), features);                                                         \
+                                                    const dem__partial_step *was) {                                    \
+        dem__correct_partial_step(world, c, q, was, &(law), features);                                                 \
     }                                                                                                                  \
     DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))
 #define DEM_KERNEL(name, law, features)                                                                                \
     DEM__KERNEL_LOOPS(name, law, features)                                                                             \
     static const dem_kernel name = {&(law), features, name##_loop};
-/* A kernel that compilers leave out where nothing calls name(), gcc at -O0 too: it keeps constants that nobody reads,
-   and what they point to, but not those in an inline function. Tables of functions are written so as well. */
+/* A kernel that compilers leave out where nothing calls name(). gcc at -O0 keeps constants that nobody reads, and what
+   they point to, but not those in an inline function. Tables of functions are written in the same way. */
 #define DEM__KERNEL_OF(name, law, features)                                                                            \
     DEM__KERNEL_LOOPS(name, law, features)                                                                             \
     static inline const dem_kernel *name(void) {                                                                       \
@@ -8551,8 +8601,8 @@ DEM_INLINE int64_t dem__other_rank(const dem_world *w, int32_t i, int32_t j) {
     return rank[i] < rank[j] ? rank[j] : rank[i];
 }
 
-/* Returns whether contact a comes before b: by the lower rank of its particles, the last first, then by the other one
-   (walls last), then by element. */
+/* Returns whether contact a comes before b. The last lower rank of the two particles comes first, then the other rank
+   counts (walls last), then the element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int32_t low_a = dem__rank_in_slot(w, a), low_b = dem__rank_in_slot(w, b);
@@ -8584,7 +8634,7 @@ static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
     }
 }
 
-/* Lists the slots of contacts that have ended: of those that the last step marked, or of all. Returns their number. */
+/* Lists the slots of contacts that have ended: those that the last step marked, or all. Returns how many. */
 static inline ptrdiff_t dem__list_ended(dem_world *w, int all) {
     dem__contacts *contacts = &w->engine->contacts;
     ptrdiff_t n = 0;
@@ -8614,8 +8664,8 @@ typedef struct dem__run_of_slots {
     ptrdiff_t first, count;
 } dem__run_of_slots;
 
-/* Moves the contacts in the listed slots, in that order, into runs of slots. This thread moves the arrays first,
-   first + parts, ... */
+/* Moves the contacts in the listed slots, in that order, into runs of slots. This thread moves the arrays first, first
+   + parts, ... */
 static inline void dem__arrange_part(dem_world *w, const dem__run_of_slots *chunk, int chunks, const dem__array *list,
                                      int arrays, int first, int parts) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -8650,7 +8700,7 @@ static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__run_of_slo
     dem__arrangement a;
     a.chunk = chunk, a.list = list, a.chunks = chunks, a.arrays = arrays;
     a.parts = dem__parts_of(
-        w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* each needs an array of scratch memory */
+        w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* each thread needs scratch memory for an array */
     dem__in_parts(w, a.parts, a.parts, dem__arrange_range, &a);
 }
 
@@ -8668,8 +8718,8 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     dem__wake(w, i);
 }
 
-/* Returns the curvature of a wall where a sphere touches it, in slot c, or touched it as the contact
-   began. */
+/* Returns the curvature of the wall where the sphere of the contact in slot c touches it, or touched it when the
+   contact began. */
 static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_wall *wall = &w->wall[-1 - contacts->j[c]];
@@ -8680,7 +8730,8 @@ static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     return touch.curvature;
 }
 
-/* Returns how much stiffer a contact of polyhedra may be than its spring and masses tell: a body turns. */
+/* Returns by what factor a contact of polyhedra may be stiffer than its spring and masses tell, because a body
+   turns. */
 DEM_INLINE double dem__rate_of(const dem_world *w, ptrdiff_t c) {
     const ptrdiff_t j = w->engine->contacts.j[c];
     const dem_convex *s = dem__shape_of(w, w->engine->contacts.i[c]), *other = j >= 0 ? dem__shape_of(w, j) : NULL;
@@ -8688,7 +8739,8 @@ DEM_INLINE double dem__rate_of(const dem_world *w, ptrdiff_t c) {
     return other && other->rate > own ? other->rate : own;
 }
 
-/* Computes the constants of the contact in slot c; shares those of a contact type that has the same. */
+/* Computes the constants of the contact in slot c. Contacts with the same sizes and materials share those of a contact
+   type. */
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
     const dem__run *run = &w->engine->run;
     dem__contacts *contacts = &w->engine->contacts;
@@ -8697,7 +8749,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     const double inertia = dem__inertia(w, i);
     int same =
-        contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more types than fit: none is searched */
+        contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* too many types: none is searched */
     memset(&b, 0, sizeof b);
     memset(&kind, 0, sizeof kind);
     b.def = &w->def;
@@ -8740,7 +8792,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     }
     contacts->type_count =
         DEM__TYPES_MAX +
-        1; /* from now on each contact has its own: to search the types would cost more than it saves */
+        1; /* from here on each contact has its own: a search would cost more than it saves */
     contacts->type[c] = -1;
     for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
     contacts->mass[c] = kind.mass;
@@ -8756,11 +8808,11 @@ DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
     return 1;
 }
 
-/* Moves the contacts that began since the last call, listed by partners, from the end of the last chunk into their
-   chunks, and lists their slots there. */
+/* Moves the contacts that began since the last call from the end of the last chunk into their chunks, and lists their
+   slots there. contacts.slots lists them, sorted by partners. */
 static inline void dem__distribute_begun(dem_world *w, const dem__array *list, int arrays) {
     dem__contacts *contacts = &w->engine->contacts;
-    dem__run_of_slots born[DEM__CHUNKS]; /* of chunks that get any */
+    dem__run_of_slots born[DEM__CHUNKS]; /* for chunks that get any */
     int32_t to[DEM__CHUNKS];
     const int last = contacts->chunk_count - 1;
     ptrdiff_t n = 0;
@@ -8771,7 +8823,7 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
         while (low < contacts->chunk[q].first_rank) q++;
         const ptrdiff_t waiting = runs > 0 && to[runs - 1] == (int32_t)q ? born[runs - 1].count : 0;
         if (q < last && contacts->chunk[q].count + waiting == contacts->chunk[q].capacity)
-            q = last; /* and so are all after it */
+            q = last; /* so do all that follow */
         if (runs == 0 || to[runs - 1] != (int32_t)q) {
             to[runs] = (int32_t)q;
             born[runs].first = contacts->chunk[q].first + contacts->chunk[q].count, born[runs++].count = 0;
@@ -8788,7 +8840,7 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
     }
 }
 
-/* Orders the listed slots of n contacts that begin: by their chunks first, of which each gets few. */
+/* Sorts the listed slots of n contacts that begin: first by chunk, because each chunk gets few. */
 static inline void dem__sort_begun(dem_world *w, ptrdiff_t n) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *chunk = w->engine->pairs.timers.list, *slot = chunk + n, start[DEM__CHUNKS + 1];
@@ -8810,7 +8862,8 @@ static inline void dem__sort_begun(dem_world *w, ptrdiff_t n) {
         start[from + 1]++;
     }
     for (int q = 0; q < chunks; q++) start[q + 1] += start[q];
-    for (ptrdiff_t k = 0; k < n; k++) contacts->slots[start[chunk[k]]++] = slot[k]; /* start: then where a chunk ends */
+    /* start: from here on the end of each chunk */
+    for (ptrdiff_t k = 0; k < n; k++) contacts->slots[start[chunk[k]]++] = slot[k];
     for (int q = 0, from = 0; q < chunks; from = start[q++]) dem__sort(w, contacts->slots + from, start[q] - from);
 }
 
@@ -8841,7 +8894,7 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
         for (int a = 0; a < contacts->states; a++) contacts->state[a][c] = 0.0;
         contacts->gap[c] = gap;
         contacts->force[c] = 0.0;
-        contacts->edge[c] = contacts->ended[c] = 0;
+        contacts->partial[c] = contacts->ended[c] = 0;
     }
     contacts->begun = 0;
 }
@@ -8874,7 +8927,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     DEM__PREFETCH(&w->touching[i]);
     DEM__PREFETCH(&w->engine->bodies.mass_share[i]);
     DEM__PREFETCH(&w->engine->bodies.activity[i]);
-    if (p < 0 || p >= w->engine->pairs.count) return; /* its list may be gone */
+    if (p < 0 || p >= w->engine->pairs.count) return; /* the list of pairs may be gone */
     dem__prefetch_flight(w, j);
     DEM__PREFETCH(&w->touching[j]);
     DEM__PREFETCH(&w->engine->bodies.mass_share[j]);
@@ -8883,7 +8936,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     DEM__PREFETCH(&w->engine->pairs.timers.due[p]);
 }
 
-/* Ends the contact in slot c. Returns its near pair if its timer is to be set anew, otherwise -1. */
+/* Ends the contact in slot c. Returns its near pair if that needs a new timer, otherwise -1. */
 static inline int32_t dem__end_contact(dem_world *w, int32_t c, int64_t step) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const int32_t near_pair = w->engine->contacts.near[c];
@@ -8900,14 +8953,14 @@ static inline int32_t dem__end_contact(dem_world *w, int32_t c, int64_t step) {
         return w->def.skip & DEM_SKIP_PAIRS ? near_pair : -1;
     }
     dem__unlink_wall_contact(w, i, c, -1);
-    /* a screen's timer was running for its other bars, but not for this one */
+    /* a screen's timer ran for its other bars, but not for this one */
     if (!w->engine->run.needs_lists && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) &&
         dem__needs_test(w, i, -1 - (int)j))
         dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
     return -1;
 }
 
-/* Near pairs whose contacts have ended, and the step at which they are apart. */
+/* Near pairs whose contacts have ended, and the step from which they are apart. */
 typedef struct dem__parted {
     const int32_t *pair;
     int32_t *list; /* pairs and steps */
@@ -8959,13 +9012,13 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     }
 }
 
-/* Slots of contacts that have ended, listed in contacts.slots; the number of the first one of each chunk. */
+/* The listed slots of contacts that have ended; for each chunk, where its slots begin in the list. */
 typedef struct dem__gaps {
     int32_t first[DEM__CHUNKS + 1];
     dem__array list[DEM__ARRAYS_MAX];
     int arrays;
 } dem__gaps;
-/* Fills the gaps in chunks first .. end-1 with contacts from their ends. */
+/* Fills the gaps in chunks first .. end-1 with contacts from the ends of the chunks. */
 static inline void dem__fill_gaps(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem__gaps *gaps = (const dem__gaps *)context;
@@ -8990,7 +9043,7 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     ptrdiff_t next = 0, parted = 0;
     const ptrdiff_t dead = dem__list_ended(w, all);
     if (dead == 0) return;
-    int32_t *pair = w->engine->pairs.cell_of; /* free but for a rebuild */
+    int32_t *pair = w->engine->pairs.cell_of; /* used only by a rebuild */
     for (ptrdiff_t k = dem__prefetch_from(dead, DEM__AHEAD); k < dead; k++) {
         if (k + DEM__AHEAD < dead) dem__prefetch_end(w, contacts->slots[k + DEM__AHEAD]);
         if (k < 0) continue;
@@ -9010,7 +9063,8 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     }
     gaps.first[contacts->chunk_count] = (int32_t)dead;
     gaps.arrays = dem__kept_arrays(w, gaps.list);
-    /* the last chunk may hold contacts of a particle whose others are in another one: it comes afterwards */
+    /* the last chunk may hold contacts of a particle whose other contacts lie in another chunk, so it follows
+       afterwards */
     const int chunks = contacts->chunk_count - 1;
     if (chunks > 0) dem__in_parts(w, dem__parts_of(w, 8 * dead, chunks), chunks, dem__fill_gaps, &gaps);
     dem__fill_gaps(w, chunks, chunks + 1, 0, &gaps);
@@ -9051,7 +9105,7 @@ static inline double dem__little_float(const unsigned char *byte) {
     return (double)value;
 }
 
-/* The number of facets that a binary file's header announces, and the number for which it has bytes. */
+/* How many facets a binary file's header announces, and for how many it has bytes. */
 typedef struct dem__binary_size {
     size_t announced, present, rest; /* rest: bytes after the last whole facet */
 } dem__binary_size;
@@ -9063,8 +9117,8 @@ static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, s
     return s;
 }
 
-/* Returns the number of facets to read: all that are present, or, if the header announces fewer and the file does not
-   end with a facet, those that it announces. */
+/* Returns the number of facets to read: all that are present or, if the header announces fewer and the file does not
+   end with a whole facet, those announced. */
 static inline size_t dem__facets_of_binary(const dem__binary_size *s) {
     return s->announced < s->present && s->rest > 0 ? s->announced : s->present;
 }
@@ -9088,7 +9142,7 @@ static inline void dem__read_facet(const unsigned char *bytes, size_t k, dem__fa
 }
 
 /* Returns whether the bytes are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. In other
-   data (compressed, other byte order, two bytes a letter) hardly any have. */
+   data (compressed, other byte order, two bytes a letter) hardly any facets do. */
 static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) {
     const dem__binary_size s = dem__size_of_binary(bytes, size);
     const size_t n = dem__facets_of_binary(&s);
@@ -9106,7 +9160,7 @@ static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) 
     return good > 0 && good >= n - n / 4;
 }
 
-/* Finds the next word of a text, which ends at a blank of any kind. Returns its length, 0 at the end. */
+/* Finds the next word of a text; any white space ends it. Returns its length, 0 at the end. */
 static inline size_t dem__word(const unsigned char *bytes, size_t size, size_t *at) {
     size_t length = 0;
     while (*at < size && bytes[*at] <= ' ') ++*at;
@@ -9124,7 +9178,7 @@ static inline int dem__is_word(const unsigned char *bytes, size_t at, size_t len
     return k == length;
 }
 
-/* Parses a decimal number, whatever the locale, to within an ulp or two. Returns NaN if it is none. */
+/* Parses a decimal number, whatever the locale, to within an ulp or two. Returns NaN if it is not a number. */
 static inline double dem__number(const unsigned char *text, size_t length) {
     size_t k = 0;
     int digits = 0, point = 0, exponent = 0, down = 0;
@@ -9180,7 +9234,7 @@ static inline int dem__begins_with(const unsigned char *bytes, size_t at, size_t
     return length >= n && dem__is_word(bytes, at, n, name);
 }
 
-/* Skips the rest of a line, whose words are a name or a comment. If a facet ends there, the whole text is one line:
+/* Skips the rest of a line, whose words are a name or a comment. If a facet ends on it, the whole text is one line;
    then skips only the word. */
 static inline void dem__skip_line(dem__stl_text *t, size_t length) {
     size_t end = t->at + length, word;
@@ -9211,7 +9265,7 @@ static inline int dem__fan_start(const dem_vec *corner, int n) {
     return -1;
 }
 
-/* Ends the facet in progress. Keeps its triangles if it is whole. */
+/* Ends the current facet. Keeps its triangles if it is complete. */
 static inline void dem__end_facet(dem__stl_text *t) {
     const int n = t->corners,
               start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
@@ -9255,7 +9309,7 @@ static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
     } else t->bad = 1;
 }
 
-/* Reads a text. A facet stands between "facet" and "endfacet", or the next "facet"; names and comments are ignored. */
+/* Reads a text. A facet extends from "facet" to "endfacet" or the next "facet". Names and comments are ignored. */
 static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__facet *facets, dem_stl_report *report) {
     dem__stl_text t;
     memset(&t, 0, sizeof t);
@@ -9282,8 +9336,8 @@ static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__
 
 enum { DEM__STL_UNKNOWN, DEM__STL_TEXT, DEM__STL_BINARY };
 
-/* Returns what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control
-   characters; a binary file has the length that its count gives. Where these two disagree, the numbers must look like
+/* Tells what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control
+   characters; a binary file has the length that its count gives. If these two disagree, the numbers must look like
    coordinates. */
 static inline int dem__kind_of_stl(const unsigned char *bytes, size_t size) {
     dem_stl_report found;
@@ -9313,13 +9367,13 @@ static inline void dem__count_facets(const unsigned char *bytes, size_t size, de
 }
 
 /* ---------------------------------------------------------------------------------------------- >>walls/stl_mesh.h */
-/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
- */
+/* A mesh from the facets of an STL file. Owns scratch memory while it works. Promises: on failure nothing is left
+   allocated. */
 
 /* ---- from facets to a mesh ---- */
 
 /* Working memory for making a mesh. */
-typedef struct dem__workshop {
+typedef struct dem__mesh_builder {
     dem__facet *facets;
     ptrdiff_t n;
     dem__slot *slots; /* `capacity` of them */
@@ -9328,9 +9382,9 @@ typedef struct dem__workshop {
     ptrdiff_t slivers;
     double weld,
         cell; /* distance up to which corners are one [m]; size of a grid cell [m], 0: only equal coordinates are one */
-} dem__workshop;
+} dem__mesh_builder;
 
-static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *cell) {
+static inline uint64_t dem__key_of_cell(const dem__mesh_builder *s, const double *cell) {
     uint64_t key = 0, bits;
     for (int a = 0; a < 3; a++) {
         const double v = (s->cell > 0.0 ? floor(cell[a] / s->cell) : cell[a]) + 0.0; /* no -0 */
@@ -9340,9 +9394,9 @@ static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *ce
     return key | 1;
 }
 
-/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are
-   chained from the cells of a grid, which are four times as wide as `weld`: few fit into one cell. */
-static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
+/* Returns the vertex at a place: an earlier one within `weld`, otherwise a new one. Vertices are chained from the cells
+   of a grid, which are four times as wide as `weld`, so that few fit into one cell. */
+static inline int32_t dem__weld(dem__mesh_builder *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
     for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
         double place[3];
         int seen = 0;
@@ -9369,7 +9423,7 @@ static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *co
     return fresh;
 }
 
-static inline dem__slot *dem__stl_edge(dem__workshop *s, int32_t a, int32_t b) {
+static inline dem__slot *dem__stl_edge(dem__mesh_builder *s, int32_t a, int32_t b) {
     const uint64_t low = (uint64_t)(a < b ? a : b), high = (uint64_t)(a < b ? b : a);
     dem__slot *slot = dem__find_slot(s->slots, s->capacity, low << 32 | high);
     slot->key = low << 32 | high; /* never 0, as a < b */
@@ -9377,7 +9431,7 @@ static inline dem__slot *dem__stl_edge(dem__workshop *s, int32_t a, int32_t b) {
 }
 
 /* Counts the three edges of a triangle. */
-static inline void dem__count_edges_of(dem__workshop *s, const int32_t *t) {
+static inline void dem__count_edges_of(dem__mesh_builder *s, const int32_t *t) {
     for (int e = 0; e < 3; e++) {
         const int32_t a = t[e], b = t[(e + 1) % 3];
         dem__slot *slot = dem__stl_edge(s, a, b);
@@ -9386,8 +9440,8 @@ static inline void dem__count_edges_of(dem__workshop *s, const int32_t *t) {
     }
 }
 
-/* Returns how many edges of a triangle have one other triangle, which runs the other way. */
-static inline int dem__closes(dem__workshop *s, const int32_t *t) {
+/* Returns how many edges of a triangle have exactly one other triangle, in the opposite direction. */
+static inline int dem__closes(dem__mesh_builder *s, const int32_t *t) {
     int closed = 0;
     for (int e = 0; e < 3; e++) {
         const dem__slot *slot = dem__stl_edge(s, t[e], t[(e + 1) % 3]);
@@ -9397,10 +9451,10 @@ static inline int dem__closes(dem__workshop *s, const int32_t *t) {
     return closed;
 }
 
-/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area.
-   In a fan of these one closes after the other; sixteen passes, forward and backward in turn, suffice for any order
-   that a program writes. */
-static inline void dem__close_junctions(dem__workshop *s) {
+/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with triangles without area. In
+   a fan of these one closes after the other. Sixteen passes, forward and backward in turn, suffice for any order that a
+   program writes. */
+static inline void dem__close_junctions(dem__mesh_builder *s) {
     int changed = 1;
     for (int pass = 0; pass < 16 && changed; pass++) {
         changed = 0;
@@ -9414,9 +9468,9 @@ static inline void dem__close_junctions(dem__workshop *s) {
     }
 }
 
-/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their
-   bounding box. */
-static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl_report *report) {
+/* Scales the facets and drops those that are not finite. Returns how many are left; the report gets their bounding
+   box. */
+static inline ptrdiff_t dem__keep_finite(dem__mesh_builder *s, double scale, dem_stl_report *report) {
     dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
     ptrdiff_t kept = 0;
     for (ptrdiff_t k = 0; k < s->n; k++) {
@@ -9441,7 +9495,7 @@ static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl
 }
 
 /* Returns whether a triangle with the same three corners, in any order, came before. */
-static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
+static inline int dem__is_duplicate(dem__mesh_builder *s, const int32_t *t) {
     const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
     const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
     const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
@@ -9455,7 +9509,7 @@ static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
 }
 
 /* Keeps the triangles that have an area and are new; sums area and volume. */
-static inline void dem__keep_triangles(dem__workshop *s, dem_mesh *m, ptrdiff_t n, dem_stl_report *report) {
+static inline void dem__keep_triangles(dem__mesh_builder *s, dem_mesh *m, ptrdiff_t n, dem_stl_report *report) {
     const dem_vec *vertex = (const dem_vec *)(const void *)m->vertex;
     for (ptrdiff_t k = 0; k < n; k++) {
         const int32_t t[3] = {m->triangle[3 * k], m->triangle[3 * k + 1], m->triangle[3 * k + 2]};
@@ -9480,7 +9534,7 @@ static inline void dem__keep_triangles(dem__workshop *s, dem_mesh *m, ptrdiff_t 
     }
 }
 
-static inline void dem__count_edges(dem__workshop *s, const dem_mesh *m, dem_stl_report *report) {
+static inline void dem__count_edges(dem__mesh_builder *s, const dem_mesh *m, dem_stl_report *report) {
     for (ptrdiff_t k = 0; k < m->triangles; k++) dem__count_edges_of(s, &m->triangle[3 * k]);
     dem__close_junctions(s);
     for (size_t k = 0; k < s->capacity; k++) {
@@ -9492,7 +9546,8 @@ static inline void dem__count_edges(dem__workshop *s, const dem_mesh *m, dem_stl
 }
 
 /* Fills an empty mesh, whose arrays have room, and the report. */
-static inline void dem__make_mesh(dem_mesh *m, dem__workshop *s, double scale, double weld, dem_stl_report *report) {
+static inline void dem__make_mesh(dem_mesh *m, dem__mesh_builder *s, double scale, double weld,
+                                  dem_stl_report *report) {
     const ptrdiff_t n = dem__keep_finite(s, scale, report);
     if (n == 0) return;
     const double size = dem__length(dem__sub(report->high, report->low));
@@ -9512,7 +9567,7 @@ DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, do
     const unsigned char *text = (const unsigned char *)bytes;
     dem_stl_report found;
     dem_allocator memory;
-    dem__workshop shop;
+    dem__mesh_builder shop;
     if (!mesh) return DEM_BAD_ARGUMENT;
     memset(mesh, 0, sizeof *mesh);
     memset(&found, 0, sizeof found);
@@ -9561,12 +9616,12 @@ DEM_API void dem_free_mesh(dem_mesh *mesh) {
 }
 
 /* ------------------------------------------------------------------------------------------------- >>walls/solid.h */
-/* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not
-   closed has no inside; in a closed one only points within round-off of the surface depend on how it is cut into
+/* Closed meshes and what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not
+   closed has no inside; in a closed one only points within round-off of the surface depend on the division into
    triangles. */
 
 /* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the
-   same order, so that a line through an edge or a corner crosses the surface as often as one beside it. */
+   same order, so that a line through an edge or a corner crosses the surface as often as a line beside it. */
 static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
     const dem_vec corner[3] = {a, b, c};
     int inside = 0;
@@ -9619,14 +9674,14 @@ static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
     return inside;
 }
 
-/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, even with different
-   indices; triangles without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that
-   is there twice, DEM_TOO_MANY or DEM_OUT_OF_MEMORY. */
+/* Returns DEM_OK if every edge of a surface has an even number of triangles. Corners at the same place are one, even
+   with different indices; triangles without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a
+   triangle that exists twice, DEM_TOO_MANY or DEM_OUT_OF_MEMORY. */
 static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex,
                                            const int32_t *corner) {
     const size_t n = (size_t)triangles;
     dem_stl_report report;
-    dem__workshop shop;
+    dem__mesh_builder shop;
     dem_mesh mesh;
     int closed;
     memset(&report, 0, sizeof report);
@@ -9679,7 +9734,7 @@ DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {
     return region;
 }
 
-/* Returns the volume of a closed mesh [m3]; all its triangles may be turned either way. */
+/* Returns the volume of a closed mesh [m3], whichever way all its triangles are oriented. */
 static inline double dem__mesh_volume(const dem_mesh *m) {
     const dem_vec from = dem__mesh_vertex(m, 0, 0);
     double sum = 0.0;
@@ -9721,7 +9776,7 @@ DEM_API dem_region dem_sphere_region(dem_vec centre, double radius) {
     return region;
 }
 
-/* Returns whether a length of a region is 0, or large enough for its volume to be a number. */
+/* Returns whether a length of a region is 0, or in a range in which its volume is a normal number. */
 static inline int dem__is_extent(double v) { return v == 0.0 || (v >= 1e-100 && v <= 1e100); }
 
 static inline int dem__is_region(const dem_region *r) {
@@ -9775,14 +9830,14 @@ static inline void dem__tree_bounds(const dem_region *r, dem_vec *low, dem_vec *
 }
 
 /* ---------------------------------------------------------------------------------------------- >>removal/remove.h */
-/* Particles that leave: by an exit, by dem_remove, or with a region. One that is gone is in no list, and one that has no
-   contact left is in flight. */
+/* Particles that leave: by an exit, by dem_remove, or with a region. A removed particle is in no list; a particle that
+   has lost its last contact is in flight. */
 
 /* Removes particle i from all lists. Its entries in the arrays are removed by a later rebuild. */
 static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
-    w->alive[i] = DEM_LEAVING; /* so that the law can tell a removal from a rupture */
+    w->alive[i] = DEM_LEAVING; /* so that the law can distinguish a removal from a rupture */
     DEM__TELL(w, remove_particle, (w, i));
     w->alive[i] = 0;
     w->engine->bodies.dropped++;
@@ -9800,7 +9855,7 @@ static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
     for (ptrdiff_t k = own.first; k < own.end; k++) dem__detach_one(w, k);
 }
 
-/* Removes the force of ended contacts from the acceleration of particles that touch nothing any more. */
+/* Removes the force of ended contacts from the acceleration of particles that touch nothing else. */
 static inline void dem__free_untouched(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->active_count; k++) {
@@ -9886,8 +9941,8 @@ typedef struct dem__evaluation {
     int has_friction;
 } dem__evaluation;
 
-/* Adds the postponed forces on the particles of shares first .. end-1 to their sums: those of later shares, in their
-   order. */
+/* Adds the postponed forces on the particles of shares first .. end-1 to their sums. They come from later shares, in
+   their order. */
 static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__postponed *all = w->engine->contacts.postponed;
     const int has_friction = ((const dem__evaluation *)context)->has_friction, shares = w->engine->contacts.shares;
@@ -9914,8 +9969,8 @@ static inline void dem__add_postponed(dem_world *w, dem__evaluation *e) {
     dem__in_parts(w, dem__parts_of(w, n / 2, contacts->shares), contacts->shares, dem__add_postponed_range, e);
 }
 
-/* Evaluates the chunks of a share. Its thread may add to particles whose contacts are all in this share or in later
-   ones; the forces on others are postponed. */
+/* Evaluates the chunks of a share. Its thread may add forces to particles whose contacts are all in this share or in
+   later ones. It postpones the forces on others. */
 static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     ((const dem__evaluation *)context)->loop(w, first, end, part);
 }
@@ -9930,7 +9985,7 @@ static inline void dem__make_shares(dem_world *w) {
         contacts->share_from[k] = contacts->chunk[dem__part(chunks, k + 1, contacts->shares) - 1].first_rank;
 }
 
-/* Computes what the contacts present store and dissipate now, for a ledger that begins. */
+/* Computes what the present contacts store and dissipate, for a ledger that begins. */
 static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
     dem__run *run = &w->engine->run;
     run->kernel_dt = 0.0;
@@ -9940,7 +9995,7 @@ static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
     run->only_ledger = 0;
 }
 
-/* Computes the forces of all contacts and their sums. keep: keeps the wrench of each for readers. */
+/* Computes the forces of all contacts and their sums. keep: keeps the force and torque of each for readers. */
 static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int has_friction, int keep) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;
@@ -9975,7 +10030,7 @@ static inline int dem__chunks_for(ptrdiff_t n) {
     return n / DEM__OF_CHUNK < DEM__CHUNKS ? (int)(n / DEM__OF_CHUNK) : DEM__CHUNKS;
 }
 
-/* Returns whether contacts lie by rank, the last first. */
+/* Returns whether contacts lie in the order of ranks, the last rank first. */
 static inline int dem__are_in_order(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     int32_t before = INT32_MAX;
@@ -9988,7 +10043,8 @@ static inline int dem__are_in_order(const dem_world *w) {
     return in_order;
 }
 
-/* Lists the slots of contacts by rank, the last first, otherwise as they were. */
+/* Lists the slots of contacts in the order of ranks, the last rank first; contacts of the same rank keep their
+   order. */
 static inline void dem__list_by_rank(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *place = w->engine->scratch.index, sum = 0;
@@ -10022,7 +10078,7 @@ static inline void dem__cut_chunks(dem_world *w, int chunks, dem__run_of_slots *
     contacts->chunk_count = chunks;
 }
 
-/* Returns whether contacts are to be ordered anew: few always, many seldom, or when chunks have run full. */
+/* Returns whether contacts must be ordered again: a few contacts always, many seldom or when chunks are full. */
 static inline int dem__is_order_due(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int chunks = contacts->chunk_count;
@@ -10030,9 +10086,9 @@ static inline int dem__is_order_due(const dem_world *w) {
            contacts->chunk[chunks - 1].count > 2 * (contacts->count / chunks) + DEM__BLOCK;
 }
 
-/* Orders all contacts by their particles' ranks, the last first, otherwise as they were: neighbours in space are then
-   read one after the other. Many contacts are in chunks of equal size, with room to grow; then ranks are renewed, too.
-   Returns 0 when out of memory. */
+/* Orders all contacts by the ranks of their particles, the last rank first, so that neighbours in space are read one
+   after the other; contacts of the same rank keep their order. Many contacts lie in chunks of equal size, with room to
+   grow; then ranks are renewed, too. Returns 0 when out of memory. */
 static inline int dem__reorder_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t n = contacts->count;
@@ -10054,11 +10110,11 @@ static inline int dem__reorder_contacts(dem_world *w) {
     return 1;
 }
 
-/* ------------------------------------------------------------------------------------------------- >>step/memory.h */
-/* The order of particles in memory. In a run of many contacts particles lie by rank, so that what is near in space is
-   near in memory, whatever the order in which they were added; before the run returns they lie by their numbers again.
-   Reads ranks; moves all that belongs to particles, and the numbers in contacts and lists. Promises: no result depends
-   on it, because sums have the order of contacts, and contacts that of ranks. */
+/* ------------------------------------------------------------------------------------------- >>step/spatial_sort.h */
+/* The order of particles in memory. In a run with many contacts particles lie by rank, so that neighbours in space are
+   neighbours in memory, whatever the order in which they were added. Before the run returns they lie by their numbers
+   again. Reads ranks; moves all arrays of particles, and renumbers contacts and lists. Promises: no result depends on
+   it, because sums follow the order of contacts, which follows ranks. */
 
 /* Copies the entries of particles first .. end-1 of an array from where they lie. */
 static inline void dem__take_entries(char *to, const char *base, size_t size, const int32_t *from, ptrdiff_t first,
@@ -10074,7 +10130,7 @@ static inline void dem__take_entries(char *to, const char *base, size_t size, co
     }
 }
 
-/* An array on its way into another order. */
+/* An array that is being reordered. */
 typedef struct dem__move {
     char *base, *scratch;
     size_t size;
@@ -10091,8 +10147,7 @@ static inline void dem__put_back_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
     memcpy(m->base + (size_t)first * m->size, m->scratch + (size_t)first * m->size, (size_t)(end - first) * m->size);
 }
 
-/* Returns whether an array of particles has nothing to move: scratch memory, lists that are made anew, loads that are
-   all 0. */
+/* Returns whether an array of particles needs no move: scratch memory, lists that are rebuilt, loads that are all 0. */
 static inline int dem__stays(const dem_world *w, const void *base) {
     const dem__bodies *bodies = &w->engine->bodies;
     return base == w->engine->scratch.index || base == w->engine->pairs.cell_of ||
@@ -10101,7 +10156,7 @@ static inline int dem__stays(const dem_world *w, const void *base) {
            (!bodies->loads_on && (base == bodies->load || base == bodies->external));
 }
 
-/* Moves all that belongs to particles: place k gets what lies at from[k]. */
+/* Reorders all arrays of particles: place k gets the entry at from[k]. */
 static inline void dem__move_entries(dem_world *w, const int32_t *from) {
     dem__array list[DEM__ARRAYS_MAX];
     dem__timers *t = &w->engine->walls.timers;
@@ -10124,7 +10179,7 @@ static inline void dem__move_entries(dem_world *w, const int32_t *from) {
     if (walls > 0 && !w->engine->run.needs_lists) dem__stop_timers(t, w->count * w->walls, w->count * w->walls);
 }
 
-/* Gives contacts and near pairs the new places of their particles; each keeps which of the two comes first. */
+/* Gives contacts and near pairs the new places of their particles. The order of the two stays. */
 static inline void dem__rename_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const int32_t *to = (const int32_t *)context;
     dem__near *near = w->engine->pairs.near;
@@ -10140,10 +10195,10 @@ static inline void dem__rename_particles(dem_world *w, int32_t *to) {
     }
     if (w->engine->run.needs_lists) return;
     dem__in_parts(w, dem__parts(w, pairs->count / 4), pairs->count, dem__rename_range, to);
-    dem__find_adjacent(w); /* there is room: the pairs are the same */
+    dem__find_adjacent(w); /* cannot fail: there are as many pairs as before */
 }
 
-/* Puts particles into another order in memory. from: pairs.cell_of, the places where they lie. */
+/* Reorders particles in memory. from: pairs.cell_of, the places where they lie. */
 static DEM__NOINLINE void dem__put_in_order(dem_world *w, const int32_t *from) {
     dem__bodies *bodies = &w->engine->bodies;
     int32_t *to = w->engine->scratch.index;
@@ -10154,7 +10209,7 @@ static DEM__NOINLINE void dem__put_in_order(dem_world *w, const int32_t *from) {
     dem__list_active(w);
 }
 
-/* Puts particles into the order of their ranks. */
+/* Sorts particles by rank. */
 static inline void dem__lie_by_rank(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     int32_t *from = w->engine->pairs.cell_of;
@@ -10164,7 +10219,7 @@ static inline void dem__lie_by_rank(dem_world *w) {
     dem__put_in_order(w, from);
 }
 
-/* Puts particles into the order of their numbers. */
+/* Sorts particles by number. */
 static inline void dem__lie_by_number(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     int32_t *from = w->engine->pairs.cell_of;
@@ -10174,8 +10229,8 @@ static inline void dem__lie_by_number(dem_world *w) {
     bodies->by_place = 0;
 }
 
-/* Returns whether only the engine reads particles in a run of this kernel, so that they may lie in any order: nobody's
-   functions are called, and every feature allows it. */
+/* Returns whether particles may lie in any order during a run of this kernel: only the engine reads them, because no
+   functions of the caller are called, and every feature allows it. */
 static inline int dem__may_lie_by_rank(const dem_world *w, const dem_kernel *kernel) {
     for (int k = 0; k < w->engine->features; k++) {
         if (!w->engine->feature[k].sorts) return 0;
@@ -10187,8 +10242,8 @@ static inline int dem__may_lie_by_rank(const dem_world *w, const dem_kernel *ker
            (size_t)w->engine->contacts.capacity * sizeof(dem__correction) >= (size_t)w->count * sizeof(dem_particle);
 }
 
-/* Returns whether particles that follow each other in the order of ranks are apart in memory so often that it pays to
-   move them, for a run of some more steps. */
+/* Returns whether neighbours by rank are so often far apart in memory that it pays to move them, for a run of `steps`
+   more steps. */
 static inline int dem__pays_to_move(const dem_world *w, int64_t steps) {
     const int32_t *by_rank = w->engine->bodies.by_rank;
     ptrdiff_t apart = 0, far = 0;
@@ -10201,17 +10256,16 @@ static inline int dem__pays_to_move(const dem_world *w, int64_t steps) {
     return 4 * far > w->count || (4 * apart > w->count && steps >= 4 * DEM__MOVE_STEPS);
 }
 
-/* Puts particles into the order of their ranks where it pays. steps: left in this run. */
+/* Sorts particles by rank if it pays. steps: left in this run. */
 static inline void dem__order_memory(dem_world *w, const dem_kernel *kernel, int64_t steps) {
     if (dem__may_lie_by_rank(w, kernel) && dem__pays_to_move(w, steps)) dem__lie_by_rank(w);
 }
 
 /* --------------------------------------------------------------------------------------------- >>records/records.h */
 /* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows
-   bytes and memory, no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use
-   both. */
+   bytes and memory, no physics. save/fields.h names what is saved, save/save.h and save/load.h use both. */
 
-/* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
+/* A field that becomes a record. Its entries, of some numbers each, are `stride` bytes apart in memory. */
 enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
 typedef struct dem__saved_field {
     char name[DEM__NAME_BYTES]; /* at most 23 characters */
@@ -10270,7 +10324,7 @@ static inline void dem__begin_record(dem__stream *s, const dem__saved_field *f, 
     dem__stream_u64(s, &bytes), dem__stream_u64(s, &n);
 }
 
-/* A record that was found: where its entries begin, the bytes of an entry, the number of entries. */
+/* A record in a file: where its entries begin, the bytes of an entry, the number of entries. */
 typedef struct dem__record {
     size_t at;
     uint64_t bytes, count;
@@ -10287,7 +10341,7 @@ static inline int dem__read_head(const unsigned char *file, size_t end, size_t a
     return r->bytes > 0 && r->count <= (end - r->at) / r->bytes;
 }
 
-/* Returns whether the bytes from `at` to `end` are whole records. */
+/* Returns whether the bytes from `at` to `end` are complete records. */
 static inline int dem__are_records(const unsigned char *file, size_t at, size_t end) {
     dem__record r;
     while (at < end) {
@@ -10297,7 +10351,7 @@ static inline int dem__are_records(const unsigned char *file, size_t at, size_t 
     return at == end;
 }
 
-/* Finds the first record with a name among whole ones. Returns 0 if there is none. */
+/* Finds the first of these records with a name. Returns 0 if there is none. */
 static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
     memset(r, 0, sizeof *r);
     for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {
@@ -10341,7 +10395,7 @@ static inline void dem__add_fields(dem__group *g, const char *name, double *cons
     }
 }
 
-/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among
+/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its index among
    those present. */
 static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at,
                                     int is_body) {
@@ -10362,13 +10416,13 @@ static inline void dem__write_group(dem__stream *s, const dem_world *w, const de
     }
 }
 
-/* A file that is read: its bytes, and where its records begin and end. */
+/* A file being read: its bytes, and where its records begin and end. */
 typedef struct dem__file {
     const unsigned char *bytes;
     size_t first, end;
 } dem__file;
 
-/* Returns whether the bytes are a whole and unchanged saved world of this format. */
+/* Returns whether the bytes are a complete and unchanged saved world of this format. */
 static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
     uint64_t magic, version, check;
     dem__stream s = {NULL, (const unsigned char *)buffer, 0};
@@ -10380,7 +10434,7 @@ static inline int dem__open_file(dem__file *file, const void *buffer, size_t siz
            dem__are_records(file->bytes, file->first, file->end);
 }
 
-/* Returns the number of entries of a group in a file: of its first field, which is required. */
+/* Returns the number of entries of a group in a file, from its first field, which is required. */
 static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
     char name[DEM__NAME_BYTES];
     dem__record r;
@@ -10391,8 +10445,8 @@ static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first
                : 0;
 }
 
-/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of
-   another kind. */
+/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required and
+   missing, or of another kind. */
 static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
     const dem__saved_field *f = &g->field[field];
     dem__record r;
@@ -10401,8 +10455,8 @@ static inline int dem__find_field(const dem__file *file, const dem__group *g, in
     return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
 }
 
-/* Reads entries first .. end-1 of a group of n into consecutive ones from `to` on. Returns 0 if the file is not valid.
- */
+/* Reads entries first .. end-1 of a group of n into consecutive ones from `to` on. Returns 0 if the file is not
+   valid. */
 static inline int dem__read_some(const dem__file *file, const dem__group *g, ptrdiff_t n, ptrdiff_t first,
                                  ptrdiff_t end, ptrdiff_t to) {
     for (int q = 0; q < g->fields && n > 0; q++) {
@@ -10423,7 +10477,7 @@ static inline int dem__read_group(const dem__file *file, const dem__group *g, pt
 
 static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
 
-/* Returns whether i is a particle, and j another one or a wall. */
+/* Returns whether i is a particle, and j another particle or a wall. */
 static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
     return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
 }
@@ -10449,16 +10503,17 @@ static inline void dem__hash_quaternion(uint64_t *hash, dem_quaternion q) {
         dem__hash_f64(hash, &q.z, 1);
 }
 
-/* Adds the bodies of a contact or a link, numbered among those present, and its element. */
+/* Adds the bodies of a contact or a link, as indices among those present, and its element. */
 static inline void dem__hash_bodies(uint64_t *hash, const dem_world *w, int32_t i, int32_t j, int32_t element) {
     const int32_t *number = w->engine->bodies.number;
     dem__hash_i64(hash, number[i]), dem__hash_i64(hash, j >= 0 ? number[j] : j), dem__hash_i64(hash, element);
 }
 
 /* ----------------------------------------------------------------------------------------------- >>ledger/losses.h */
-/* What the ledger books of contacts: energy that they store and dissipate, work of walls, loads and fixed particles. */
+/* What the ledger books for contacts: energy that they store and dissipate, work of walls, loads and fixed
+   particles. */
 
-/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it;
+/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it,
    otherwise as sliding loss, because its tangential spring is released. */
 static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
@@ -10469,7 +10524,7 @@ static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     else sums->sliding_loss += w->engine->contacts.elastic[c];
 }
 
-/* Returns the energy stored in all contacts [J]; 0 while no ledger is kept. */
+/* Returns the energy stored in all contacts [J]; 0 without a ledger. */
 static inline double dem__stored_energy(const dem_world *w) {
     double sum = 0.0;
     if (!w->engine->ledger.counts) return sum;
@@ -10477,7 +10532,7 @@ static inline double dem__stored_energy(const dem_world *w) {
     return sum;
 }
 
-/* Books the work of fixed particle i by its motion in a step, by the trapezoidal rule. */
+/* Books the work that fixed particle i does by its motion in a step, by the trapezoidal rule. */
 static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
@@ -10512,7 +10567,7 @@ static inline void dem__book_losses(dem_world *w) {
 }
 
 /* ----------------------------------------------------------------------------------------------- >>ledger/ledger.h */
-/* The energy ledger as a feature of a world: when it begins, pauses and goes on, its balance, and what a save keeps. */
+/* The energy ledger as a feature of a world: when it begins, pauses and resumes, its balance, and what a save keeps. */
 
 /* Returns the remainder of the energy balance [J]. */
 static inline double dem__ledger_error(const dem_energy_ledger *l) {
@@ -10553,8 +10608,8 @@ static inline int dem__list_contact_arrays_of_ledger(dem_world *w, dem__array *l
     return n;
 }
 
-/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
-   either. */
+/* Begins, pauses or resumes the ledger. Changes during a pause enter no sum. The start is shifted by them, so that they
+   count as no error either. */
 static inline void dem__switch_ledger(dem_world *w, const dem_kernel *kernel) {
     dem__ledger *ledger = &w->engine->ledger;
     const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
@@ -10565,27 +10620,27 @@ static inline void dem__switch_ledger(dem_world *w, const dem_kernel *kernel) {
     if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
 }
 
-/* Opens the books at the first run with a ledger. */
+/* Starts the ledger in the first run that keeps one. */
 static inline void dem__open_ledger(dem_world *w) {
     dem__ledger *ledger = &w->engine->ledger;
     if (!ledger->counts || ledger->started) return;
     ledger->started = 1;
-    memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
+    memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked something */
     DEM__TELL(w, begin_ledger, (w));
     const dem_energy_ledger now = dem_energy(w);
     ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
     ledger->sums.start_potential = now.potential;
 }
 
-/* Book the energy that contacts store by changes of the caller between runs: new contacts, changed constants. */
+/* Book the energy that contacts gain or lose by changes of the caller between runs: new contacts, other constants. */
 static inline void dem__note_stored(dem_world *w) { w->engine->ledger.stored_before = dem__stored_energy(w); }
 static inline void dem__book_stored(dem_world *w) {
     dem__ledger *ledger = &w->engine->ledger;
     if (ledger->started) ledger->sums.added += dem__stored_energy(w) - ledger->stored_before;
 }
 
-/* Contacts that begin have stored nothing. Books are sums in the order of memory, whenever lists were built. */
-static inline void dem__begin_books_of_contacts(dem_world *w, ptrdiff_t begun) {
+/* Contacts that begin have stored nothing. Sums are taken in the order of memory, whenever lists were built. */
+static inline void dem__begin_contact_ledger(dem_world *w, ptrdiff_t begun) {
     dem__contacts *contacts = &w->engine->contacts;
     for (ptrdiff_t k = 0; k < begun; k++) {
         const int32_t c = contacts->slots[k];
@@ -10645,7 +10700,7 @@ static inline dem__feature dem__feature_ledger(void) {
     f.find_forces = dem__note_stored;
     f.forces_found = dem__book_stored;
     f.begin_run = dem__open_ledger;
-    f.contacts_begun = dem__begin_books_of_contacts;
+    f.contacts_begun = dem__begin_contact_ledger;
     f.add_forces = dem__book_step;
     f.end_contact = dem__book_contact_end;
     f.world_fields = dem__world_fields_of_ledger;
@@ -10655,8 +10710,8 @@ static inline dem__feature dem__feature_ledger(void) {
 }
 
 /* ------------------------------------------------------------------------------------------------ >>motion/fixed.h */
-/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
-   every part that turns forces into motion calls dem__is_fixed(). */
+/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Every part that turns forces into
+   motion calls dem__is_fixed(). */
 
 static inline int dem__list_arrays_of_fixed(dem_world *w, dem__array *list) {
     list->address = &w->engine->bodies.fixed, list->size = sizeof *w->engine->bodies.fixed;
@@ -10730,7 +10785,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem__book_added(w, dem__potential(w, i));
     dem__book_motion(w, dem__motion_energy(w, i));
     dem__end_change(w, own);
-    dem__wake(w, i); /* it takes steps, as a particle with a load does */
+    dem__wake(w, i); /* it takes steps, like a particle with a load */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -10767,8 +10822,7 @@ DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, 
     for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
 }
 
-/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle
-   moves. */
+/* Records the impulse of a partial step on a fixed particle, and its work if the particle moves. */
 static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
     const dem_particle *p = &w->particle[i];
     w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
@@ -10777,17 +10831,17 @@ static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse,
 }
 
 /* ---------------------------------------------------------------------------------------------- >>step/integrate.h */
-/* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies
-   and timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
+/* Motion of particles within a step, and how it changes their bounds. Reads forces, walls, the list; writes bodies and
+   timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
 
-/* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far
-   apart in memory. */
+/* Returns where prefetching ends among active particles first .. end-1. It pays only where active particles are few and
+   so lie far apart in memory. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
 }
 
 /* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out
-   those of rigid bodies; turns: a constant, 0 where spins do not change. */
+   particles of rigid bodies. turns: a constant, 0 where spins do not change. */
 DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid, int turns) {
     const int64_t step = w->step + (h > 0.0);
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
@@ -10805,7 +10859,7 @@ DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdif
         const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
         p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle);
         if (turns) p->spin = dem__sphere_spin_at(w, i, middle);
-        p->origin = w->step; /* for hooks, whose step is the present one */
+        p->origin = w->step; /* for hooks, which see the present step */
         const int inside = (p->x.x >= low.x) & (p->x.x < high.x) & (p->x.y >= low.y) & (p->x.y < high.y) &
                            (p->x.z >= low.z) & (p->x.z < high.z);
         if (!inside && w->engine->run.has_periodic) dem__wrap(w, i);
@@ -10824,12 +10878,13 @@ static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int books =
-        w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
+        w->engine->ledger.on && w->engine->run.has_periodic; /* wraps are booked in one sum, by one thread */
     dem__in_parts(w, books ? 1 : dem__parts(w, n / 2), n,    /* n / 2: little work for each particle */
                   w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range, &h);
 }
 
-/* Returns the deviation of particle i [m/s], whose velocity is known at time t of the bounds [s]. */
+/* Returns the deviation of particle i from its bound [m/s]. t: time of the bounds at which its velocity is known
+   [s]. */
 DEM_INLINE dem_vec dem__deviation(const dem_world *w, ptrdiff_t i, double t) {
     const dem__bound *c = &w->engine->bodies.bound[i];
     return dem__sub(dem__plus(w->particle[i].v, -t, dem__free_fall(w)), dem_vec3(c->ux, c->uy, c->uz));
@@ -10849,20 +10904,20 @@ DEM_INLINE int dem__within_bound(const dem_world *w, ptrdiff_t i, dem_vec d) {
            bodies->shifted[i] < w->engine->pairs.position_tolerance; /* false for NaN */
 }
 
-/* Takes the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for the
-   next step, too. */
+/* Subtracts the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for
+   the next step, too. */
 DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
     const double way = dem__most_change(dt, pull);
     p->tolerance_left__ -= way;
     return p->tolerance_left__ > 0.5 * way; /* false for NaN */
 }
 
-/* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step
-   to its end. Sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
-   scratch.index from `first` on. check: 0, or NaN if a force is not finite; strays: length of the list; loads, turns:
-   constants, 0 where nothing has a load, and where no spin changes. */
-DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays,
-                              int loads, int turns) {
+/* Computes new accelerations of active particles first .. end-1, moves their velocities from the middle of the step to
+   its end, and sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
+   scratch.index from `first` on. check: 0, or NaN if a force is not finite. deviating: length of the list. loads,
+   turns: constants, 0 where nothing has a load, and where no spin changes. */
+DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
+                              ptrdiff_t *deviating, int loads, int turns) {
     dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
@@ -10895,71 +10950,72 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         p->origin = step;
         for (int a = 0; a < (turns ? 6 : 3); a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
-        doubtful[n] = (int32_t)i; /* without a branch, which would be mispredicted */
+        doubtful[n] = (int32_t)i; /* no branch, because it would be mispredicted */
         n += !dem__surely_within(p, dt, pull);
     }
     *check = 0.0 * all;
-    *strays = n;
+    *deviating = n;
 }
-/* Does so without loads where there are none: whether there are any is a constant of the loop. */
+/* Calls dem__kick_all with constants, so that the loop without loads or rotation computes neither. */
 DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
-                                        ptrdiff_t *strays) {
-    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, strays, 1, 1);
-    else if (w->engine->run.turns) dem__kick_all(w, h, first, end, check, strays, 0, 1);
-    else dem__kick_all(w, h, first, end, check, strays, 0, 0);
+                                        ptrdiff_t *deviating) {
+    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, deviating, 1, 1);
+    else if (w->engine->run.turns) dem__kick_all(w, h, first, end, check, deviating, 0, 1);
+    else dem__kick_all(w, h, first, end, check, deviating, 0, 0);
 }
 DEM__AVX2_CLONE(dem__kick_part,
-                (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
-                (w, h, first, end, check, strays), dem__kick_loaded_or_not(w, h, first, end, check, strays))
+                (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *deviating),
+                (w, h, first, end, check, deviating), dem__kick_loaded_or_not(w, h, first, end, check, deviating))
 
-/* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews
+/* Moves those of n particles that leave their tolerances to the front of the list, and returns how many. Renews
    tolerance_left__ of the others. */
 static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
-    ptrdiff_t strays = 0;
+    ptrdiff_t deviating = 0;
     for (ptrdiff_t k = dem__prefetch_from(n, DEM__AHEAD); k < n; k++) {
         if (k + DEM__AHEAD < n) dem__prefetch_flight(w, doubtful[k + DEM__AHEAD]);
         if (k < 0) continue;
         const int32_t i = doubtful[k];
-        const dem_vec stray = dem__deviation(w, i, t);
-        if (dem__within_bound(w, i, stray)) dem__set_tolerance_left(w, i, dem__length(stray));
-        else doubtful[strays++] = i;
+        const dem_vec deviation = dem__deviation(w, i, t);
+        if (dem__within_bound(w, i, deviation)) dem__set_tolerance_left(w, i, dem__length(deviation));
+        else doubtful[deviating++] = i;
     }
-    return strays;
+    return deviating;
 }
-/* Marks n particles that move by themselves, and moves those that were not marked before to the front of the list.
-   Returns their number. */
-static inline ptrdiff_t dem__mark_strays(dem_world *w, int32_t *stray, ptrdiff_t n) {
+/* Marks n particles that are not part of a body, and moves those that were not marked before to the front of the list.
+   Returns how many. */
+static inline ptrdiff_t dem__mark_deviating(dem_world *w, int32_t *particle, ptrdiff_t n) {
     int32_t *activity = w->engine->bodies.activity;
     ptrdiff_t marked = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
-        const int32_t i = stray[k];
+        const int32_t i = particle[k];
         if (activity[i] != DEM__STEPPING) continue;
         activity[i] = DEM__TO_CHECK;
-        stray[marked++] = i;
+        particle[marked++] = i;
     }
     return marked;
 }
 typedef struct dem__kicked {
     double h, check[DEM__PARTS_MAX]; /* check: 0, or NaN if a force is not finite */
-    ptrdiff_t strays[DEM__PARTS_MAX];
+    ptrdiff_t deviating[DEM__PARTS_MAX];
 } dem__kicked;
 static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__kicked *kicked = (dem__kicked *)context;
-    dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
-    kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
+    dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->deviating[part]);
+    kicked->deviating[part] =
+        dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->deviating[part]);
     if (!w->engine->bodies.rigid)
-        kicked->strays[part] = dem__mark_strays(w, w->engine->scratch.index + first, kicked->strays[part]);
+        kicked->deviating[part] = dem__mark_deviating(w, w->engine->scratch.index + first, kicked->deviating[part]);
 }
-/* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them.
-   dem__kick_all finds them from sums over particles, which round differently; which bodies are checked depends on what
-   a step skips, and results must not depend on it. */
+/* Computes the accelerations of all loaded bodies without contacts in the same way as dem__check_bounds. dem__kick_all
+   computes them from sums over particles, which round differently. Which bodies are checked depends on what a step
+   skips, and results must not depend on that. */
 static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
     for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         dem__rigid *r = dem__rigid_of(w, i);
         if (!r || r->first != i || w->touching[i] > 0) continue;
-        w->engine->bodies.calls->place(w, r); /* the torque needs the arms that this sets */
+        w->engine->bodies.calls->place(w, r); /* sets the arms that the torque needs */
         w->engine->bodies.calls->fall(w, r);
     }
 }
@@ -10983,20 +11039,20 @@ static inline int dem__kick(dem_world *w, double h) {
     if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.calls->kick, &h);
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
-        const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
+        const int32_t *particle = w->engine->scratch.index + dem__part(n, q, parts);
         dem__bodies *bodies = &w->engine->bodies;
-        for (ptrdiff_t k = 0; k < kicked.strays[q] && bodies->rigid; k++) dem__mark_to_check(w, stray[k]);
-        for (ptrdiff_t k = 0; k < kicked.strays[q] && !bodies->rigid; k++)
-            bodies->to_check[bodies->to_check_count++] = stray[k];
+        for (ptrdiff_t k = 0; k < kicked.deviating[q] && bodies->rigid; k++) dem__mark_to_check(w, particle[k]);
+        for (ptrdiff_t k = 0; k < kicked.deviating[q] && !bodies->rigid; k++)
+            bodies->to_check[bodies->to_check_count++] = particle[k];
         all += kicked.check[q];
     }
-    w->engine->run.turns = dem__may_turn(w); /* what does not turn has no spin rate from now on */
+    w->engine->run.turns = dem__may_turn(w); /* without rotation no particle has a spin rate from here on */
     if (w->engine->bodies.rigid && w->engine->bodies.loads_on) dem__place_loaded_bodies(w);
     return all == 0.0;
 }
 
-/* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the
-   normal velocity of their centre of mass. New bounds rely on it. */
+/* Predicts how an impact that has just begun changes the velocities of i and j by its middle, when both have the normal
+   velocity of their common centre of mass. New bounds rely on it. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
     if (!(closing > 0.0)) return; /* the contact has ended */
     double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
@@ -11054,7 +11110,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     b->v = dem__plus(b->v, -dem__per_mass(w, j), slower);
     dem__expect_impact(w, i, j, n, -dem__dot(v, n));
 }
-/* Returns whether the contact in slot c changes nothing but two spheres whose own contacts are in chunk q. */
+/* Returns whether the contact in slot c changes only two spheres whose own contacts are in chunk q. */
 DEM_INLINE int dem__is_inner(const dem_world *w, ptrdiff_t q, int32_t c) {
     const dem__chunk *in = &w->engine->contacts.chunk[q];
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c], *rank = w->engine->bodies.rank;
@@ -11062,7 +11118,7 @@ DEM_INLINE int dem__is_inner(const dem_world *w, ptrdiff_t q, int32_t c) {
     if (j < 0 || dem__has_body(w, c) || dem__is_fixed(w, i) || dem__is_fixed(w, j)) return 0;
     return rank[i] >= in->first_rank && rank[i] < stop && rank[j] >= in->first_rank && rank[j] < stop;
 }
-/* Prefetches what the correction of the contact in slot c changes. */
+/* Prefetches what the correction of the contact in slot c writes. */
 DEM_INLINE void dem__prefetch_correction(const dem_world *w, int32_t c) {
     dem__prefetch_flight(w, w->engine->contacts.i[c]);
     if (w->engine->contacts.j[c] >= 0) dem__prefetch_flight(w, w->engine->contacts.j[c]);
@@ -11076,22 +11132,22 @@ static inline void dem__correct_inner_range(dem_world *w, ptrdiff_t first, ptrdi
         const ptrdiff_t n = contacts->chunk[q].marked;
         for (ptrdiff_t k = 0; k < n; k++) dem__prefetch_correction(w, slot[k]);
         for (ptrdiff_t k = 0; k < n; k++) {
-            if (!contacts->edge[slot[k]] || !dem__is_inner(w, q, slot[k])) continue;
+            if (!contacts->partial[slot[k]] || !dem__is_inner(w, q, slot[k])) continue;
             dem__apply_correction(w, slot[k], *(const int *)friction, 0);
-            contacts->edge[slot[k]] = 2; /* done, but for the marks */
+            contacts->partial[slot[k]] = 2; /* corrected; its particles are still to be marked */
         }
     }
 }
-/* Applies the corrections of contacts that are not within one chunk, and marks the particles of the others. */
+/* Applies the corrections of contacts between chunks, and marks the particles of the others. */
 static inline void dem__correct_others(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
-    int32_t waits[DEM__BLOCK]; /* their memory is on its way */
+    int32_t waits[DEM__BLOCK]; /* contacts whose memory is being fetched */
     int n = 0;
     for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] == 2) dem__mark_one(w, contacts->i[c]), dem__mark_one(w, contacts->j[c]);
-            if (contacts->edge[c] != 1) continue;
+            if (contacts->partial[c] == 2) dem__mark_one(w, contacts->i[c]), dem__mark_one(w, contacts->j[c]);
+            if (contacts->partial[c] != 1) continue;
             dem__prefetch_correction(w, c);
             waits[n++] = c;
             for (int m = 0; m < n && n == DEM__BLOCK; m++) dem__apply_correction(w, waits[m], has_friction, 1);
@@ -11100,8 +11156,8 @@ static inline void dem__correct_others(dem_world *w, int has_friction) {
     }
     for (int m = 0; m < n; m++) dem__apply_correction(w, waits[m], has_friction, 1);
 }
-/* Applies the corrections of all edge steps: where there are chunks, those within one first, so that threads share
-   them; the shifts of rigid bodies last. */
+/* Applies the corrections of all partial steps. With chunks, those within one chunk come first, so that threads share
+   them. Shifts of rigid bodies come last. */
 static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int chunks = contacts->chunk_count;
@@ -11115,17 +11171,17 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
         const dem__chunk *in = &contacts->chunk[q];
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
+            if (contacts->partial[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
         }
     }
 }
 
-/* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall
+/* What a thread found in its share of to_check: how many particles have new bounds, how many of these need earlier wall
    timers, and whether a flight begins. */
 typedef struct dem__checked {
-    ptrdiff_t reset, hurried;
+    ptrdiff_t reset, earlier;
     int flown;
-    dem__outcome news;
+    dem__outcome outcome;
 } dem__checked;
 
 /* Prefetches what the check of a bound reads. */
@@ -11142,29 +11198,29 @@ DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
 }
 
 /* Checks particles first .. end-1 of to_check. A particle whose velocity left its tolerance, or whose flight begins,
-   gets a new bound and is listed in scratch.index; the tolerance_left__ of the others is renewed. */
+   gets a new bound and is listed in scratch.index. The others get a new tolerance_left__. */
 static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const double t = dem__since_listed(w, w->step);
-    q->reset = q->hurried = q->flown = 0;
-    q->news = dem__no_outcome(w);
+    q->reset = q->earlier = q->flown = 0;
+    q->outcome = dem__no_outcome(w);
     for (ptrdiff_t k = first + dem__prefetch_from(end - first, DEM__AHEAD); k < end; k++) {
         if (k + DEM__AHEAD < end) dem__prefetch_check(w, bodies->to_check[k + DEM__AHEAD]);
         if (k < first) continue;
         const int32_t i = bodies->to_check[k];
         if (w->alive[i] && !w->engine->run.needs_lists) {
             const dem_particle *p = &w->particle[i];
-            const dem_vec stray = dem__deviation(w, i, t);
+            const dem_vec deviation = dem__deviation(w, i, t);
             if (w->touching[i] == 0)
-                dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
-            if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
+                dem__free_acceleration(w, i); /* no contact force, whatever the law of an ended one returned */
+            if (w->touching[i] == 0 || !dem__within_bound(w, i, deviation)) {
                 const double shifted = bodies->shifted[i];
                 dem__set_bound(w, i, w->step, p->x, p->v);
                 w->engine->scratch.index[first + q->reset++] = i;
-                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news))
-                    w->engine->pairs.cell_of[first + q->hurried++] = i;
-            } else dem__set_tolerance_left(w, i, dem__length(stray));
+                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->outcome))
+                    w->engine->pairs.cell_of[first + q->earlier++] = i;
+            } else dem__set_tolerance_left(w, i, dem__length(deviation));
         }
         bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
         bodies->activity[i] = w->alive[i] && (w->touching[i] > 0 || (bodies->loads_on && dem__is_loaded(w, i)));
@@ -11176,15 +11232,15 @@ static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdif
     dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
 }
 
-/* Takes a particle whose flight has begun from the list of active ones: the last of them takes its place. */
-DEM_INLINE void dem__rest_from_steps(dem_world *w, ptrdiff_t i) {
+/* Removes a particle whose flight has begun from the list of active ones. The last of the list takes its place. */
+DEM_INLINE void dem__drop_active(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     const int32_t last = bodies->active[--bodies->active_count], at = bodies->active_at[i];
     bodies->active[at] = last, bodies->active_at[last] = at;
 }
 
-/* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out
-   of the active list. */
+/* Checks the bounds of the marked particles, and sets new bounds and timers. Particles that begin a flight leave the
+   active list. */
 static inline void dem__check_bounds(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const ptrdiff_t n = bodies->to_check_count;
@@ -11195,24 +11251,24 @@ static inline void dem__check_bounds(dem_world *w) {
     dem__in_parts(w, parts, n, dem__check_bounds_range, watched);
     for (int q = 0; q < parts; q++) {
         const ptrdiff_t first = dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < watched[q].hurried; k++)
+        for (ptrdiff_t k = 0; k < watched[q].earlier; k++)
             dem__advance_wall_timers(w, w->engine->pairs.cell_of[first + k], w->step);
         for (ptrdiff_t k = 0; k < watched[q].reset; k++)
             w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
-        dem__apply_outcome(w, &watched[q].news);
+        dem__apply_outcome(w, &watched[q].outcome);
         flown |= watched[q].flown;
     }
     dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
     for (ptrdiff_t k = 0; k < n && flown; k++) {
-        if (!bodies->activity[bodies->to_check[k]]) dem__rest_from_steps(w, bodies->to_check[k]);
+        if (!bodies->activity[bodies->to_check[k]]) dem__drop_active(w, bodies->to_check[k]);
     }
     bodies->to_check_count = 0;
     if (flown && 2 * bodies->active_count > w->count && w->step % 64 == 0) dem__list_active(w);
 }
 
 /* ------------------------------------------------------------------------------------------------- >>step/detect.h */
-/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers.
-   Promises: every contact that begins is found; a step that cannot be finished leaves no trace. */
+/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes new contacts and timers. Promises:
+   every contact that begins is found, and a step that cannot be finished leaves no trace. */
 
 /* Sets the status, and failed_id to the first particle whose state is not finite. Returns 0. */
 static inline int dem__fail(dem_world *w, dem_status status) {
@@ -11236,7 +11292,7 @@ DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdif
     ptrdiff_t n;
     dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
     dem__clear_batch(waits);
-    waits->found = due; /* pairs that are found overwrite pairs that have been tested */
+    waits->found = due; /* the list of pairs found overwrites pairs that have been tested */
     for (ptrdiff_t k = dem__prefetch_from(n, 2 * DEM__AHEAD); k < n; k++) {
         const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
         if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
@@ -11253,7 +11309,7 @@ static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
     dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 0);
 }
 
-/* What tests of a group of pages have found; threads take groups in turn, because what is due lies close together. */
+/* What the tests of a group of pages have found. Threads take groups in turn, because due pairs lie close together. */
 typedef struct dem__tested {
     int32_t *found;
     ptrdiff_t touch;
@@ -11277,7 +11333,7 @@ static inline void dem__test_due_groups(dem_world *w, ptrdiff_t first, ptrdiff_t
     }
 }
 
-/* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
+/* Tests the due pairs. The number of threads follows from how many pairs were due in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__due_tests t;
@@ -11321,8 +11377,8 @@ static inline void dem__detect(dem_world *w, int64_t step) {
     for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
 }
 
-/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail
-   at the same place. */
+/* Fails if a contact begins between two different materials whose pair was never set. Later runs fail at the same place
+   until it is set. */
 static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
@@ -11334,11 +11390,11 @@ static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
         w->status = DEM_PAIR_NOT_SET;
         w->failed_id = w->id[i];
         w->failed_pair[0] = low, w->failed_pair[1] = high;
-        w->engine->run.needs_lists = 1; /* what was found must be found again */
+        w->engine->run.needs_lists = 1; /* the next run must find these contacts again */
     }
 }
 
-/* Undoes what was found in a step that cannot be finished. Returns 0. */
+/* Drops the contacts found in a step that cannot be finished. Returns 0. */
 static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     for (; contacts->begun > 0; contacts->begun--) {
@@ -11359,11 +11415,11 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
 }
 
 /* --------------------------------------------------------------------------------------------------- >>step/step.h */
-/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world
-   can be read, saved and freed. */
+/* A step, and a run of steps. Reads and writes everything through the parts below it. Promises: after a failure the
+   world can be read, saved and freed. */
 
-/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip,
-   and set none if it is 0. */
+/* Tests all pairs and walls once, even those that are skipped. Timers stay as they are: the functions called here set
+   none if def.skip is 0. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
@@ -11378,7 +11434,7 @@ static inline void dem__test_everything(dem_world *w) {
     w->def.skip = skip;
 }
 
-/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a
+/* Ends the contacts that changes by the caller have ended, and rebuilds the list of near pairs. Returns 0 after a
    failure. */
 static inline int dem__prepare_lists(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -11406,8 +11462,8 @@ static inline void dem__prepare_pairs(dem_world *w) {
     }
 }
 
-/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1
-   after a failure. */
+/* Tests everything and begins the contacts found, whose slots are then listed. Returns how many, or -1 after a
+   failure. */
 static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__test_everything(w);
@@ -11428,7 +11484,7 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     return begun;
 }
 
-/* Sets law and features of the run, and computes the constants of contacts anew if these have changed. */
+/* Sets law and features of the run. If they have changed, computes the constants of all contacts again. */
 static inline void dem__set_law(dem_world *w, const dem_law *law, int features) {
     dem__run *run = &w->engine->run;
     if (run->needs_forces || run->features != features || run->law != law) {
@@ -11440,10 +11496,11 @@ static inline void dem__set_law(dem_world *w, const dem_law *law, int features) 
     run->law = law;
 }
 
-/* Computes the forces on everything while no time passes, and so the accelerations. Returns 0 after a failure. */
+/* Computes all forces while no time passes, and from them the accelerations. Returns 0 after a failure. */
 static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdiff_t begun) {
     dem__report_begun(w, kernel->law, begun);
-    dem__advance(w, 0.0); /* before anything that may run out of memory: a world that fails there can be saved */
+    dem__advance(w, 0.0); /* before anything that may run out of memory, so that a world that fails there can be
+                             saved */
     if (!dem__reorder_contacts(w)) return 0;
     DEM__TELL(w, find_forces, (w));
     dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
@@ -11458,14 +11515,14 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     return going;
 }
 
-/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a
+/* Begins a run: lists, contacts that are already present, their forces and the accelerations. Returns 0 after a
    failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
-    run->power = features & DEM_HERTZ ? 2.5 : 2.0; /* for the first search of contacts, too */
+    run->power = features & DEM_HERTZ ? 2.5 : 2.0; /* the first search for contacts needs it, too */
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
-    run->turns = 1; /* in the first step: a run before this one may have left spin rates */
+    run->turns = 1; /* for the first step: an earlier run may have left spin rates */
     w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
     for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k].adds_loads;
     dem__prepare_pairs(w);
@@ -11501,7 +11558,7 @@ static inline void dem__count_step(dem_world *w) {
     w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
 }
 
-/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked
+/* Returns whether the energies of the particles that leave in this step are finite. Nothing checks their velocities
    later. */
 static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -11530,7 +11587,7 @@ static inline int dem__remove_leaving(dem_world *w) {
     return 1;
 }
 
-/* Advances the world by one step. keep: keeps the forces of contacts for readers. Returns 0 after a failure. */
+/* Advances the world by one step. keep: stores the forces of contacts for readers. Returns 0 after a failure. */
 static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
     const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
     const double h = w->engine->run.dt;
@@ -11563,13 +11620,13 @@ static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
     return going;
 }
 
-/* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
+/* Returns whether a kernel computes friction that this run leaves out. Its history then stays zero. */
 static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
     return (kernel->features & ~features & DEM_FRICTION) != 0;
 }
 
-/* Returns whether a law can take over the contacts present. They continue under a law whose states are as many and mean
-   the same; a history that is zero means nothing, and can be dropped or begun. */
+/* Returns whether a law can take over the present contacts. They continue under a law with as many states of the same
+   meaning. A history that is zero means nothing, and can be dropped or begun. */
 static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (contacts->count == 0) return 1;
@@ -11589,7 +11646,7 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     DEM__CHECK(w, status, check_run, (w, kernel));
     if (status != DEM_OK) return status;
     const double narrowest = dem__narrowest(w);
-    /* what has been listed fits */
+    /* spheres that have been listed fit */
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL && w->engine->run.needs_lists; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
@@ -11597,7 +11654,8 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     return DEM_OK;
 }
 
-/* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
+/* Gives contacts the arrays that law, ledger and threads need. Returns 0 when out of memory; then nothing has
+   changed. */
 static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     const int states = contacts->states, constants = contacts->constants;
@@ -11615,12 +11673,12 @@ static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int 
         return 0;
     }
     w->engine->ledger.on |= books;
-    for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not in the block */
+    for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not part of the block */
     return 1;
 }
 
-/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of
-   a dashpot 2 m/gamma. */
+/* Returns the time step over the largest stable one: 2 sqrt(m/k) for a spring, whose contact lasts pi sqrt(m/k), and 2
+   m/gamma for a dashpot. */
 static inline double dem__step_ratio(const dem_world *w, int features) {
     const dem_advice a = dem_advise(w, features, 1.0);
     const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
@@ -11629,7 +11687,7 @@ static inline double dem__step_ratio(const dem_world *w, int features) {
     return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
 }
 
-/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not
+/* Runs a kernel with some of its features. The law's prepare function leaves out friction and rolling that are not
    among them. */
 static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
     dem_world *w = world;
@@ -11641,7 +11699,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
-    w->status = DEM_OK; /* the caller may have mended any other failure */
+    w->status = DEM_OK; /* the caller may have repaired any other failure */
     if (!dem__make_work(w) || !dem__fit_contact_arrays(w, kernel->law, features)) return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     w->engine->contacts.law = dem__law_mark(kernel->law);
@@ -11656,11 +11714,9 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
         if (w->step % DEM__RANK_STEPS == 1 && going) dem__order_memory(w, kernel, n - 1); /* ranks are new */
     }
     dem__lie_by_number(w);
-    for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k].end_run) going = w->engine->feature[k].end_run(w, going);
-    }
+    DEM__GET(w, going, end_run, (w, going));
     w->engine->run.running = 0;
-    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
+    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* the stiffest contact that has begun */
     if (met > w->step_ratio) w->step_ratio = met;
     if (!going) return w->status;
     w->owed = owed - (double)steps * dt;
@@ -11696,8 +11752,8 @@ DEM__KERNEL_OF(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM
 DEM__KERNEL_OF(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
 DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
-    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not
-       name */
+    /* kernels with a ledger always compute friction and rolling; features that the caller did not name have constants
+       of zero */
     switch (features) {
     case DEM_LINEAR: return dem__run_kernel(world, duration, dem__kernel_linear(), features);
     case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_linear_friction(), features);
@@ -11720,68 +11776,68 @@ DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) 
 }
 
 /* ------------------------------------------------------------------------------------------------ >>bodies/rigid.h */
-/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in
-   base/engine.h). Reads the sums of forces on their particles; writes bodies and their particles. Promises: a sphere's
-   motion is untouched; each body is moved by one thread, so that bits do not depend on threads.
+/* Motion of rigid bodies, and the table of functions that the engine calls for them (dem__body_calls in base/engine.h).
+   Reads the sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is
+   untouched; each body is moved by one thread, so bits do not depend on threads.
 
-   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle
-   of a body that has one lies at its centre of mass; its radius is that of the sphere that the search for contacts
-   uses. The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about
-   the particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present
-   step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
+   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. If a body has a
+   single particle, that lies at the centre of mass; its radius is that of the sphere that the search for contacts uses.
+   The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about the
+   particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present step
+   is in `turn`; during the search for contacts, in dem__pose_at(w, r, tau). */
 
-/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter
-   radian at most. */
-DEM_INLINE int dem__strides(const dem__rigid *r) {
+/* Returns whether a body rotates freely with three different moments. Such a rotation is integrated in rotation steps,
+   of a quarter radian at most. */
+DEM_INLINE int dem__rotates_in_steps(const dem__rigid *r) {
     return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
 }
 
-#define DEM__STRIDES_MAX 1e7 /* of a flight between two lists */
-/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides
-   that are known. */
+#define DEM__ROTATION_STEPS_MAX 1e7 /* of a flight between two lists */
+/* Returns the orientation of such a body at tau: whole rotation steps from the origin, then the rest. Starts from the
+   rotation steps that are stored. */
 static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
-    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
+    const double rotation_step = dem__rotation_step(r->momentum, r->moments), whole = floor(tau / rotation_step);
     dem_quaternion q = r->turn;
     double n = 0.0;
-    if (!(stride < HUGE_VAL)) return q;
-    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
-    if (!(whole - n < DEM__STRIDES_MAX)) return q; /* only in a world that no run has accepted */
-    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
-    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
+    if (!(rotation_step < HUGE_VAL)) return q;
+    if (r->rotation_steps > 0.0 && r->rotation_steps <= whole) n = r->rotation_steps, q = r->ahead;
+    if (!(whole - n < DEM__ROTATION_STEPS_MAX)) return q; /* only in a world that no run has accepted */
+    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, rotation_step);
+    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * rotation_step);
 }
 
-/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins.
+/* Stores how far the rotations of flights are integrated, so that later calls need not start at their origins.
    DEM_TOO_FAST: a body turns by a hundred radians in a step. */
-static inline void dem__note_strides(dem_world *w) {
+static inline void dem__keep_rotations(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
         dem__rigid *r = &bodies->rigid[k];
         if (!w->alive[r->first] || bodies->activity[r->first]) continue;
-        const double stride = dem__turn_stride(r->momentum, r->moments);
-        const double whole = dem__strides(r) ? floor(dem__now(w, r->first) / stride) : 0.0;
-        if (!(400.0 * stride > w->engine->run.dt) || !(whole - r->strides < DEM__STRIDES_MAX)) {
+        const double rotation_step = dem__rotation_step(r->momentum, r->moments);
+        const double whole = dem__rotates_in_steps(r) ? floor(dem__now(w, r->first) / rotation_step) : 0.0;
+        if (!(400.0 * rotation_step > w->engine->run.dt) || !(whole - r->rotation_steps < DEM__ROTATION_STEPS_MAX)) {
             w->status = DEM_TOO_FAST;
             w->failed_id = w->id[r->first];
             return;
         }
-        if (!(whole > r->strides)) continue;
-        if (r->strides == 0.0) r->ahead = r->turn;
-        for (; r->strides < whole; r->strides += 1.0)
-            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
+        if (!(whole > r->rotation_steps)) continue;
+        if (r->rotation_steps == 0.0) r->ahead = r->turn;
+        for (; r->rotation_steps < whole; r->rotation_steps += 1.0)
+            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, rotation_step);
     }
 }
 
-/* Returns the orientation of a rigid body at tau after its origin step [s]. */
+/* Returns the orientation of a rigid body, tau after its origin step [s]. */
 DEM_INLINE dem_quaternion dem__turn_at(const dem_world *w, const dem__rigid *r, double tau) {
     const int single = tau <= 1.5 * w->engine->run.dt;
     if (tau == 0.0) return r->turn;
-    if (!single && dem__strides(r)) return dem__turn_of_flight(r, tau);
+    if (!single && dem__rotates_in_steps(r)) return dem__turn_of_flight(r, tau);
     return dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, single);
 }
 
-/* Returns the state of a rigid body at tau after its origin step [s]. */
-static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigid *r, double tau) {
-    dem__posture p;
+/* Returns the state of a rigid body, tau after its origin step [s]. */
+static inline dem__pose dem__find_pose(const dem_world *w, const dem__rigid *r, double tau) {
+    dem__pose p;
     p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
     p.momentum = dem__plus(r->momentum, tau, r->torque);
     p.turn = dem__turn_at(w, r, tau);
@@ -11789,12 +11845,12 @@ static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigi
     return p;
 }
 
-/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it.
- */
+/* Places the particles of a body from its state at the origin step, with their velocity, spin and acceleration as parts
+   of it. */
 static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__axes axes = dem__axes_of(r->turn);
-    r->strides = 0.0;
+    r->rotation_steps = 0.0;
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
@@ -11809,7 +11865,7 @@ static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
 
 /* Makes the present step the origin of a body. */
 static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
-    const dem__posture p = dem__find_posture(w, r, dem__now(w, r->first));
+    const dem__pose p = dem__find_pose(w, r, dem__now(w, r->first));
     r->x = p.x, r->v = p.v, r->momentum = p.momentum, r->turn = p.turn;
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) w->particle[i].origin = w->step;
     dem__place_pieces(w, r);
@@ -11821,7 +11877,7 @@ static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec vel
     dem__place_pieces(w, r);
 }
 
-/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which
+/* Wraps a body around the periodic box. Where gravity has a component along the box, it gains potential energy, which
    is booked. */
 DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
     const dem_vec x = dem__in_box(w, r->x);
@@ -11831,11 +11887,11 @@ DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
 }
 
 /* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle.
-   Those of its particles, which kernels read, are computed with the mean of the arms at both ends. */
+   The velocities of its particles, which kernels read, follow from the mean of the arms at both ends. */
 DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
     dem__bodies *bodies = &w->engine->bodies;
     const double middle = tau - 0.5 * h;
-    const int steps = tau <= h; /* else its flight ends in this step */
+    const int steps = tau <= h; /* otherwise its flight ends in this step */
     const dem_quaternion end = dem__turn_at(w, r, tau);
     const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__turn_at(w, r, tau - h);
     const dem__axes axes = dem__axes_of(end);
@@ -11845,7 +11901,7 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a),
     r->momentum = momentum;
     r->turn = dem__kept_unit(end);
-    r->strides = 0.0;
+    r->rotation_steps = 0.0;
     if (w->engine->run.has_periodic) dem__wrap_body(w, r);
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
         const dem_vec arm = dem__out_of(&axes, bodies->offset[i]);
@@ -11858,7 +11914,7 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     }
 }
 
-/* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
+/* Sums the force on a body's particles and the torque about its centre: by contacts, by loads, or both. */
 DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force,
                                  dem_vec *torque) {
     const dem__bodies *bodies = &w->engine->bodies;
@@ -11891,7 +11947,7 @@ DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     const int loads = bodies->adds_loads;
     dem_vec force;
     if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
-    r->strides = 0.0;
+    r->rotation_steps = 0.0;
     dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
     if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]);
     const dem_vec pulled = dem__scale(1.0 / r->mass, force);
@@ -11935,14 +11991,15 @@ static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_
         bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
 }
 
-/* Returns the greatest speed in flight of what is an arm [m] from a body's centre, relative to it [m/s]. */
-static inline double dem__swing(const dem__rigid *r, double arm) {
+/* Returns the greatest speed in flight of a point that is an arm [m] away from a body's centre, relative to it
+   [m/s]. */
+static inline double dem__turning_speed(const dem__rigid *r, double arm) {
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
                  least = i_min < r->moments.y ? i_min : r->moments.y;
     if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
-    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the
-                                                                              axis of least inertia */
+    /* with all of the rotational energy about the axis of least inertia */
+    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least);
 }
 
 /* Moves the bodies whose first particles are among the active ones first .. end-1. */
@@ -11956,7 +12013,7 @@ DEM_INLINE void dem__advance_some_bodies(dem_world *w, double h, ptrdiff_t first
 }
 DEM__AVX2_CLONE(dem__advance_bodies, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
                 dem__advance_some_bodies(w, h, first, end))
-/* Moves their velocities to the end of the step. */
+/* Moves the velocities of these bodies to the end of the step. */
 DEM_INLINE void dem__kick_some_bodies(dem_world *w, double half, ptrdiff_t first, ptrdiff_t end) {
     for (ptrdiff_t k = first; k < end; k++) {
         const int32_t i = w->engine->bodies.active[k];
@@ -12007,7 +12064,7 @@ DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
     return r ? r->v : w->particle[i].v;
 }
 
-/* Applies the impulses of a correction where a rigid body takes part. */
+/* Applies the impulses of a correction in which a rigid body takes part. */
 static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -12022,8 +12079,8 @@ static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_fric
 }
 
 /* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
-   angular momentum about the common centre, which comes from the velocities of the centres of mass; two opposite
-   impulses at the particles restore it. */
+   angular momentum of the centres of mass about the common centre. Two opposite impulses at the particles restore
+   it. */
 static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -12046,9 +12103,9 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
 
 static inline const dem__body_calls *dem__rigid_bodies(void) {
     static const dem__body_calls row = {
-        dem__find_posture,      dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
+        dem__find_pose,         dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
         dem__place_pieces,      dem__free_body,       dem__test_due_with_bodies, dem__advance_with_bodies,
-        dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__swing};
+        dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__turning_speed};
     return &row;
 }
 
@@ -12065,8 +12122,8 @@ static inline int dem__grow_bodies(dem_world *w, ptrdiff_t n) {
     return 1;
 }
 
-/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by
-   rounding. Turns the frame accordingly; order: the old axis of each new one. */
+/* Sorts moments as the exact rotation needs: the two that differ least come first, and become equal if they differ only
+   by rounding. Turns the frame accordingly. order: the old axis of each new one. */
 static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
     const double m[3] = {moments->x, moments->y, moments->z};
     int third = 2;
@@ -12074,7 +12131,7 @@ static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, i
         if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
     }
     for (int k = 0; k < 3; k++)
-        order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
+        order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a rotation about (1, 1, 1) */
     const double turns = (double)((third + 1) % 3);
     if (turns > 0.0) {
         const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);
@@ -12086,7 +12143,7 @@ static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, i
 }
 
 /* --------------------------------------------------------------------------------------------- >>measure/getters.h */
-/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. */
+/* Getters: present states, energy, contacts and links, apertures of a screen. They read a const world. */
 
 DEM_API dem_vec dem_position(const dem_world *world, ptrdiff_t i) {
     if (!world || i < 0 || i >= world->count) return dem_vec3((double)NAN, (double)NAN, (double)NAN);
@@ -12115,7 +12172,7 @@ DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
         return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
     const dem__rigid *r = dem__rigid_of(world, i);
     if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn,
+    return dem__turns(dem__pose_at(world, r, dem__now(world, i)).turn,
                       dem__opposite_turn(dem__given_frame(world, i, r)));
 }
 
@@ -12136,7 +12193,7 @@ DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
     const double inertia = dem__inertia(world, i);
     body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
-    body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
+    body.axes = r ? dem__pose_at(world, r, tau).turn : body.orientation;
     return body;
 }
 
@@ -12166,8 +12223,8 @@ static inline void dem__get_place(const dem_world *w, ptrdiff_t slot, dem_contac
     info->couple = dem__sub(dem_vec3(torque[0][slot], torque[1][slot], torque[2][slot]), dem__cross(arm, info->force));
 }
 
-/* Finds normal and point of the contact in a slot, or of a link (slot -1): from the present positions, but for
-   polyhedra. */
+/* Finds normal and point of the contact in a slot, or of a link (slot -1), from the present positions; polyhedra keep
+   theirs. */
 static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
     const dem_vec x = dem_position(w, info->i);
     const double radius = w->particle[info->i].radius;
@@ -12209,7 +12266,7 @@ DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *
     for (int a = 0; a < world->engine->contacts.states; a++)
         world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
     if (!dem__is_running(world))
-        world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
+        world->engine->run.needs_forces = 1; /* the next run computes them, and books what the states store */
 }
 
 DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
@@ -12244,7 +12301,7 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
         const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
         const dem_vec up = s->axis[2];
         for (int a = 0; a < n;
-             a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
+             a++) { /* a particle is wedged if the line between two contacts lies within both friction cones */
             for (int b = a + 1; b < n; b++) {
                 const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
                 const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)),
@@ -12261,9 +12318,9 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
 }
 
 /* -------------------------------------------------------------------------------------------------- >>links/list.h */
-/* The links of each particle, in lists: a link is in those of both of its bodies. */
+/* The links of each particle, in lists. A link is in the lists of both of its bodies. */
 
-/* Lists the arrays of links. Returns their number. */
+/* Lists the arrays of links. Returns how many. */
 static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     dem__links *links = &w->engine->links;
     int n = 0;
@@ -12283,7 +12340,7 @@ DEM_INLINE int32_t dem__next_link(const dem_world *w, int32_t k, ptrdiff_t i) {
     return links->i[k] == i ? links->next_i[k] : links->next_j[k];
 }
 
-/* Returns the link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
+/* Returns the link of particle i with body j (a wall: -1 - index) at one of its elements, or -1. */
 static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
     const dem__links *links = &w->engine->links;
     int32_t k = links->first_link[i];
@@ -12327,14 +12384,14 @@ static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t 
     *at = replacement >= 0 ? replacement : dem__next_link(w, k, i);
 }
 
-/* Returns the highest slot of a particle's links. The order of its list depends on the history of the scene. */
+/* Returns the highest slot of a particle's links, because the order of its list depends on the history of the scene. */
 static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
     int32_t last = -1;
     for (int32_t k = w->engine->links.first_link[i]; k >= 0; k = dem__next_link(w, k, i)) last = k > last ? k : last;
     return last;
 }
 
-/* Ends link k; the last link takes its slot. Its force acts until links are evaluated next. */
+/* Ends link k; the last link takes its slot. Its force acts until links are evaluated again. */
 static inline void dem__cut_link(dem_world *w, int32_t k) {
     const int32_t i = w->engine->links.i[k], j = w->engine->links.j[k], last = (int32_t)w->engine->links.count - 1;
     dem__report_end(w, w->engine->links.law, k);
@@ -12411,7 +12468,7 @@ DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     }
 }
 
-/* Gathers the block of n links from base on, and prefetches those after it. */
+/* Gathers the block of n links from base on, and prefetches the next block. */
 DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t base, int n, ptrdiff_t end) {
     const dem__links *links = &w->engine->links;
     x->walls = 0;
@@ -12456,7 +12513,7 @@ DEM_INLINE void dem__link_kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, i
     static const dem_link_kernel name = {&(law), name##_loop};
 
 /* -------------------------------------------------------------------------------------------------- >>links/work.h */
-/* The work of links on particles, which the energy ledger books: their forces are constant between two evaluations. */
+/* The work of links on particles, which the energy ledger books. Their forces are constant between two evaluations. */
 
 /* Returns the number of steps between two evaluations of the links, also for a loaded world without their law. */
 DEM_INLINE int dem__steps_of_links(const dem_world *w) {
@@ -12469,7 +12526,7 @@ DEM_INLINE double dem__since_evaluated(const dem_world *w) {
     return w->engine->run.dt * (double)(w->step - w->engine->links.evaluated_step);
 }
 
-/* Returns the work of the link forces on particle i, which is at x and has a spin, since they were evaluated [J]. */
+/* Returns the work of the link forces on particle i, which is at x and has a spin, since the last evaluation [J]. */
 DEM_INLINE double dem__link_work_until(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem__links *links = &w->engine->links;
@@ -12485,8 +12542,8 @@ static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     return dem__link_work_until(w, i, dem__at(w, i, tau), dem__spin_at(w, i, tau));
 }
 
-/* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from
-   which counting resumes is the one that a particle would have had at the last evaluation. */
+/* Stop and resume counting the work of links on some particles, while a caller changes how they move. Counting resumes
+   from the spin that a particle would have had at the last evaluation. */
 static inline void dem__stop_link_work(dem_world *w, dem__pieces of) {
     for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) dem__book_link_work(w, dem__link_work(w, k));
 }
@@ -12502,8 +12559,7 @@ static inline void dem__resume_link_work(dem_world *w, dem__pieces of) {
     }
 }
 
-/* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been
-   with it. */
+/* Sets the number of steps between two evaluations of the links, and from it the step of the last evaluation. */
 static inline void dem__set_link_steps(dem_world *w) {
     dem__links *links = &w->engine->links;
     if (!links->on) return;
@@ -12594,9 +12650,8 @@ static inline void dem__hash_links(uint64_t *hash, const dem_world *w) {
 }
 
 /* ------------------------------------------------------------------------------------------------- >>links/links.h */
-/* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of
-   links; writes links, the loads and velocities of bodies. dem_set_links adds the feature to a
-   world. */
+/* Links: setting their law, adding one, and their own step. Reads bodies and the law of links; writes links, and the
+   loads and velocities of bodies. dem_set_links adds the feature to a world. */
 
 /* Runs the links' loop on blocks first .. end - 1. */
 static inline void dem__evaluate_links_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -12609,13 +12664,14 @@ static inline void dem__evaluate_links(dem_world *w) {
     dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
 }
 
-/* Returns whether particle i has links, or its load contains forces of links. */
+/* Returns whether particle i has links, or its load still contains forces of links. */
 DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
     return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
 }
 
 /* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque
-   is that of the place where it was computed; for a body that takes steps, both are taken at the present place. */
+   belongs to the position where it was computed. For a body that takes steps, both torques are taken at the present
+   position. */
 static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
     const dem__bodies *bodies = &w->engine->bodies;
     dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
@@ -12638,8 +12694,8 @@ static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double hal
     dem__place_pieces(w, r);
 }
 
-/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from
-   their present forces. */
+/* Estimates from the present forces how far links change the velocity of particle i of a rigid body until they are
+   evaluated again [m/s]. */
 static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
     const dem_vec m = r->moments;
     const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
@@ -12649,8 +12705,8 @@ static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *
            (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
 }
 
-/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present
-   forces. */
+/* Estimates from the present forces how far links change the velocity of particle i until they are evaluated again
+   [m/s]. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) return dem__body_link_drift(w, r, i);
@@ -12664,8 +12720,8 @@ DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
     return 0.5 * p->mass * dem__dot(p->v, p->v) + 0.5 * dem__inertia(w, i) * dem__dot(p->spin, p->spin);
 }
 
-/* Makes the present step the origin of a linked particle, books the work of its links until now, and moves its load to
-   the sums. */
+/* Makes the present step the origin of a linked particle, books the work of its links so far, and moves its load to the
+   sums. */
 static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
@@ -12682,8 +12738,8 @@ static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     memcpy(bodies->load[i], bodies->external[i], sizeof bodies->load[i]);
 }
 
-/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at
-   its first linked particle. */
+/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked when
+   its first linked particle is. */
 static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem__sum *sum = &w->engine->bodies.sum[i];
     const double *load = w->engine->bodies.load[i];
@@ -12709,8 +12765,9 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
 /* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a
    new one. */
 static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
-    const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
-    if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
+    const double deviation = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
+    if (deviation < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i))
+        dem__set_tolerance_left(w, i, deviation);
     else {
         const int32_t one = (int32_t)i;
         dem__renew_bound(w, i, w->step);
@@ -12718,8 +12775,8 @@ static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
     }
 }
 
-/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each
-   evaluation corrects the velocities to the mean of the old force and the new one. */
+/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations. Each
+   evaluation corrects the velocities to the mean of the old and the new force. */
 static inline void dem__step_links(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -12779,7 +12836,8 @@ static inline void dem__add_unlinked(dem_world *w, ptrdiff_t i) {
     w->engine->links.is_loaded[i] = 0;
 }
 
-/* Ends the links of a particle that leaves, from the highest slot on: the order of its list depends on the history. */
+/* Ends the links of a particle that leaves, from the highest slot down, because the order of its list depends on the
+   history. */
 static inline void dem__cut_links_of(dem_world *w, ptrdiff_t i) {
     dem__book_link_work(w, dem__link_work(w, i));
     while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
@@ -12794,18 +12852,18 @@ static inline void dem__renumber_links(dem_world *w, const int32_t *number) {
     }
 }
 
-/* Links without a law: after loading dem_set_links comes first. */
+/* Refuses a run with links that have no law: after loading, dem_set_links must come first. */
 static inline dem_status dem__check_links(const dem_world *w, const dem_kernel *kernel) {
     (void)kernel;
     return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK;
 }
 
-static inline void dem__begin_books_of_links(dem_world *w) { dem__resume_link_work(w, dem__all_particles(w)); }
+static inline void dem__begin_link_ledger(dem_world *w) { dem__resume_link_work(w, dem__all_particles(w)); }
 
-/* Finds the links of each particle for a new list, whose margin must be far larger than their reach. */
+/* Finds the links of each particle for a new list. Its skin must be far larger than the reach of links. */
 static inline dem_status dem__relist_links(dem_world *w) {
     const dem__links *links = &w->engine->links;
-    if (!(links->near <= 0.01 * w->engine->pairs.margin) && links->count > 0) return DEM_BAD_DEFINITION;
+    if (!(links->near <= 0.01 * w->engine->pairs.skin) && links->count > 0) return DEM_BAD_DEFINITION;
     dem__find_links(w);
     return DEM_OK;
 }
@@ -12819,7 +12877,7 @@ static inline int dem__is_linked_with(const dem_world *w, ptrdiff_t i, ptrdiff_t
     return dem__link_of(w, i, j, element) >= 0;
 }
 
-static inline void dem__open_books_of_links(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums) {
+static inline void dem__open_link_ledger(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums) {
     sums->link_work += dem__link_work(w, i);
 }
 
@@ -12836,14 +12894,14 @@ static inline dem__feature dem__feature_links(void) {
     f.remove_particle = dem__cut_links_of;
     f.renumber = dem__renumber_links;
     f.check_run = dem__check_links;
-    f.begin_ledger = dem__begin_books_of_links;
+    f.begin_ledger = dem__begin_link_ledger;
     f.listed = dem__relist_links;
     f.drift = dem__drift_by_links;
     f.begins_early = dem__is_linked_with;
     f.end_step = dem__end_step_with_links;
     f.forces = dem_link_count;
     f.force = dem_get_link;
-    f.open_books = dem__open_books_of_links;
+    f.open_books = dem__open_link_ledger;
     f.world_fields = dem__world_fields_of_links;
     f.particle_fields = dem__particle_fields_of_links;
     f.save = dem__save_links;
@@ -12870,15 +12928,15 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
         if (status != DEM_OK) return status;
         for (ptrdiff_t i = 0; i < w->count; i++) dem__add_unlinked(w, i);
     }
-    dem__pieces others = dem__all_particles(w); /* whose work is counted with another interval from now on */
-    if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
+    dem__pieces others = dem__all_particles(w); /* from here on their work is counted with another interval */
+    if (links->on && links->interval == interval) others.end = others.first; /* a loaded world gets its law again */
     links->on = 1;
     links->law = law, links->mark = dem__law_mark(law);
     links->loop = kernel->loop;
     links->interval = interval;
     if (links->near != near) w->engine->run.needs_lists = 1;
     links->near = w->engine->pairs.touch_gap = near;
-    if (law->states != links->states) { /* other arrays: dem_add_link allocates them */
+    if (law->states != links->states) { /* other arrays, which dem_add_link allocates */
         dem__release(&w->def.allocator, links->block, links->bytes);
         links->block = NULL;
         links->capacity = 0;
@@ -12917,16 +12975,16 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
 }
 
 /* --------------------------------------------------------------------------------------------------- >>gas/field.h */
-/* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads
-   bodies, the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end,
-   computed at its origin and the same whatever is skipped. */
+/* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step.
+   Reads bodies and the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to
+   its end, computed at its origin, and the same whatever is skipped. */
 
-/* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes of a law. */
+/* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes from a law. */
 enum {
-    DEM__FIND_FLIGHTS,   /* of particles: begins flights now */
-    DEM__RENEW_FLIGHTS,  /* of particles: keeps the flights that the law still gives, begins the others anew */
-    DEM__END_FLIGHTS,    /* of particles: ends flights now; from here on they take steps */
-    DEM__ADD_FIELD_FORCE /* on particles: at the end of the present step, of length h */
+    DEM__FIND_FLIGHTS,   /* begins flights of particles now */
+    DEM__RENEW_FLIGHTS,  /* keeps the flights that the law still gives, and begins the others again */
+    DEM__END_FLIGHTS,    /* ends flights of particles now; from here on they take steps */
+    DEM__ADD_FIELD_FORCE /* adds the force on particles at the end of the present step, of length h */
 };
 typedef struct dem__field_task {
     int task;
@@ -12939,14 +12997,14 @@ DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
 }
 
-/* A rigid body feels the field at its centre and flies as its first particle: only that one has a flight. Returns
+/* A rigid body feels the field at its centre and flies as its first particle: only that particle has a flight. Returns
    whether i is a sphere or such a particle. */
 DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return !r || r->first == i;
 }
 
-/* Returns the radius of particle i, or of the sphere with its body's volume [m]. */
+/* Returns the radius of particle i, or of the sphere with the volume of its body [m]. */
 DEM_INLINE double dem__size_in_field(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? 0.5 * dem__equal_diameter(w, r) : w->particle[i].radius;
@@ -12969,7 +13027,7 @@ static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem
 
 DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
 
-/* Returns what a law gets to know of particle i at x with v. */
+/* Returns what a law is told about particle i at x with velocity v. */
 DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time) {
     dem_force_point at;
     at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
@@ -12981,32 +13039,31 @@ DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem
     return at;
 }
 
-/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
+/* Returns the acceleration of particle i at x with velocity v by the law [m/s2]. */
 DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
                                    dem_vec (*law)(const dem_force_point *)) {
     const dem_force_point at = dem__field_point(w, i, x, v, time);
     return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
 }
 
-/* A law of torque: -c times the spin relative to the field. In: *spin of a particle [rad/s]; out: the relative one.
-   Returns c [N m s]. NULL: there is no torque. */
+/* A law of torque: -c times the spin relative to the field. *spin: in, of a particle [rad/s]; out, relative to the
+   field. Returns c [N m s]. NULL: no torque. */
 typedef double (*dem__turning_fn)(const dem_force_point *at, dem_vec *spin);
 
-/* The torque of a field on a particle: c and the relative spin, the particle's moment of inertia about that. */
+/* The torque of a field on a particle: c, the relative spin, and the particle's moment of inertia about it. */
 typedef struct dem__turning {
     double c, inertia; /* c = 0: none */
     dem_vec spin;
 } dem__turning;
-/* Returns it for particle i, which spins, or its body, at x. */
-DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin, double time,
+/* Returns the torque on particle i, which spins, or on its body. The velocity of the point does not count. */
+DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, const dem_force_point *at, dem_vec spin,
                                         dem__turning_fn turning) {
-    const dem_force_point at = dem__field_point(w, i, x, dem_vec3(0.0, 0.0, 0.0), time);
     const dem__rigid *r = dem__rigid_of(w, i);
     dem__turning q;
     q.spin = spin, q.c = 0.0, q.inertia = 1.0;
     if (!turning || (!r && !(w->engine->run.features & DEM_FRICTION) && dem__is_zero(spin)))
         return q; /* spheres without friction do not turn */
-    q.c = turning(&at, &q.spin);
+    q.c = turning(at, &q.spin);
     const double square = dem__dot(q.spin, q.spin);
     if (!(q.c > 0.0 && square > 0.0 && square <= DBL_MAX)) {
         q.c = 0.0;
@@ -13016,9 +13073,9 @@ DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, dem_vec
     return q;
 }
 
-/* Lets the torque act on particle i, or its body, over a time that has passed, at an origin that has just been set.
-   Exact for a sphere of constant c. Returns the energy that it gains [J]. */
-DEM_INLINE double dem__brake(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
+/* Lets the torque act on particle i, or its body, over a past time, at an origin that has just been set. Exact for a
+   sphere if c is constant. Returns the energy gained [J]. */
+DEM_INLINE double dem__apply_drag_torque(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
     dem__rigid *r = dem__rigid_of(w, i);
     const double before = dem__rotational(w, i), y = q->c * passed / q->inertia;
     const double part = y < 1e-3 ? 1.0 - y * (0.5 - y * (1.0 / 6.0 - y / 24.0)) : (1.0 - riddle_exp(-y)) / y;
@@ -13030,22 +13087,22 @@ DEM_INLINE double dem__brake(dem_world *w, ptrdiff_t i, double passed, const dem
     return dem__rotational(w, i) - before;
 }
 
-/* Returns whether particle i, or its body, has the acceleration of free fall only. */
+/* Returns whether free fall is the only acceleration of particle i, or of its body. */
 DEM_INLINE int dem__falls_freely(const dem_world *w, ptrdiff_t i) {
     return dem__is_zero(dem__sub(dem__centre_pull(w, i), dem__free_fall(w)));
 }
 
 /* Result of one step of a flight. */
 typedef struct dem__flown {
-    dem_vec way;  /* mean gain of velocity: the displacement beyond that at the first velocity, over the time [m/s] */
-    dem_vec gain; /* of velocity, at the end [m/s] */
-    double work;  /* of the field [J] */
-    double error; /* of position [m] */
+    dem_vec way;  /* displacement over time, minus the initial velocity [m/s] */
+    dem_vec gain; /* gain of velocity at the end [m/s] */
+    double work;  /* work of the field [J] */
+    double error; /* error of position [m] */
     int zero;     /* whether the law gave 0 at every stage */
 } dem__flown;
 
-/* Integrates one step of h from x with v at a time: of fifth order, with the error of fourth order (Cash & Karp 1990).
- */
+/* Integrates one step of length h from x with velocity v: of fifth order, with an error estimate of fourth order (Cash
+   & Karp 1990). */
 DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
                                dem_vec (*law)(const dem_force_point *)) {
     enum { STAGES = 6 };
@@ -13061,7 +13118,7 @@ DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_v
     static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0,
                                           277.0 / 14336.0,  0.25};
     const dem_vec g = dem__free_fall(w), none = dem_vec3(0.0, 0.0, 0.0);
-    dem_vec gain[STAGES], pull[STAGES], off = none, stray = none;
+    dem_vec gain[STAGES], pull[STAGES], off = none, error = none;
     dem__flown q;
     q.way = q.gain = none, q.work = 0.0, q.zero = 1;
     for (int s = 0; s < STAGES; s++) {
@@ -13078,13 +13135,13 @@ DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_v
         q.gain = dem__plus(q.gain, h * fifth[s], dem__add(g, pull[s]));
         q.work += h * fifth[s] * w->particle[i].mass * dem__dot(pull[s], now);
         off = dem__plus(off, h * (fifth[s] - fourth[s]), gain[s]);
-        stray = dem__plus(stray, h * h * (fifth[s] - fourth[s]), pull[s]);
+        error = dem__plus(error, h * h * (fifth[s] - fourth[s]), pull[s]);
     }
-    q.error = dem__length(off) + dem__length(stray);
+    q.error = dem__length(off) + dem__length(error);
     return q;
 }
 
-/* Returns the number of steps of the world in a time [s], at least one, at most as many as a list can last. */
+/* Returns the number of steps of the world in a time [s], at least one, and at most as many as a list can last. */
 DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
     const double n = time * w->engine->pairs.steps_per_second;
     return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
@@ -13092,9 +13149,9 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
 
 #define DEM__SLOWS 5e-3 /* share of its spin that a particle may lose in a flight */
 
-/* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right
-   at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first one, times
-   the time squared. */
+/* Chooses the number of steps of a flight from x with velocity v by its error, and computes the flight. A parabola that
+   is right at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first
+   one, times the time squared. */
 DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, const dem__turning *turn,
                                   dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
@@ -13110,7 +13167,8 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
         const double guess = riddle_cbrt(13.5 * 3.0 * limit / jerk);
         longest = guess < longest ? guess : longest;
     }
-    if (turn->c > 0.0) { /* the spin is that at the beginning of the flight: it must not change much, if it matters */
+    if (turn->c > 0.0) { /* the spin at the beginning counts for the whole flight, so it must not change much if it
+                            matters */
         const double slows = DEM__SLOWS * turn->inertia / turn->c;
         longest = slows < longest && dem__length(turn->spin) * slows > def->accuracy ? slows : longest;
     }
@@ -13127,8 +13185,8 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     }
 }
 
-/* Begins a flight now, after the torque of the one before. Where the law gives 0 and gave 0 before, and there is no
-   torque, the present parabola stays. */
+/* Begins a flight now, after the torque of the one before. The present parabola stays where the law gives 0 as before,
+   and there is no torque. */
 DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
                                  dem__turning_fn turning) {
     dem__field *field = &w->engine->field;
@@ -13136,7 +13194,8 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     const dem_vec x = dem__centre_at(w, i, tau),
                   v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
     const dem_vec g = dem__free_fall(w), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
-    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
+    const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
     dem__flown q;
     const int n = dem__choose_flight(w, i, x, v, &turn, &q, law), brakes = turn.c > 0.0 && passed > 0.0;
     const double h = (double)n * dt;
@@ -13145,14 +13204,14 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
     if (!(q.zero && dem__falls_freely(w, i)) || brakes) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
-        if (brakes) field->booked[i] = -dem__brake(w, i, passed, &turn); /* the next booking adds it */
+        if (brakes) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn); /* the next booking adds it */
     }
     field->end_velocity[i] =
         q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
 }
 
 /* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0
-   to the end. Then computes the velocity at its end and the work. */
+   to the end. If so, computes the velocity at its end and the work. */
 DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX, origin = w->particle[i].origin;
@@ -13172,7 +13231,7 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
     return 1;
 }
 
-/* Ends the flight of particle i now. Its position is that on the parabola; its velocity is computed anew. */
+/* Ends the flight of particle i now, at its position on the parabola. Its velocity is computed again. */
 DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
                                 dem__turning_fn turning) {
     dem__field *field = &w->engine->field;
@@ -13180,9 +13239,8 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     const dem_vec a = dem__centre_pull(w, i);
     const double tau = dem__now(w, i), passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
     const dem_vec x = dem__centre_at(w, i, tau), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
-    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
     dem_vec v = dem__drift_at(w, i, tau);
-    const int falls = dem__falls_freely(w, i), brakes = turn.c > 0.0 && passed > 0.0;
+    const int falls = dem__falls_freely(w, i);
     field->work[i] = 0.0;
     if (tau > 0.0 && !falls) {
         const dem_vec begun = dem__drift_at(w, i, 0.0);
@@ -13191,18 +13249,21 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
         v = dem__add(begun, q.gain);
         field->work[i] = q.work;
     }
-    const dem_vec pull = dem__field_pull(w, i, x, v, w->time, law);
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
+    const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
+    const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
+    const int brakes = turn.c > 0.0 && passed > 0.0;
     field->force[i] = dem__scale(w->particle[i].mass, pull);
     field->until[i] = DEM__NO_FLIGHT;
     if (falls && dem__is_zero(pull) && !brakes) return; /* the same bits as without a field */
     dem__begin_parabola(w, i, x, v, a);
-    if (brakes) field->work[i] += dem__brake(w, i, passed, &turn);
+    if (brakes) field->work[i] += dem__apply_drag_torque(w, i, passed, &turn);
     dem__free_acceleration(w, i);
     if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
 }
 
 /* Adds the law's force and torque on particle i, which takes steps, at its position after a step of h and at the
-   velocity predicted for it. The force on a body is added where its forces are summed up. */
+   velocity predicted for it. The force on a body is added where its forces are summed. */
 DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *),
                                      dem__turning_fn turning) {
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -13213,15 +13274,16 @@ DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_ve
         w->engine->field.force[i] = none;
         return;
     }
-    const dem_vec pull = dem__field_pull(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
-                                         dem__time_of(w, w->step + (h > 0.0)), law);
+    const dem_force_point at =
+        dem__field_point(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
+                         dem__time_of(w, w->step + (h > 0.0)));
+    const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
     const dem_vec force = dem__scale(p->mass, pull);
     double *load = w->engine->bodies.sum[i].load;
     if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
     w->engine->field.force[i] = force;
     if (!turning) return;
-    const dem__turning turn =
-        dem__turning_of(w, i, r ? r->x : p->x, p->spin, dem__time_of(w, w->step + (h > 0.0)), turning);
+    const dem__turning turn = dem__turning_of(w, i, &at, p->spin, turning);
     const dem_vec torque = turn.c > 0.0 ? dem__scale(-turn.c, turn.spin) : none;
     load[3] += torque.x, load[4] += torque.y, load[5] += torque.z;
     w->engine->field.torque[i] = torque;
@@ -13246,7 +13308,7 @@ DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_ve
 #define DEM_FORCE_FIELD(name, law) DEM__FIELD(name, law, NULL)
 
 /* ------------------------------------------------------------------------------------------------- >>gas/flights.h */
-/* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. */
+/* Flights in a force field within a step: their begin and end, timers, bounds and work; and setting a field. */
 
 /* Runs a task of the kernel for a part of a list of particles. */
 static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
@@ -13264,8 +13326,7 @@ static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff
     dem__in_parts(w, dem__parts(w, 4 * n), n, dem__run_field_range, &q);
 }
 
-/* Returns the work of the field along a flight until now [J]: the energy that the particle has gained since its origin.
- */
+/* Returns the work of the field along a flight so far [J]: the energy that the particle has gained since its origin. */
 static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
     const double tau = dem__now(w, i);
     const dem_vec u = dem__drift_at(w, i, 0.0), v = dem__drift_at(w, i, tau), g = dem__free_fall(w);
@@ -13279,14 +13340,15 @@ DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) {
     return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING && dem__leads(w, i);
 }
 
-/* Takes the work of the field on all flights until now as booked: the ledger begins, or flights are known anew. */
-static inline void dem__begin_books(dem_world *w) {
+/* Treats the work of the field on all flights so far as booked, because the ledger begins or all flights have been
+   found again. */
+static inline void dem__begin_field_ledger(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (dem__is_flying(w, i)) w->engine->field.booked[i] = dem__flight_gain(w, i);
     }
 }
 
-/* Books the work of the field on all flights until now, or only on those of particles that leave. */
+/* Books the work of the field on all flights so far, or only on those of particles that leave. */
 static inline void dem__book_flights(dem_world *w, int leaving) {
     dem__field *field = &w->engine->field;
     for (ptrdiff_t i = 0; i < w->count && w->engine->ledger.on; i++) {
@@ -13297,8 +13359,8 @@ static inline void dem__book_flights(dem_world *w, int leaving) {
     }
 }
 
-/* Returns how far the velocity of particle k, which flies with i, can be from that of its bound until the end of the
-   flight [m/s]. */
+/* Returns how far the velocity of particle k, which flies with i, can depart from that of its bound until the end of
+   the flight [m/s]. */
 DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const dem__field *field = &w->engine->field;
     const dem__bound *c = &w->engine->bodies.bound[k];
@@ -13310,11 +13372,12 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
                  there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
     const double most = here > there ? here : there;
-    const double swing = r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
-    return (most > end ? most : end) + swing;
+    const double turning_speed =
+        r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
+    return (most > end ? most : end) + turning_speed;
 }
 
-/* Sets a bound for particle k, which flies with i, that holds for about DEM__FLIGHTS flights like this one. */
+/* Sets a bound for particle k, which flies with i. It holds for about DEM__FLIGHTS flights like this one. */
 static inline void dem__bound_flight(dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const dem__field *field = &w->engine->field;
     const dem__pairs *pairs = &w->engine->pairs;
@@ -13339,7 +13402,7 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
     dem__field *field = &w->engine->field;
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
-    dem__outcome news = dem__no_outcome(w);
+    dem__outcome outcome = dem__no_outcome(w);
     ptrdiff_t reset = 0;
     for (ptrdiff_t q = 0; q < n; q++) {
         const int32_t i = list[q];
@@ -13356,17 +13419,17 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
             dem__bound_flight(w, i, k);
             w->engine->scratch.index[reset++] = k;
             if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted,
-                                 &news))
+                                 &outcome))
                 dem__advance_wall_timers(w, k, w->step);
         }
     }
-    dem__apply_outcome(w, &news);
+    dem__apply_outcome(w, &outcome);
     dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
     return w->status == DEM_OK;
 }
 
-/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. A body
-   never has. */
+/* Returns whether particle i, which takes steps, has the acceleration that it has without contacts and without the
+   field. Always 0 for a body. */
 static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
     if (dem__rigid_of(w, i)) return 0;
     const dem_vec a =
@@ -13392,7 +13455,7 @@ static inline int dem__list_flights(dem_world *w) {
     return dem__follow_flights(w, field->timers.list, n);
 }
 
-/* Prepares a run: begins anew the flights that the caller has changed, and those of new particles. Returns 0 after a
+/* Prepares a run: begins the flights of new particles, and again those that the caller has changed. Returns 0 after a
    failure. */
 static inline int dem__prepare_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
@@ -13410,12 +13473,12 @@ static inline int dem__prepare_flights(dem_world *w) {
     }
     dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
     dem__run_field(w, field->timers.list, n, DEM__RENEW_FLIGHTS, 0.0);
-    dem__begin_books(w);
+    dem__begin_field_ledger(w);
     field->steppers = 0;
     return dem__list_flights(w);
 }
 
-/* Continues flights that are over by new ones, before a step. Returns 0 after a failure. */
+/* Begins the next flight where one is over, before a step. Returns 0 after a failure. */
 static inline int dem__continue_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     ptrdiff_t n, flying = 0;
@@ -13452,7 +13515,7 @@ static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
     }
 }
 
-/* Books half of the work of the present forces on the particles that take steps. */
+/* Books half of the work that the present forces do on the particles that take steps. */
 static inline void dem__book_stepping(dem_world *w, double h) {
     for (ptrdiff_t k = 0; k < w->engine->bodies.active_count && w->engine->ledger.on && h > 0.0; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
@@ -13463,7 +13526,7 @@ static inline void dem__book_stepping(dem_world *w, double h) {
 }
 
 /* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the
-   work by the mean of the forces at both ends. */
+   work from the mean of the forces at both ends. */
 static inline void dem__add_field_forces(dem_world *w, double h) {
     dem__field *field = &w->engine->field;
     const dem__bodies *bodies = &w->engine->bodies;
@@ -13475,7 +13538,7 @@ static inline void dem__add_field_forces(dem_world *w, double h) {
     dem__book_stepping(w, h);
 }
 
-/* Begins flights of particles whose last contact is over, after a step. Returns 0 after a failure. */
+/* Begins flights of particles whose last contact has ended, after a step. Returns 0 after a failure. */
 static inline int dem__begin_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     int32_t *list = field->stepping;
@@ -13495,12 +13558,13 @@ static inline int dem__begin_flights(dem_world *w) {
     return dem__follow_flights(w, list, n);
 }
 
-/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at
-   both ends, but not the right velocities; the error at its end shows how the acceleration changes. */
+/* Returns the error of a velocity on the parabola of a flight in a force field [m/s]. The parabola has the right
+   positions at both ends, but not the right velocities. The error at its end shows how the acceleration changes along
+   it. */
 static inline dem_vec dem__velocity_error_in_field(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__field *field = &w->engine->field;
     const dem__rigid *r = dem__rigid_of(w, i);
-    const ptrdiff_t first = r ? r->first : i; /* has the flight */
+    const ptrdiff_t first = r ? r->first : i; /* the flight belongs to the first particle */
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
     if (w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
     const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
@@ -13521,7 +13585,7 @@ static inline void dem__correct_velocity_in_field(dem_world *w, ptrdiff_t i, dem
 
 /* ---- the feature ---- */
 
-/* Lists the arrays of particles in a force field. Returns their number. */
+/* Lists the arrays of particles in a force field. Returns how many. */
 static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
     dem__field *field = &w->engine->field;
     const dem__array arrays[] = {{&field->until, sizeof *field->until},
@@ -13544,13 +13608,13 @@ static inline void dem__add_unflown(dem_world *w, ptrdiff_t i) {
     w->engine->field.force[i] = w->engine->field.torque[i] = dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* A field without a law: after loading dem_set_force_field comes first. */
+/* Refuses a run in a field without a law: after loading, dem_set_force_field must come first. */
 static inline dem_status dem__check_field(const dem_world *w, const dem_kernel *kernel) {
     (void)kernel;
     return w->engine->field.def.kernel ? DEM_OK : DEM_NO_FIELD;
 }
 
-/* Continues flights that are over, so that a caller who changes particles finds none. */
+/* Begins the next flight where one is over, so that a caller who changes particles finds none that is over. */
 static inline int dem__end_run_in_field(dem_world *w, int going) {
     if (going) going = dem__continue_flights(w);
     dem__book_flights(w, 0);
@@ -13597,7 +13661,7 @@ static inline dem__feature dem__feature_field(void) {
     f.add_particle = dem__add_unflown;
     f.check_run = dem__check_field;
     f.prepare_run = dem__prepare_flights;
-    f.begin_ledger = dem__begin_books;
+    f.begin_ledger = dem__begin_field_ledger;
     f.end_run = dem__end_run_in_field;
     f.begin_step = dem__continue_flights;
     f.contacts_begun = dem__end_flights;
@@ -13622,7 +13686,7 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
     return field;
 }
 
-/* Removes the field: particles in flight fall freely from now on. */
+/* Removes the field. Particles in flight fall freely from here on. */
 static inline void dem__drop_field(dem_world *w) {
     dem__field *field = &w->engine->field;
     for (ptrdiff_t i = 0; i < w->count && field->on; i++) {
@@ -13653,7 +13717,7 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
         if (status != DEM_OK) return status;
         w->engine->field.on = 1;
     }
-    if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are those of the field already */
+    if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are already those of the field */
     w->engine->field.def = *field;
     w->engine->run.needs_lists = 1;
     return DEM_OK;
@@ -13661,10 +13725,10 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
 
 /* ------------------------------------------------------------------------------------------------ >>bodies/union.h */
 /* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is
-   cut along latitudes about z. On a latitude other balls cover arcs; between them the integrals of products of the
-   normal's components are closed forms. Between the latitudes at which an arc begins or ends they are smooth but for
-   square roots at both ends, which a substitution takes away, so that Gauss's rule with 16 points finds them to
-   rounding. */
+   cut along latitudes about z. On a latitude other balls cover arcs. Between the arcs, the integrals of products of the
+   normal's components are closed forms. Between latitudes at which an arc begins or ends, they are smooth functions of
+   the latitude but for square roots at both ends. A substitution removes these, so that Gauss's rule with 16 points is
+   exact to rounding. */
 
 /* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
 typedef struct dem__content {
@@ -13684,11 +13748,11 @@ typedef struct dem__cover {
     double h, across, angle; /* across, angle: length and angle of d about z */
 } dem__cover;
 
-/* Rims of m caps meet in at most 6 m - 12 exposed places, each cap has two ends; where many meet in one place, rounding
-   may find some more. A latitude that finds no room is only a kink, which zones that are halved find, too. */
+/* Rims of m caps meet in at most 6 m - 12 exposed places, and each cap has two ends. Where many meet in one place,
+   rounding may find some more. A latitude that does not fit is only a kink, which halving a zone resolves, too. */
 enum { DEM__CAPS = DEM_CLUMP_MAX, DEM__LATITUDES = 10 * DEM__CAPS };
 
-/* Lists what others cover of ball i. Returns their number. */
+/* Lists what others cover of ball i. Returns how many do. */
 static inline int dem__find_caps(int n, const dem_vec *centre, const double *radius, int i, dem__cover *cap) {
     int m = 0;
     for (int j = 0; j < n; j++) {
@@ -13702,7 +13766,7 @@ static inline int dem__find_caps(int n, const dem_vec *centre, const double *rad
     return m;
 }
 
-/* Returns whether a direction is covered by another cap than a and b, by more than rounding. */
+/* Returns whether a cap other than a and b covers a direction, by more than rounding. */
 static inline int dem__is_covered(int m, const dem__cover *cap, dem_vec n, int a, int b) {
     for (int k = 0; k < m; k++) {
         if (k != a && k != b && dem__dot(n, cap[k].d) > cap[k].h + 1e-11 * dem__length(cap[k].d)) return 1;
@@ -13720,8 +13784,8 @@ static inline int dem__insert_latitude(double *t, int count, double z) {
     return count + 1;
 }
 
-/* Lists the latitudes, from -1 to 1, at which the exposed part changes its kind: where the rim of a cap is highest and
-   lowest, and where two rims meet. */
+/* Lists the latitudes, from -1 to 1, at which the exposed arcs change their number: where the rim of a cap is highest
+   or lowest, and where two rims meet. */
 static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
     int count = 2;
     t[0] = -1.0, t[1] = 1.0;
@@ -13815,7 +13879,7 @@ static inline void dem__add_latitude(dem__exposed *e, double weight, double t, i
     }
 }
 
-/* A part of the latitudes t = middle + half sin(pi/2 s) between two of them, from one s to another. */
+/* A range of the latitudes t = middle + half sin(pi/2 s) between two of them, from one s to another. */
 typedef struct dem__zone {
     double middle, half, from, to;
 } dem__zone;
@@ -13845,10 +13909,10 @@ static inline void dem__add_exposed(dem__exposed *e, const dem__exposed *of) {
     }
 }
 
-/* Integrates over a zone; halves it where its integrals change by that: a rim ends close beyond it. */
+/* Integrates over a zone. Halves it if that changes its integrals, because a rim then ends just beyond it. */
 enum { DEM__HALVINGS = 12 };
 static inline void dem__expose_zone(dem__exposed *e, dem__zone z, int m, const dem__cover *cap) {
-    dem__zone left[DEM__HALVINGS + 1]; /* to be done, each half as wide as the one before */
+    dem__zone left[DEM__HALVINGS + 1]; /* zones left, each half as wide as the one before */
     int todo = 0;
     left[todo++] = z;
     while (todo > 0) {
@@ -13865,7 +13929,7 @@ static inline void dem__expose_zone(dem__exposed *e, dem__zone z, int m, const d
     }
 }
 
-/* Integrates over what is exposed of a ball. */
+/* Integrates over the exposed part of a ball. */
 static inline void dem__expose(int m, const dem__cover *cap, dem__exposed *e) {
     double t[DEM__LATITUDES];
     const int count = dem__find_latitudes(m, cap, t);
@@ -13876,7 +13940,7 @@ static inline void dem__expose(int m, const dem__cover *cap, dem__exposed *e) {
     }
 }
 
-/* Adds what the exposed surface of a ball at c encloses with the origin. */
+/* Adds the content that the exposed surface of a ball at c encloses with the origin. */
 static inline void dem__add_enclosed(dem__content *to, const dem__exposed *e, dem_vec c, double r) {
     const double centre[3] = {c.x, c.y, c.z};
     double zero = r * e->zero, one[3], first[3], second[3][3]; /* of (x n) times 1, n, n n; then of x, x x */
@@ -13900,7 +13964,7 @@ static inline void dem__add_enclosed(dem__content *to, const dem__exposed *e, de
         to->second[p] += 0.2 * area * second[p][p], to->second[3 + p] += 0.2 * area * second[p][(p + 1) % 3];
 }
 
-/* Adds a content that was found about another origin. */
+/* Adds a content that was computed about another origin. */
 static inline void dem__add_shifted(dem__content *to, const dem__content *of, dem_vec origin) {
     const double o[3] = {origin.x, origin.y, origin.z}, f[3] = {of->first.x, of->first.y, of->first.z};
     to->volume += of->volume;
@@ -13912,10 +13976,10 @@ static inline void dem__add_shifted(dem__content *to, const dem__content *of, de
     }
 }
 
-/* Adds the union of balls. Those that hang together are integrated about one of them, so that nothing is lost however
-   far apart others are. */
+/* Adds the union of balls. Connected balls are integrated about one of them, so that no digits are lost however far
+   apart others are. */
 static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
-    int of[DEM_CLUMP_MAX]; /* the first ball of those that hang together */
+    int of[DEM_CLUMP_MAX]; /* the first of the balls connected with it */
     dem__cover cap[DEM__CAPS];
     dem__exposed e;
     dem__content own;
@@ -13941,7 +14005,7 @@ static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre,
 }
 
 /* ------------------------------------------------------------------------------------------ >>bodies/clump_shape.h */
-/* Mass properties of bodies made of spheres. Promises: what dem_make_clump says. */
+/* Mass properties of bodies made of spheres, as dem_make_clump promises them. */
 
 static inline void dem__add_content(dem__content *c, double weight, double volume, dem_vec at, dem_vec spread) {
     const double v = weight * volume;
@@ -13952,13 +14016,13 @@ static inline void dem__add_content(dem__content *c, double weight, double volum
     c->second[3] += v * at.x * at.y, c->second[4] += v * at.y * at.z, c->second[5] += v * at.z * at.x;
 }
 
-/* Adds a sphere, exactly: r^2/5 is its mean square along an axis. */
+/* Adds a sphere, exactly: its mean square along an axis is r^2/5. */
 static inline void dem__add_ball(dem__content *c, double weight, dem_vec at, double r) {
     const double spread = 0.2 * r * r;
     dem__add_content(c, weight, 4.0 / 3.0 * RIDDLE_PI * r * r * r, at, dem_vec3(spread, spread, spread));
 }
 
-/* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if
+/* Returns the first position on a line beyond x at which a sphere begins or ends, or two surfaces meet; HUGE_VAL if
    there is none. */
 static inline double dem__next_end(int n, const double *at, const double *radius, double x) {
     double next = HUGE_VAL;
@@ -13976,8 +14040,8 @@ static inline double dem__next_end(int n, const double *at, const double *radius
 }
 
 /* Adds spheres whose centres lie on a line from `from` along the unit vector u: a body of revolution. Its squared
-   radius is the greatest of parabolas in x. Between the places where another one becomes the greatest, the integrands
-   are polynomials, which Gauss's rule with five points integrates exactly. */
+   radius is the greatest of several parabolas in x. Between the positions where another one becomes the greatest, the
+   integrands are polynomials, which Gauss's rule with five points integrates exactly. */
 static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from,
                                        dem_vec u) {
     static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309,
@@ -14019,7 +14083,7 @@ static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
                      apo = a[p][o], aro = a[r][o];
         a[p][p] = app - tangent * a[p][r], a[r][r] = arr + tangent * a[p][r], a[p][r] = a[r][p] = 0.0;
         a[p][o] = a[o][p] = c * apo - s * aro, a[r][o] = a[o][r] = s * apo + c * aro;
-        /* new axes: e_p' = c e_p - s e_r, e_r' = s e_p + c e_r: a turn about e_o by -angle */
+        /* new axes: e_p' = c e_p - s e_r, e_r' = s e_p + c e_r: a rotation about e_o by -angle */
         const double half_c = sqrt(0.5 * (1.0 + c)), half_s = -0.5 * s / half_c;
         q = dem__turns(
             q, dem__quaternion(half_c, dem_vec3(o == 0 ? half_s : 0.0, o == 1 ? half_s : 0.0, o == 2 ? half_s : 0.0)));
@@ -14028,7 +14092,7 @@ static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
     return dem_vec3(a[0][0], a[1][1], a[2][2]);
 }
 
-/* Makes moments equal that differ by less than their accuracy: then free rotation is exact. */
+/* Makes moments equal that differ by less than their accuracy, because free rotation is then exact. */
 static inline void dem__merge_moments(dem_vec *moments, double known) {
     double *m[3] = {&moments->x, &moments->y, &moments->z};
     for (int k = 0; k < 3; k++) {
@@ -14039,7 +14103,7 @@ static inline void dem__merge_moments(dem_vec *moments, double known) {
         moments->x = moments->y = moments->z = (moments->x + moments->y + moments->z) / 3.0;
 }
 
-/* Returns whether all centres lie on a line; u: its direction; at: where they are on it, from the first centre. */
+/* Returns whether all centres lie on a line. u: its direction; at: their positions on it, from the first centre. */
 static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, dem_vec *u, double *at) {
     double most = 0.0;
     *u = dem_vec3(1.0, 0.0, 0.0);
@@ -14056,7 +14120,7 @@ static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, 
     return 1;
 }
 
-/* Removes spheres that lie within another, which touch nothing. Returns the number of the rest, in their order. */
+/* Removes spheres inside another one, which touch nothing. Returns how many remain, in their order. */
 static inline int dem__drop_inner(int n, dem_vec *centre, double *radius) {
     int kept = 0;
     for (int k = 0; k < n; k++) {
@@ -14088,7 +14152,7 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
         size = extent > size ? extent : size;
     }
     const dem_vec from =
-        c.centre[0]; /* moments about a point inside, with lengths over the size: no number is too large */
+        c.centre[0]; /* moments about a point inside, with lengths over the size, so that no number overflows */
     for (int k = 0; k < n; k++) c.centre[k] = dem__scale(1.0 / size, dem__sub(c.centre[k], from)), c.radius[k] /= size;
     c.spheres = dem__drop_inner(n, c.centre, c.radius);
     const int line = dem__are_on_a_line(c.spheres, c.centre, 1.0, &u, at);
@@ -14233,7 +14297,7 @@ DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, 
     }
     for (ptrdiff_t k = 0; k < all; k++) {
         const ptrdiff_t at[3] = {k % row, k / row % gas->n[1], k / layer};
-        double room = size; /* volume of the node: half a cell less at a face of the grid */
+        double room = size; /* volume of the node; half a cell less at a face of the grid */
         for (int a = 0; a < 3; a++) room *= at[a] == 0 || at[a] == gas->n[a] - 1 ? 0.5 : 1.0;
         const double left = 1.0 - porosity[k] / room;
         porosity[k] = left > 0.2 ? left : 0.2;
@@ -14256,16 +14320,16 @@ DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengt
 }
 
 /* -------------------------------------------------------------------------------------------- >>measure/branches.h */
-/* The forces between particles and the vectors along which they act: what a stress is made of. */
+/* Forces between particles and the vectors along which they act, from which a stress is computed. */
 
 /* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
 static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
+    return r ? dem__to_lab(dem__pose_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
              : dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* Return how many forces act between particles, and one of them: contacts come first, then those of features. */
+/* Return how many forces act between particles, and one of them. Contacts come first, then the forces of features. */
 static inline ptrdiff_t dem__forces(const dem_world *w) {
     ptrdiff_t n = w->engine->contacts.count;
     DEM__ADD_UP(w, n, forces, (w));
@@ -14280,8 +14344,8 @@ static inline dem_contact_info dem__get_force(const dem_world *w, ptrdiff_t k) {
     return f->force(w, k);
 }
 
-/* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's
-   point, to i's centre; of bodies, to their centres of mass. Returns 0 if it carries no force. */
+/* Finds the branch vector of a contact or, from k = contacts on, of a link. It leads from the partner's centre, or the
+   point on a wall, to the centre of i; for bodies, between centres of mass. Returns 0 if it carries no force. */
 static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_contact_info c = dem__get_force(w, k);
@@ -14396,7 +14460,7 @@ static inline void dem__hash_rigids(uint64_t *hash, const dem_world *w) {
 }
 
 /* -------------------------------------------------------------------------------------------------- >>bodies/add.h */
-/* Rigid bodies as a feature of a world, and adding one. */
+/* Rigid bodies as a feature of a world, and how to add one. */
 
 static inline int dem__list_arrays_of_bodies(dem_world *w, dem__array *list) {
     dem__bodies *bodies = &w->engine->bodies;
@@ -14437,7 +14501,7 @@ static inline dem__feature dem__feature_bodies(void) {
     f.release = dem__release_bodies;
     f.add_particle = dem__add_unattached;
     f.renumber = dem__renumber_bodies;
-    f.keep_up = dem__note_strides;
+    f.keep_up = dem__keep_rotations;
     f.particle_fields = dem__particle_fields_of_bodies;
     f.save = dem__save_bodies;
     f.is_used = dem__has_bodies;
@@ -14453,7 +14517,7 @@ typedef struct dem__body_def {
     dem_vec moments;       /* about the principal axes [kg m2] */
     dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
     dem_quaternion turn;   /* from that frame to the lab's axes */
-    ptrdiff_t pieces;      /* number of its particles */
+    ptrdiff_t pieces;      /* of each particle, from the centre of mass along the principal axes [m] */
     const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
     const double *radius;  /* [m] */
     int material, group;
@@ -14461,7 +14525,7 @@ typedef struct dem__body_def {
 
 /* Makes room for n more bodies with `pieces` particles in all. Returns 0 when out of memory. */
 static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
-    return dem__take_feature(w, dem__feature_bodies()) == DEM_OK && /* first: it frees the bodies */
+    return dem__take_feature(w, dem__feature_bodies()) == DEM_OK && /* comes first: it frees the bodies */
            dem__grow_bodies(w, n) && dem__reserve_particles(w, pieces);
 }
 
@@ -14519,7 +14583,7 @@ static inline double dem__clump_reach(const dem_clump *c) {
     return reach;
 }
 
-/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius:
+/* Returns the definition of a body with a clump's shape, `scale` times as large, made of a material. offset and radius:
    [spheres], filled here. */
 static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material,
                                             dem_vec *offset, double *radius) {
@@ -14627,7 +14691,7 @@ DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double 
     return dem__sizes(DEM_SIZES_ROSIN_RAMMLER, scale, exponent, smallest, largest, by_mass);
 }
 
-/* Returns the logarithm of the share per ln d at d = scale e^y, but for a constant. It is concave in y for every
+/* Returns the logarithm of the share per ln d at d = scale e^y, up to a constant. It is concave in y for every
    distribution. */
 static inline double dem__log_share(const dem_sizes *s, double y) {
     if (s->kind == DEM_SIZES_LOGNORMAL) return -0.5 * y * y / (s->spread * s->spread);
@@ -14639,8 +14703,9 @@ static inline double dem__log_number(const dem_sizes *s, double y) {
     return s->by_mass ? f - 3.0 * y : f;
 }
 
-/* Returns an end of the interval of ln d: the cut, or, nearer to the peak, where the density is e^-60 of that at the
-   peak. Nothing is drawn beyond, and the pieces of the rest are so fine that one draw in ten is accepted. */
+/* Returns an end of the interval of ln d: the cut-off or, if that is closer to the peak, where the density is e^-60 of
+   that at the peak. Nothing is drawn beyond it, and the rest is cut into pieces so fine that one draw in ten is
+   accepted. */
 static inline double dem__tail(const dem_sizes *s, double end, double peak) {
     const double least = dem__log_number(s, peak) - 60.0;
     double inside = peak;
@@ -14653,7 +14718,7 @@ static inline double dem__tail(const dem_sizes *s, double end, double peak) {
     return end;
 }
 
-/* Returns whether a size distribution is valid; smallest, largest: its diameters. */
+/* Returns whether a size distribution is valid. smallest, largest: its diameters. */
 static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *largest) {
     *smallest = s->smallest, *largest = s->largest;
     if (s->kind == DEM_SIZES_LIST) {
@@ -14677,14 +14742,14 @@ static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *l
             ? !(s->spread >= 1e-3 && s->spread <= 5.0)
             : s->kind != DEM_SIZES_ROSIN_RAMMLER || !(s->spread >= 0.1 && s->spread <= 100.0))
         return 0;
-    /* the largest density between the cuts is at least 1e-20 of the peak's, which is at the scale: otherwise a unit is
-       wrong */
+    /* the largest density between the cut-offs is at least 1e-20 of that at the peak, which is at the scale; otherwise
+       a unit is wrong */
     const double nearest = riddle_log(dem__clamp(s->scale, s->smallest, s->largest) / s->scale);
     return dem__log_share(s, nearest) - dem__log_share(s, 0.0) > -46.0;
 }
 
-/* Draws a diameter by rejection. The interval of ln d is cut into pieces; the bound of each is the largest density in
-   it. The place of the peak is known in closed form. */
+/* Draws a diameter by rejection. The interval of ln d is cut into pieces, each bounded by the largest density in it.
+   The position of the peak is known in closed form. */
 static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) {
     enum { PIECES = 32, TRIES = 10000 };
     const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale, lost = s->by_mass ? 3.0 : 0.0;
@@ -14739,7 +14804,7 @@ DEM_API dem_feed dem_default_feed(void) {
 }
 
 /* --------------------------------------------------------------------------------------------------- >>feed/room.h */
-/* The spheres in and near a region that is being filled: what tells whether a place is free. */
+/* The spheres in and near a region that is being filled, which tell whether a place is free. */
 
 /* Spheres in and near a region, present and new, in linked lists by level and cell. */
 typedef struct dem__room {
@@ -14749,18 +14814,18 @@ typedef struct dem__room {
     int32_t *head, *next;
     ptrdiff_t count, capacity, cells;
     size_t bytes;
-    dem_wall inside;  /* the triangles of a mesh region; without a tree for other regions */
+    dem_wall inside;  /* the triangles of a mesh region; for other regions there is no tree */
     ptrdiff_t looked; /* places tried */
     int stopped;      /* by def.stop */
 } dem__room;
 
-/* Returns whether the host wants the call to end; asked in every 1024th step of its work. */
+/* Returns whether the host wants the call to end. Asks in every 1024th step of the work. */
 static inline int dem__is_stopped(const dem_world *w, ptrdiff_t step) {
     return (step & 1023) == 1023 && w->def.stop && w->def.stop(w->def.stop_user) != 0;
 }
 
 /* Adds a sphere to the lists. */
-static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
+static inline void dem__occupy(dem__room *room, dem_vec x, double radius) {
     const ptrdiff_t k = room->count++, c = dem__cell(&room->grid[dem__level(radius, room->smallest)], x);
     room->centre[3 * k] = x.x, room->centre[3 * k + 1] = x.y, room->centre[3 * k + 2] = x.z;
     room->radius[k] = radius;
@@ -14776,8 +14841,8 @@ static inline void dem__count_in(dem__room *room, double radius) {
     room->capacity++;
 }
 
-/* Returns whether sphere i reaches into a box; x: its position. Periodic axes are not compared. */
-static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
+/* Returns whether sphere i reaches into a box. x: its position. Periodic axes are not compared. */
+static inline int dem__reaches_box(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
     *x = dem_position(w, i);
     for (int a = 0; a < 3 && w->alive[i]; a++) {
         const double v = dem_axis(*x, a);
@@ -14808,7 +14873,7 @@ static inline void dem__clear_room(dem__room *room, const dem_world *w) {
     room->centre = NULL, room->inside.tree = NULL;
 }
 
-/* Makes a room for the spheres present around a region and n new ones with given radii. reach: of the largest new body
+/* Makes a room for the present spheres around a region and n new ones with given radii. reach: of the largest new body
    [m]. */
 static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region,
                                         const double *radius, ptrdiff_t n, double reach) {
@@ -14821,15 +14886,15 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     for (ptrdiff_t k = 0; k < n; k++) {
         room->smallest = radius[k] < room->smallest ? radius[k] : room->smallest;
     }
-    const dem_vec out = dem_vec3(reach, reach, reach); /* spheres in a flat region stand out of it */
+    const dem_vec out = dem_vec3(reach, reach, reach); /* spheres protrude from a flat region */
     low = dem__sub(low, out), high = dem__add(high, out);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest)
+        if (dem__reaches_box(w, i, low, high, &x) && w->particle[i].radius < room->smallest)
             room->smallest = w->particle[i].radius;
     }
     for (ptrdiff_t k = 0; k < n; k++) dem__count_in(room, radius[k]);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x)) dem__count_in(room, w->particle[i].radius);
+        if (dem__reaches_box(w, i, low, high, &x)) dem__count_in(room, w->particle[i].radius);
     }
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &room->grid[level];
@@ -14848,7 +14913,7 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     room->head = room->next + room->capacity;
     for (ptrdiff_t c = 0; c < room->cells; c++) room->head[c] = -1;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x)) dem__settle_in(room, x, w->particle[i].radius);
+        if (dem__reaches_box(w, i, low, high, &x)) dem__occupy(room, x, w->particle[i].radius);
     }
     return DEM_OK;
 }
@@ -14888,13 +14953,13 @@ static inline int dem__is_free(const dem_world *w, const dem__room *room, dem_ve
 }
 
 /* ------------------------------------------------------------------------------------------------- >>feed/places.h */
-/* Where bodies of a source find a place: shapes of bodies, free places by random tries. Pure but for the generator.
- */
+/* Where bodies of a source find room: shapes of bodies, free places by random tries. Pure functions but for the
+   generator. */
 
-/* Draws a place at which a sphere lies within a region; along directions in which the region is flat, its centre does.
-   Returns 0 if the region is too small. */
+/* Draws a place at which a sphere lies inside a region; in directions in which the region is flat, only its centre
+   does. Returns 0 if the region is too small. */
 static inline int dem__random_place(const dem_region *r, double radius, uint64_t *random, dem_vec *x) {
-    if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* of a mesh: in the box around it */
+    if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* mesh: in its bounding box */
         for (int a = 0; a < 3; a++) {
             const double low = dem_axis(r->low, a), room = dem_axis(r->high, a) - low - 2.0 * radius;
             if (room + 2.0 * radius > 0.0 && !(room >= 0.0)) return 0;
@@ -14948,7 +15013,8 @@ static inline const dem_convex *dem__feed_shape(const dem_world *w, const dem_fe
 static inline double dem__convex_diameter(const dem_convex *s) {
     return 2.0 * riddle_cbrt(s->volume / (4.0 / 3.0 * RIDDLE_PI));
 }
-/* Returns the factor of a clump's lengths for a body whose volume is that of a sphere of radius 1. */
+/* Returns the factor by which a clump's lengths are multiplied in a body whose volume is that of a sphere of radius
+   1. */
 static inline double dem__feed_scale(const dem_feed *feed) {
     return feed->clump ? 2.0 / dem_clump_diameter(feed->clump) : 1.0;
 }
@@ -14959,7 +15025,7 @@ static inline double dem__feed_reach(const dem_world *w, const dem_feed *feed) {
     return feed->clump ? dem__feed_scale(feed) * dem__clump_reach(feed->clump) : 1.0;
 }
 
-/* Returns where particle k of a clump is in a body with the volume of a sphere of the given radius; piece: the
+/* Returns the position of particle k of a clump in a body with the volume of a sphere of the given radius. piece: the
    particle's radius. */
 static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed, dem_vec x, dem_quaternion turn,
                                        double radius, int k, double *piece) {
@@ -14968,7 +15034,7 @@ static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed,
     return dem__in_box(w, dem__plus(x, scale, dem__to_lab(turn, feed->clump->centre[k])));
 }
 
-/* Returns whether a body of a feed is free at x. */
+/* Returns whether there is room for a body of a feed at x. */
 static inline int dem__has_room(const dem_world *w, const dem__room *room, const dem_feed *feed, dem_vec x,
                                 dem_quaternion turn, double radius) {
     if (!feed->clump) return dem__is_free(w, room, x, radius * dem__feed_reach(w, feed), feed->group);
@@ -14981,7 +15047,7 @@ static inline int dem__has_room(const dem_world *w, const dem__room *room, const
 }
 
 /* Finds a free place for a body of a feed by random tries in the region of its source, with the source's generator.
-   Returns 0 if there was none. */
+   Returns 0 if there is none. */
 static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *source, const dem_feed *feed, double radius,
                                   dem_vec *x, dem_quaternion *turn) {
     const double reach = radius * dem__feed_reach(w, feed);
@@ -15001,18 +15067,17 @@ static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *sourc
 /* Adds the particles of a body to the lists, in their order. */
 static inline void dem__settle_body(const dem_world *w, dem__room *room, const dem_feed *feed, dem_vec x,
                                     dem_quaternion turn, double radius) {
-    if (!feed->clump) dem__settle_in(room, x, radius * dem__feed_reach(w, feed));
+    if (!feed->clump) dem__occupy(room, x, radius * dem__feed_reach(w, feed));
     for (int k = 0; feed->clump && k < feed->clump->spheres; k++) {
         double piece;
         const dem_vec at = dem__piece_place(w, feed, x, turn, radius, k, &piece);
-        dem__settle_in(room, at, piece);
+        dem__occupy(room, at, piece);
     }
 }
 
 /* ------------------------------------------------------------------------------------------------ >>feed/filling.h */
 /* Bodies of a source: drawn class by class, placed without overlap, added. Owns nothing; writes a world through its
-   public functions.
- */
+   public functions. */
 
 /* Moves a radius and its class down a heap, whose root is the smallest. */
 static inline void dem__sift_size(double *heap, int32_t *line, ptrdiff_t root, ptrdiff_t n) {
@@ -15041,13 +15106,13 @@ static inline void dem__sort_sizes(double *radius, int32_t *line, ptrdiff_t n) {
 }
 
 /* A class of a source while bodies are drawn and placed. */
-typedef struct dem__line {
+typedef struct dem__queue {
     dem_feed feed;
-    double share, given;  /* of what all classes have been given: [kg] or number */
-    ptrdiff_t now, first; /* placed by this call; the first of them in the list */
-} dem__line;
+    double share, given;  /* share that the class has been given of what all have: [kg] or number */
+    ptrdiff_t now, first; /* placed by this call; position of the first of them in the list */
+} dem__queue;
 
-/* Returns a number that differs for distributions that differ, not 0: a diameter drawn ahead belongs to one. */
+/* Returns a number, not 0, that differs for different distributions: a diameter drawn ahead belongs to one of them. */
 static inline uint64_t dem__mark_of(const dem_sizes *s, int polyhedron) {
     const double of[4] = {s->scale, s->spread, s->smallest, s->largest};
     uint64_t mark = (uint64_t)s->kind * 64u + (uint64_t)(s->by_mass != 0) * 32u + (uint64_t)polyhedron * 1024u;
@@ -15072,8 +15137,8 @@ static inline void dem__draw_ahead(dem_feed *feed, uint64_t *random) {
     feed->waiting_of = mark;
 }
 
-/* Returns the class whose turn it is: the one that comes nearest to its share if it gets its next body (Webster). */
-static inline int dem__next_line(const dem_world *w, dem__line *line, int classes, int by_number) {
+/* Returns the class whose turn it is: the one that comes closest to its share with its next body (Webster). */
+static inline int dem__next_line(const dem_world *w, dem__queue *line, int classes, int by_number) {
     double earliest = HUGE_VAL;
     int next = 0;
     for (int k = 0; k < classes && classes > 1; k++) {
@@ -15086,10 +15151,10 @@ static inline int dem__next_line(const dem_world *w, dem__line *line, int classe
     return next;
 }
 
-/* Draws the bodies that are due one after the other, at most `most`. Returns their number; radius, of: their radii and
-   classes, or NULL. The first that is not due is kept in its feed's `waiting`: to leave it out would favour small ones.
-   -1: stopped. */
-static inline ptrdiff_t dem__draw_due(const dem_world *w, dem__line *line, const dem_source *source, double number,
+/* Draws the bodies that are due one after the other, at most `most`. Returns how many, -1: stopped. radius, of: their
+   radii and classes, or NULL. The first body that is not due is kept in its feed's `waiting`; dropping it would favour
+   small ones. */
+static inline ptrdiff_t dem__draw_due(const dem_world *w, dem__queue *line, const dem_source *source, double number,
                                       double mass, ptrdiff_t most, double *radius, int32_t *of) {
     for (ptrdiff_t n = 0; n < most; n++) {
         if (dem__is_stopped(w, n)) return -1;
@@ -15112,7 +15177,8 @@ typedef struct dem__batch {
     double *radius, *piece, *place, *turn;              /* [n], [n][pieces], [n][3], [n][4] */
     double *diameter, *centre, *orientation, *velocity; /* [n], [n][3], [n][4], [n][3] */
     int32_t *of, *first;                                /* [n] class; the first of its pieces among those placed */
-    ptrdiff_t pieces, bodies;                           /* in all, as drawn; those in several pieces or of a shape */
+    ptrdiff_t pieces, bodies;                           /* of all bodies, as drawn; bodies of several pieces or of a
+                                                           shape */
     size_t bytes;
 } dem__batch;
 static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, ptrdiff_t n, ptrdiff_t pieces) {
@@ -15125,12 +15191,12 @@ static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, pt
     return 1;
 }
 
-/* Returns how many bodies a call draws at most; a limit for a source that was blocked for long. */
+/* Returns how many bodies a call draws at most: a limit for a source that was blocked for long. */
 static inline ptrdiff_t dem__most_drawn(int at_once) { return at_once ? INT32_MAX / 8 : 100000; }
 
-/* Draws n radii, and computes those of their particles. Returns the largest radius about a body's centre, or -1:
+/* Draws n radii, and computes those of their particles. Returns the largest radius of a body about its centre, or -1:
    stopped. */
-static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__line *line, const dem_source *source,
+static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__queue *line, const dem_source *source,
                                      double number, double mass, ptrdiff_t n, int at_once) {
     double widest = 0.0;
     if (dem__draw_due(w, line, source, number, mass, dem__most_drawn(at_once), b->radius, b->of) < 0) return -1.0;
@@ -15147,7 +15213,7 @@ static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__lin
 }
 
 /* Keeps what has been drawn and not placed, from body k on: the next of each class waits. */
-static inline void dem__keep_waiting(dem__line *line, const dem__batch *b, ptrdiff_t k, ptrdiff_t n) {
+static inline void dem__keep_waiting(dem__queue *line, const dem__batch *b, ptrdiff_t k, ptrdiff_t n) {
     for (ptrdiff_t q = n - 1; q >= k; q--) {
         dem_feed *feed = &line[b->of[q]].feed;
         feed->waiting = 2.0 * b->radius[q], feed->waiting_of = dem__mark_of(&feed->sizes, feed->polyhedron);
@@ -15155,9 +15221,8 @@ static inline void dem__keep_waiting(dem__line *line, const dem__batch *b, ptrdi
 }
 
 /* Finds places for n bodies, and counts them as given by number or, with by_mass, by mass. at_once: bodies without a
-   place are counted as missed; otherwise the first of them waits, and with it those after it. Returns how many have a
-   place. */
-static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__line *line, dem_source *source,
+   place count as missed; otherwise the first of them waits, and so do those after it. Returns how many have a place. */
+static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__queue *line, dem_source *source,
                                          dem__batch *b, ptrdiff_t n, int by_mass, int at_once) {
     ptrdiff_t found = 0, pieces = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
@@ -15188,7 +15253,7 @@ static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__lin
     return found;
 }
 
-/* Returns the body that has a piece; bodies: n. */
+/* Returns the body to which a piece belongs. bodies: n. */
 static inline ptrdiff_t dem__body_of_piece(const dem__batch *b, ptrdiff_t n, ptrdiff_t piece) {
     ptrdiff_t low = 0, high = n;
     while (high - low > 1) {
@@ -15201,7 +15266,7 @@ static inline ptrdiff_t dem__body_of_piece(const dem__batch *b, ptrdiff_t n, ptr
 
 /* Lists the placed bodies class by class, in the order of the cells of their first particles, so that neighbours in
    space are neighbours in memory. n: their number. */
-static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, dem__line *line, int classes,
+static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, dem__queue *line, int classes,
                                     dem__batch *b, ptrdiff_t n) {
     for (int k = 1; k < classes; k++) line[k].first = line[k - 1].first + line[k - 1].now;
     for (int k = 0; k < classes; k++) line[k].now = 0;
@@ -15209,7 +15274,7 @@ static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, de
         for (int32_t q = room->head[c]; q >= present; q = room->next[q]) {
             const ptrdiff_t body = dem__body_of_piece(b, n, q - present);
             if (b->first[body] != q - present) continue;
-            dem__line *of = &line[b->of[body]];
+            dem__queue *of = &line[b->of[body]];
             const ptrdiff_t to = of->first + of->now++;
             b->diameter[to] = 2.0 * b->radius[body];
             for (int a = 0; a < 4; a++) b->orientation[4 * to + a] = b->turn[4 * body + a];
@@ -15224,7 +15289,7 @@ static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, de
 }
 
 /* Adds the new bodies of a class with their velocities, or none. */
-static inline dem_status dem__add_moving(dem_world *w, const dem__line *line, const dem__batch *b) {
+static inline dem_status dem__add_moving(dem_world *w, const dem__queue *line, const dem__batch *b) {
     const dem_feed *feed = &line->feed;
     const ptrdiff_t pieces = dem__feed_pieces(feed), n = line->now, first = line->first;
     const double *centre = b->centre + 3 * first, *turn = b->orientation + 4 * first, *d = b->diameter + first;
@@ -15240,8 +15305,8 @@ static inline dem_status dem__add_moving(dem_world *w, const dem__line *line, co
     return status;
 }
 
-/* Adds all new bodies, or none: where there are several classes, there is room for all before the first. */
-static inline dem_status dem__add_lines(dem_world *w, const dem__line *line, int classes, const dem__batch *b) {
+/* Adds all new bodies, or none: with several classes, makes room for all before the first. */
+static inline dem_status dem__add_lines(dem_world *w, const dem__queue *line, int classes, const dem__batch *b) {
     ptrdiff_t pieces = 0, bodies = 0;
     dem_status status = DEM_OK;
     for (int k = 0; k < classes; k++) {
@@ -15258,7 +15323,7 @@ static inline dem_status dem__add_lines(dem_world *w, const dem__line *line, int
 }
 
 /* Draws n bodies, finds places for them, and lists those that have one. */
-static inline dem_status dem__place_batch(dem_world *w, dem__line *line, dem_source *source, dem__batch *b,
+static inline dem_status dem__place_batch(dem_world *w, dem__queue *line, dem_source *source, dem__batch *b,
                                           double number, double mass, ptrdiff_t n, int at_once) {
     dem__room room;
     const double widest = dem__draw_batch(w, b, line, source, number, mass, n, at_once);
@@ -15275,11 +15340,10 @@ static inline dem_status dem__place_batch(dem_world *w, dem__line *line, dem_sou
 }
 
 /* ------------------------------------------------------------------------------------------------ >>feed/sources.h */
-/* Sources: fills and feeds of one class or several, at once or over time.
- */
+/* Sources: fills and feeds of one class or several, at once or over time. */
 
 /* The classes of a source as they are before a call. */
-static inline void dem__open_lines(const dem_world *w, const dem_source *source, dem__line *line) {
+static inline void dem__open_queues(const dem_world *w, const dem_source *source, dem__queue *line) {
     for (int k = 0; k < source->classes; k++) {
         const dem_feed *f = &source->feed[k];
         memset(&line[k], 0, sizeof line[k]);
@@ -15289,20 +15353,20 @@ static inline void dem__open_lines(const dem_world *w, const dem_source *source,
     }
 }
 
-/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are
-   missed; otherwise in the order drawn, up to the first without a place, which waits. line: room for twice the
+/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place
+   are missed; otherwise in the order drawn, up to the first without a place, which waits. line: room for twice the
    classes. */
-static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem__line *line, double number,
+static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem__queue *line, double number,
                                            double mass, int at_once) {
     const dem_allocator memory = w->def.allocator;
-    dem__line *after = line, *counted = line + source->classes;
+    dem__queue *after = line, *counted = line + source->classes;
     dem_source due = *source;
     dem__batch batch;
     const double most = (double)dem__most_drawn(at_once);
     double heaviest = 0.0;
     ptrdiff_t pieces = 1;
     memset(&batch, 0, sizeof batch);
-    dem__open_lines(w, source, after);
+    dem__open_queues(w, source, after);
     memcpy(counted, after, (size_t)source->classes * sizeof *after);
     for (int k = 0; k < source->classes; k++) {
         double smallest, largest;
@@ -15312,7 +15376,7 @@ static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem
         pieces = dem__feed_pieces(&after[k].feed) > pieces ? dem__feed_pieces(&after[k].feed) : pieces;
     }
     if (at_once && number > most && mass > most * heaviest) return DEM_TOO_MANY;
-    w->engine->run.running = 1; /* def.stop finds the world busy */
+    w->engine->run.running = 1; /* functions of the caller must find the world busy */
     const int is_counted = at_once && number >= 1.0 && !(mass < HUGE_VAL);
     const ptrdiff_t n = is_counted
                             ? (ptrdiff_t)number
@@ -15338,17 +15402,17 @@ static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem
 
 static inline dem_status dem__insert(dem_world *w, dem_source *source, double number, double mass, int at_once) {
     if (dem__is_running(w)) return DEM_BUSY;
-    dem__line two[2], *line = two;
+    dem__queue two[2], *line = two;
     const dem_allocator memory = w->def.allocator;
     const size_t bytes = 2 * (size_t)source->classes * sizeof *line;
-    if (source->classes > 1) line = (dem__line *)memory.fn(memory.user, NULL, 0, bytes);
+    if (source->classes > 1) line = (dem__queue *)memory.fn(memory.user, NULL, 0, bytes);
     if (!line) return DEM_OUT_OF_MEMORY;
     const dem_status status = dem__insert_lines(w, source, line, number, mass, at_once);
     if (source->classes > 1) memory.fn(memory.user, line, bytes, 0);
     return status;
 }
 
-/* A feed as a source of one class; what it owes stands in the feed. */
+/* Returns a feed as a source of one class. The feed stores what it owes. */
 static inline dem_source dem__source_of(dem_feed *feed) {
     dem_source s;
     memset(&s, 0, sizeof s);
@@ -15380,8 +15444,8 @@ DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
     dem_source source = dem__source_of(feed);
     return dem__insert(world, &source, (double)count, HUGE_VAL, 1);
 }
-/* Returns a volume [m3] that the bodies placed in a region cannot exceed; of a mesh, that of the box around it. Where
-   the region is flat, bodies stand out of it. */
+/* Returns a volume [m3] that the bodies placed in a region cannot exceed; for a mesh, that of its bounding box. Bodies
+   protrude from a flat region. */
 static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) {
     dem_region r = feed->region;
     double smallest, diameter;
@@ -15488,12 +15552,13 @@ static inline double dem__wedge(double b, double c) {
     if (!(b * b + c * c < 1.0)) return 0.0;
     const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c),
                  half = dem__root(1.0 - b * b - c * c);              /* half length of the edge inside */
-    const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc); /* half arcs on the two circles */
+    /* half the angles of the arcs on the two circles */
+    const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc);
     const double sphere = 2.0 * (RIDDLE_PI - b * at_b - c * at_c - dem__acos(-b * c / (rb * rc)));
     return (sphere - b * (rb * rb * at_b - c * half) - c * (rc * rc * at_c - b * half)) / 3.0;
 }
 
-/* Returns the area of the face x = a of dem__corner; arc: the angle of its arc. */
+/* Returns the area of the face x = a of dem__corner. arc: the angle of its arc. */
 static inline double dem__corner_face(double a, double b, double c, double *arc) {
     const double square = 1.0 - a * a, r = sqrt(square);
     *arc = dem__acos(b / r) - (0.5 * RIDDLE_PI - dem__acos(c / r));
@@ -15529,7 +15594,7 @@ DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high) {
     return sum > 0.0 ? sum * radius * radius * radius : 0.0;
 }
 
-/* Returns the common area of two discs of radii q and r whose centres are `apart`. */
+/* Returns the area that two discs of radii q and r have in common, whose centres are `apart`. */
 static inline double dem__discs(double q, double r, double apart) {
     const double smaller = q < r ? q : r;
     if (apart <= fabs(q - r)) return RIDDLE_PI * smaller * smaller;
@@ -15594,7 +15659,7 @@ static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, d
     const double along = dem__dot(d, axis), apart = dem__root(dem__dot(d, d) - along * along);
     if (apart + radius <= r->radius && along >= radius && along <= r->length - radius) return whole;
     if (apart >= r->radius + radius) return 0.0;
-    /* discs across the axis, evenly spaced in the angle, so that the ends of the ball are smooth */
+    /* slices across the axis, evenly spaced in the angle, so that the ends of the ball are smooth */
     const double from = dem__acos(dem__clamp(along / radius, -1.0, 1.0)),
                  to = dem__acos(dem__clamp((along - r->length) / radius, -1.0, 1.0));
     const int slices = 128;
@@ -15643,8 +15708,8 @@ static inline double dem__share_in(const dem_region *r, const dem_wall *inside, 
     return to > from ? to - from : 0.0;
 }
 
-/* Lists the displacements of the periodic images of the box: itself first, then one on either side along each periodic
-   axis. Returns their number. */
+/* Lists the displacements of the images of the periodic box: the box itself first, then one on either side along each
+   periodic axis. Returns how many. */
 static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     int n = 1;
     shift[0] = dem_vec3(0.0, 0.0, 0.0);
@@ -15670,8 +15735,8 @@ static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_
     return 1;
 }
 
-/* Returns the factor of a particle's volume: 1 for a sphere; the particles of a body, which may overlap, share the
-   body's volume. */
+/* Returns the factor of a particle's volume: 1 for a sphere. The particles of a body may overlap; they share the body's
+   volume. */
 static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     double sum = 0.0;
@@ -15691,12 +15756,12 @@ typedef struct dem__measured {
     const dem_region *region;
     dem_wall inside;   /* the tree of a mesh region */
     dem_vec low, high; /* the box around the region */
-    dem_vec shift[27]; /* from a particle to its images in the periodic box, the first 0 */
+    dem_vec shift[27]; /* from a particle to its images in the periodic box; the first is 0 */
     int images;
     double share; /* 1 / volume [1/m3] */
 } dem__measured;
 
-/* Adds the share of a region that particle i and its images fill. */
+/* Adds the volume of particle i and its images in the region, as a share of the region. */
 static inline void dem__add_solid(const dem_world *w, const dem__measured *q, ptrdiff_t i, dem_measure *m) {
     const dem_vec at = dem_position(w, i), low = q->low, high = q->high;
     const double r = w->particle[i].radius, filled = dem__filled(w, i) * q->share;
@@ -15752,7 +15817,7 @@ static inline void dem__measure_fluctuations(const dem_world *w, const dem__meas
     m->granular_temperature *= (m->count > 0 ? 1.0 / m->mass : 0.0) / 3.0;
 }
 
-/* Measures the stress by forces of contacts and links. */
+/* Measures the stress that forces of contacts and links cause. */
 static inline void dem__measure_contacts(const dem_world *w, const dem__measured *q, dem_measure *m) {
     for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
         dem_vec from, to, force;
@@ -15804,7 +15869,7 @@ DEM_INLINE double dem__up_to(double u) {
     return 0.5 + 0.0625 * u * (15.0 - u * u * (10.0 - 3.0 * u * u));
 }
 
-/* Finds the cells of an axis in which a point at v counts, from first to last. Returns 0 if there are none. */
+/* Finds the cells along an axis in which a point at v counts, from first to last. Returns 0 if there are none. */
 static inline int dem__cells_of(const dem_cells *c, int a, double v, int *first, int *last) {
     const double low = dem_axis(c->low, a), high = dem_axis(c->high, a), inverse = c->n[a] / (high - low),
                  reach = c->width[a];
@@ -15826,13 +15891,13 @@ DEM_INLINE double dem__share_of(const dem_cells *c, int a, int k, double v) {
 
 /* What a point adds to the cells around it. */
 typedef struct dem__load {
-    double mass, stress;            /* of a sphere [kg]; weight of a point on a branch */
-    dem_vec velocity, force, along; /* of a sphere; of a branch, and the branch itself */
+    double mass, stress;            /* mass of a sphere [kg]; weight of a point on a branch */
+    dem_vec velocity, force, along; /* velocity of a sphere; force of a branch, and the branch vector */
 } dem__load;
 
-/* Adds what a point carries, and what its images carry, to the cells around them. */
-static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at,
-                              const dem__load *load) {
+/* Adds what a point and its images carry to the cells around them. */
+static inline void dem__coarse_grain(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at,
+                                     const dem__load *load) {
     dem_vec shift[27];
     const int images = dem__images(w, shift);
     for (int image = 0; image < images; image++) {
@@ -15874,7 +15939,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         if (!w->alive[i]) continue;
         dem_vec at;
         load.mass = w->particle[i].mass;
-        if (dem__counts(w, i, &at, &load.velocity)) dem__smear(w, c, field, at, &load);
+        if (dem__counts(w, i, &at, &load.velocity)) dem__coarse_grain(w, c, field, at, &load);
     }
     memset(&load, 0, sizeof load);
     for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
@@ -15884,7 +15949,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         for (int p = 0; p < 8; p++) {
             const double at = 0.5 + (p < 4 ? -0.5 : 0.5) * node[p % 4];
             load.stress = 0.5 * weight[p % 4];
-            dem__smear(w, c, field, dem__add(from, dem__scale(at, load.along)), &load);
+            dem__coarse_grain(w, c, field, dem__add(from, dem__scale(at, load.along)), &load);
         }
     }
     for (ptrdiff_t k = 0; k < number; k++) {
@@ -15969,8 +16034,8 @@ DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *c
     return DEM_OK;
 }
 
-/* Computes indices of mixing. The variance of a random mixture is that of sampling without replacement: p q (N - n)/(n
-   (N - 1)) for a sample of n out of N. */
+/* Computes mixing indices. The variance of a random mixture is that of sampling without replacement: p q (N - n)/(n (N
+   - 1)) for a sample of n out of N. */
 DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, const double *of_all) {
     const double none = (double)NAN;
     dem_mixing m = {none, none, none, none, none, none};
@@ -16009,10 +16074,10 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
 }
 
 /* ----------------------------------------------------------------------------------------- >>measure/orientation.h */
-/* How bodies lie: order tensor, order parameter. Reads a const world. */
+/* How bodies are oriented: order tensor, order parameter. Reads a const world. */
 
-/* Turns the symmetric matrix m into the diagonal one of its eigenvalues, by Jacobi's rotations; columns of v: their
-   directions. */
+/* Diagonalises the symmetric matrix m by Jacobi's rotations: m becomes the diagonal matrix of its eigenvalues; the
+   columns of v are their directions. */
 static inline void dem__diagonalise(double m[3][3], double v[3][3]) {
     for (int a = 0; a < 9; a++) v[a / 3][a % 3] = a % 4 == 0;
     for (int turns = 0; turns < 60; turns++) {
@@ -16063,7 +16128,8 @@ DEM_API dem_status dem_measure_order(const dem_world *world, const dem_region *r
 }
 
 /* ------------------------------------------------------------------------------------------------- >>save/fields.h */
-/* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none. */
+/* What a save of a world contains, as tables of fields: one row for each field. Knows the state of every part; writes
+   none. */
 
 /* Lists single numbers of the world. */
 static inline void dem__world_fields(dem_world *w, dem__group *g) {
@@ -16222,7 +16288,7 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
     dem__add_fields(g, "contact.state", contacts->state, contacts->states);
     g->needed = g->fields;
     const int places =
-        w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
+        w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_CACHE; /* cached faces are found again */
     if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, places);
     dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
     DEM__TELL(w, contact_fields, (w, g));
@@ -16242,8 +16308,8 @@ static inline void dem__passed_fields(dem_passed *p, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 7);
 }
 
-/* A chunk, which tells the slots of its contacts. In a file a count has 8 bytes on every machine. first_rank: without the
-   ranks of particles that are gone. */
+/* A chunk, which gives the slots of its contacts. In a file a count has 8 bytes on every machine. first_rank: not
+   counting the ranks of removed particles. */
 typedef struct dem__saved_chunk {
     int64_t count, capacity;
     int32_t first_rank;
@@ -16278,8 +16344,8 @@ static inline void dem__mesh_fields(dem_vec *vertex, int32_t *corner, int wall, 
 }
 
 /* --------------------------------------------------------------------------------------------------- >>save/save.h */
-/* Saving: writes the groups of save/fields.h as records. Reads a const world and writes nothing of it, so that several
-   threads may save one. */
+/* Saving: writes the groups of save/fields.h as records. It only reads the world, so several threads may save the same
+   one. */
 
 static inline void dem__write_particles(dem__stream *s, dem_world *w, dem__group *g) {
     const ptrdiff_t present = w->count - w->engine->bodies.dropped;
@@ -16336,7 +16402,7 @@ static inline void dem__write_meshes(dem__stream *s, const dem_world *w, dem__gr
 
 static inline void dem__write_materials(dem__stream *s, dem_world *w, dem__group *g) {
     const int n = w->def.materials;
-    dem_pair_def pair[DEM_MATERIALS_MAX * DEM_MATERIALS_MAX]; /* without gaps: DEM_MATERIALS_MAX may change */
+    dem_pair_def pair[DEM_MATERIALS_MAX * DEM_MATERIALS_MAX]; /* without gaps, because DEM_MATERIALS_MAX may change */
     for (int k = 0; k < n * n; k++) pair[k] = w->def.pair[k / n][k % n];
     dem__material_fields(w->def.material, g), dem__write_group(s, w, g, n, 0);
     dem__pair_fields(pair, g), dem__write_group(s, w, g, n * n, 0);
@@ -16411,22 +16477,22 @@ DEM_API uint64_t dem_hash(const dem_world *world) {
 }
 
 /* ----------------------------------------------------------------------------------------------- >>meshes/follow.h */
-/* Contacts of spheres with meshes: each follows its place from step to step. */
+/* Contacts of spheres with meshes. Each follows its place from step to step. */
 
-DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
+DEM_INLINE dem__face_cache dem__face_cache_of(const dem_world *w, ptrdiff_t c) {
     double *const *place = w->engine->contacts.touch;
-    dem__footing f;
-    f.at = dem__place_vec(w, DEM__PLACE_FOOTING, c);
+    dem__face_cache f;
+    f.at = dem__place_vec(w, DEM__PLACE_CACHE, c);
     f.slack = place[DEM__PLACE_SLACK][c], f.face = (int32_t)place[DEM__PLACE_FACE][c];
     return f;
 }
-DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
+DEM_INLINE void dem__set_face_cache(dem_world *w, ptrdiff_t c, const dem__face_cache *f) {
     double *const *place = w->engine->contacts.touch;
-    dem__set_place_vec(w, DEM__PLACE_FOOTING, c, f->at);
+    dem__set_place_vec(w, DEM__PLACE_CACHE, c, f->at);
     place[DEM__PLACE_SLACK][c] = f->slack, place[DEM__PLACE_FACE][c] = (double)f->face;
 }
 
-/* Lists the contacts of particle i with wall k in the order of elements. Returns their number, at most DEM__NUMBERS. */
+/* Lists the contacts of particle i with wall k in the order of elements. Returns how many, at most DEM__NUMBERS. */
 DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t *slot) {
     const dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
@@ -16446,8 +16512,8 @@ typedef struct dem__mesh_places {
 } dem__mesh_places;
 
 /* Moves the contacts of particle i with mesh k, in the listed slots, to a step to which the wall has been moved. Each
-   continues at the deepest place whose normal is near its own, or ends. Returns the places; none if the only contact
-   rests on its footing. */
+   continues at the deepest place whose normal is close to its own, or ends. Returns the places; none if the only
+   contact still rests on its cached face. */
 static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step,
                                      dem__mesh_places *at) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -16457,12 +16523,12 @@ static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int
     const double speed =
         dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
     const double radius = w->particle[i].radius, near = w->engine->pairs.touch_gap,
-                 leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
+                 leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact can open in a step */
         deep = leaves > near ? leaves : near;
-    dem__footing footing = dem__footing_of(w, slot[0]);
+    dem__face_cache cache = dem__face_cache_of(w, slot[0]);
     double least;
     at->n = at->taken = at->used = 0;
-    if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, at->touch)) {
+    if (slots == 1 && dem__face_cache_holds(wall, &cache, d, radius, deep, at->touch)) {
         dem__set_touch(w, slot[0], at->touch);
         return;
     }
@@ -16482,9 +16548,9 @@ static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int
         at->taken |= 1 << q;
         dem__set_touch(w, c, &at->touch[q]);
     }
-    footing.slack = 0.0;
-    if (slots == 1 && at->n == 1 && at->taken) footing = dem__find_footing(wall, d, radius, at->touch);
-    for (int m = 0; m < slots; m++) dem__set_footing(w, slot[m], &footing);
+    cache.slack = 0.0;
+    if (slots == 1 && at->n == 1 && at->taken) cache = dem__find_face_cache(wall, d, radius, at->touch);
+    for (int m = 0; m < slots; m++) dem__set_face_cache(w, slot[m], &cache);
 }
 
 /* Returns whether place q touches and has no contact. */
@@ -16498,7 +16564,7 @@ static inline int dem__are_places_left(const dem__mesh_places *at) {
     return 0;
 }
 
-/* Begins contacts of particle i with mesh k at the places that are left, as long as there are free elements. */
+/* Begins contacts of particle i with mesh k at the remaining places, as long as there are free elements. */
 static inline void dem__begin_at_places(dem_world *w, ptrdiff_t i, int k, dem__mesh_places *at) {
     for (int q = 0; q < at->n; q++) {
         int32_t element = 0;
@@ -16510,17 +16576,17 @@ static inline void dem__begin_at_places(dem_world *w, ptrdiff_t i, int k, dem__m
     }
 }
 
-/* Lists the contacts of a particle with a mesh if slot c holds the first of them. Returns their number, otherwise 0. */
+/* Lists the contacts of a particle with a mesh if slot c holds the first of them. Returns how many, otherwise 0. */
 static inline int dem__contacts_at_mesh(const dem_world *w, ptrdiff_t c, int32_t *slot) {
     const int k = -1 - (int)w->engine->contacts.j[c];
     if (k < 0 || !dem__has(&w->wall[k], DEM__TRIANGULATED) || dem__is_convex_contact(w, c))
-        return 0; /* those of a polyhedron follow its points */
+        return 0; /* the contacts of a polyhedron follow its points */
     const int slots = dem__contacts_at(w, w->engine->contacts.i[c], k, slot);
     return slots > 0 && slot[0] == c ? slots : 0;
 }
 
-/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places
-   are left: contacts begin on one thread. */
+/* Moves the contacts of chunks first .. end-1. Marks in contacts.partial, which the kernel has not written yet, where
+   places remain: contacts begin on one thread. */
 static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part;
@@ -16529,18 +16595,18 @@ static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t 
             int32_t slot[DEM__NUMBERS];
             dem__mesh_places at;
             const int slots = dem__contacts_at_mesh(w, c, slot);
-            contacts->edge[c] = 0;
+            contacts->partial[c] = 0;
             if (slots == 0) continue;
             for (int m = 0; m < slots; m++)
                 dem__set_place_vec(w, DEM__PLACE_BEFORE, slot[m], dem__place_normal(w, slot[m]));
             dem__match_places(w, contacts->i[c], -1 - (int)contacts->j[c], slot, slots, *(const int64_t *)step, &at);
-            contacts->edge[c] = (uint8_t)dem__are_places_left(&at);
+            contacts->partial[c] = (uint8_t)dem__are_places_left(&at);
         }
     }
 }
 
-/* Moves contacts with meshes to a step to which the walls have been moved, and begins those at other places of meshes
-   that particles touch already. */
+/* Moves contacts with meshes to a step to which the walls have been moved, and begins contacts at other places of
+   meshes that particles already touch. */
 static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
@@ -16549,7 +16615,7 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     DEM__EACH_CONTACT(w, c) {
         int32_t slot[DEM__NUMBERS];
         dem__mesh_places at;
-        if (c >= end || !contacts->edge[c] || w->status != DEM_OK) continue;
+        if (c >= end || !contacts->partial[c] || w->status != DEM_OK) continue;
         const ptrdiff_t i = contacts->i[c];
         const int k = -1 - (int)contacts->j[c], slots = dem__contacts_at_mesh(w, c, slot);
         dem__match_places(w, i, k, slot, slots, step, &at);
@@ -16612,7 +16678,7 @@ DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec hig
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/save.h */
 /* Shapes in a saved world: their fields, and whether loaded ones are sound. */
 
-#define DEM__SHAPE_OPTIONAL 2 /* fields at the end of the list that a save may lack */
+#define DEM__SHAPE_OPTIONAL 2 /* fields at the end of the list that a save need not have */
 
 static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     const size_t s = sizeof *c;
@@ -16644,15 +16710,16 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
 }
 
 /* ------------------------------------------------------------------------------------------- >>polyhedra/springs.h */
-/* What a shape tells of its contacts: among how many corners a face shares the spring of a pair, and how fast contacts
-   are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a face or a corner alone. */
+/* What a shape tells about its contacts: among how many corners a face shares the spring of a pair, and how fast
+   contacts are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a single face or
+   corner. */
 
-/* A contact's stiffness over k/m, for motion along its normal and for turns about the three axes. */
+/* A contact's stiffness over k/m, for motion along its normal and for rotations about the three axes. */
 typedef struct dem__modes {
     double of[4][4];
 } dem__modes;
 
-/* Adds the spring of a point, w its part. u: how fast the point moves along the normal by each motion. */
+/* Adds the spring of a point with part w. u: how fast the point moves along the normal by each motion. */
 static inline void dem__add_spring(dem__modes *m, double w, const double *u) {
     for (int k = 0; k < 16; k++) m->of[k / 4][k % 4] += w * u[k / 4] * u[k % 4];
 }
@@ -16673,8 +16740,8 @@ static inline double dem__highest_rate(const dem__modes *modes) {
     return scale * trace;
 }
 
-/* Returns the rate of a corner alone, in the direction in which it is highest: along each direction it moves by itself
-   and by turns about the axes. */
+/* Returns the rate of a single corner, in the direction in which it is highest: along each direction the corner moves
+   with the body, and by rotations about the axes. */
 static inline double dem__rate_of_corner(const dem_convex *s, dem_vec r) {
     dem__modes m;
     memset(&m, 0, sizeof m);
@@ -16721,15 +16788,15 @@ static inline void dem__find_springs(dem_convex *s) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/shape.h */
-/* Convex polyhedra: faces from corners, mass properties, erosion. Promises: what is accepted is closed and convex,
-   and its tables agree with each other. */
+/* Convex polyhedra: faces from corners, mass properties, erosion. Promises: an accepted shape is closed and convex, and
+   its tables agree with each other. */
 
-/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough.
- */
+/* Corners closer than this to a plane, over the size of the whole, lie in it. The single precision of files is
+   enough. */
 #define DEM__FLAT 1e-6
 #define DEM__NO_CORE "its core is no polyhedron: a smaller rounding leaves one"
 
-/* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
+/* The hull of a set of points: the planes with all other points behind them, and the points in each plane. */
 typedef struct dem__hull {
     int faces;
     uint32_t holds[DEM_FACES_MAX];
@@ -16748,8 +16815,8 @@ static inline double dem__half_size(const double *x, int n) {
     return size;
 }
 
-/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns
-   0 if there are too many. */
+/* Adds a plane unless one has the same points; of the two, the one from the larger triangle stays. Returns 0 if there
+   are too many. */
 static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
     int f = 0;
     while (f < hull->faces && hull->holds[f] != holds) f++;
@@ -16794,8 +16861,8 @@ static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double
     return 1;
 }
 
-/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no
-   polygon. */
+/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they do not
+   form a polygon. */
 static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
     const dem_vec normal = dem__point(hull->plane[f]);
     const int begin = count;
@@ -16819,8 +16886,8 @@ static inline int dem__go_round(const dem__hull *hull, int f, const double *x, i
     return count - begin == total && total > 2 ? count : 0;
 }
 
-/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is
-   not that of a ball. */
+/* Finds the edges from the corners of faces. Returns 0 if an edge does not have two faces or is too short, or the
+   surface is not that of a ball. */
 static inline int dem__find_edges(dem_convex *s, double shortest) {
     s->edges = 0;
     for (int f = 0; f < s->faces; f++) {
@@ -16890,8 +16957,8 @@ static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
     }
 }
 
-/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left
-   as it is. */
+/* Diagonalises a symmetric matrix (Jacobi). axis[k][a]: component a of principal axis k. A diagonal matrix is left as
+   it is. */
 static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
     const double size = m[0][0] + m[1][1] + m[2][2];
     for (int p = 0; p < 3; p++) {
@@ -16939,7 +17006,8 @@ static inline const char *dem__set_moments(dem_convex *s, const dem__moments *bu
     return NULL;
 }
 
-/* Sets them; moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what is wrong. */
+/* Does so from the faces. Moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what
+   is wrong. */
 static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     dem__moments bulk;
     dem_vec c;
@@ -16953,8 +17021,8 @@ static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     return NULL;
 }
 
-/* Finds the point where three planes meet that have moved inwards. Returns their determinant, without sign; 0 if that
-   is below `least`. */
+/* Finds the point where three planes meet after they have moved inwards. Returns the absolute value of their
+   determinant; 0 if that is below `least`. */
 static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, double least,
                                dem_vec *at) {
     const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
@@ -16967,8 +17035,8 @@ static inline double dem__meet(const double *p, const double *q, const double *r
     return fabs(det);
 }
 
-/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there
-   are too many. */
+/* Adds a corner of the core unless it is there; of two equal corners the better determined one stays. Returns 0 if
+   there are too many. */
 static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
     int k = 0;
     while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
@@ -17001,7 +17069,7 @@ static inline int dem__erode(const dem_convex *s, dem_convex *core, double radiu
     return 1;
 }
 
-/* Returns the smallest distance of a face from the corner opposite to it. */
+/* Returns the smallest distance between a face and the corner opposite to it. */
 static inline double dem__least_width(const dem_convex *s) {
     double least = HUGE_VAL;
     for (int f = 0; f < s->faces; f++) {
@@ -17016,7 +17084,7 @@ static inline double dem__least_width(const dem_convex *s) {
 }
 
 /* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths
-   to the last bit, because its distances are computed from these. */
+   to the last bit, because distances are computed from these. */
 static inline void dem__find_box(dem_convex *s) {
     const double *h = s->corner[0];
     s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
@@ -17030,7 +17098,7 @@ static inline void dem__find_box(dem_convex *s) {
     }
 }
 
-/* Turns corners and planes of a shape: column k of the rotation is where its axis k lies. */
+/* Turns corners and planes of a shape. Its axes become x, y and z, the columns of the rotation. */
 static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec z) {
     if (x.x == 1.0 && y.y == 1.0 && z.z == 1.0) return;
     for (int k = 0; k < s->corners + s->faces; k++) {
@@ -17039,12 +17107,12 @@ static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec 
         v[0] = at.x, v[1] = at.y, v[2] = at.z;
     }
 }
-/* Turns them from the principal axes to the frame in which the shape was given. */
+/* Turns corners and planes from the principal axes to the frame in which the shape was given. */
 static inline void dem__turn_to_given(dem_convex *s) {
     dem__turn_shape(s, s->axis[0], s->axis[1], s->axis[2]);
     s->along_axes = 0;
 }
-/* Turns them to the principal axes. A box has its corners at the half lengths again, to the last bit. */
+/* Turns corners and planes to the principal axes. The corners of a box then equal the half lengths to the last bit. */
 static inline void dem__turn_to_axes(dem_convex *s) {
     const dem_vec *a = s->axis;
     if (!s->along_axes)
@@ -17076,8 +17144,8 @@ static inline void dem__finish_shape(dem_convex *core) {
     dem__turn_to_given(core);
 }
 
-/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. is_large: whether that is that its
-   core has too many corners. */
+/* Makes the shape from corners relative to their middle. Returns NULL, or what is wrong. is_large: set if its core has
+   too many corners. */
 static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding, int *is_large) {
     dem_convex core;
     const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
@@ -17098,9 +17166,9 @@ static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double 
 }
 
 /* ------------------------------------------------------------------------------------------ >>polyhedra/distance.h */
-/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Promises: a separation that is returned
-   is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge)
-   and a triangle (3 corners, 3 edges, 2 faces) are cores like any other. */
+/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Promises: a separation never exceeds the
+   true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a triangle (3
+   corners, 3 edges, 2 faces) are cores like any other. */
 
 DEM_INLINE dem_vec dem__from_core_frame(const dem__placed *p, dem_vec v) {
     return dem__add(dem__scale(v.x, p->axis[0]), dem__plus(dem__scale(v.y, p->axis[1]), v.z, p->axis[2]));
@@ -17123,7 +17191,7 @@ DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
     return best;
 }
 
-/* A simplex of corners of the difference of two cores: the corners of each, their places, and their weights in the
+/* A simplex of corners of the difference of two cores: the corners of each, their positions, and their weights in the
    nearest point. */
 typedef struct dem__simplex {
     int n;
@@ -17140,7 +17208,7 @@ DEM_INLINE void dem__keep_corners(dem__simplex *s, int n, const int *kept, const
     s->n = n;
 }
 
-/* Returns the point of segment i, j of a simplex that is nearest to the origin, and keeps the corners between which it
+/* Returns the point of segment i, j of a simplex that is nearest to the origin. Keeps the corners between which it
    lies. */
 static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
     const dem_vec p = s->at[i], u = dem__sub(s->at[j], p);
@@ -17164,7 +17232,7 @@ static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
     const double d3 = -dem__dot(ab, s->at[j]), d4 = -dem__dot(ac, s->at[j]), d5 = -dem__dot(ab, s->at[k]),
                  d6 = -dem__dot(ac, s->at[k]);
     const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, all = va + vb + vc;
-    if (!(all > 0.0) || vc <= 0.0 || vb <= 0.0 || va <= 0.0) { /* on the border: the nearest of three segments */
+    if (!(all > 0.0) || vc <= 0.0 || vb <= 0.0 || va <= 0.0) { /* on the border: the nearest point of three segments */
         const int pair[3][2] = {{i, j}, {i, k}, {j, k}};
         dem__simplex best = *s;
         dem_vec least = a;
@@ -17212,9 +17280,8 @@ static inline dem_vec dem__near_simplex(dem__simplex *s) {
 /* Distance of two cores. */
 typedef struct dem__gap_of_cores {
     dem_vec normal;      /* from b to a, a unit vector */
-    double separation;   /* of the two cores along it: their distance, or a lower limit of it; less than 0 where they
-                            overlap */
-    dem_vec at_a, at_b;  /* the points nearest to each other, where they do not overlap */
+    double separation;   /* their distance along it, or a lower limit of it; negative where they overlap */
+    dem_vec at_a, at_b;  /* the points nearest to each other, if they do not overlap */
     int overlap, rounds; /* whether they overlap; number of iterations */
 } dem__gap_of_cores;
 
@@ -17225,7 +17292,7 @@ DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem
     s->at[k] = dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j));
 }
 
-/* Begins with the corners of the last test, or with those that face each other. */
+/* Starts with the corners of the last test, or with those that face each other. */
 static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                       const dem__placed *pb, const dem__nearest_cache *cache) {
     s->n = 0;
@@ -17242,24 +17309,23 @@ DEM_INLINE double dem__reach_along(const dem_convex *s, const dem__placed *p, de
     if (s->is_box) return fabs(u.x) * s->half.x + fabs(u.y) * s->half.y + fabs(u.z) * s->half.z;
     return dem__dot(u, dem__point(s->corner[dem__farthest(s, u)]));
 }
-/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value
-   says nothing: they may be apart in another direction. */
+/* Returns a lower limit of the distance of two cores [m]: the distance along n, a unit vector from b to a. A negative
+   value says nothing, because they may be apart in another direction. */
 DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                    const dem__placed *pb, dem_vec n) {
     if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) return -HUGE_VAL;
     return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) -
            dem__reach_along(b, pb, n);
 }
-/* Two boxes, seen from the first one: where the other one's centre is not, but whence it is seen (from b to a), and its
-   axes. */
+/* Two boxes in the frame of the first one: the vector from the centre of b to that of a, and the axes of b. */
 typedef struct dem__two_boxes {
     const dem_convex *a, *b;
     double from[3], turn[3][3],
-        size[3][3]; /* along a's axes; turn[i][m]: cosine of a's axis i and b's axis m; size: without sign */
+        size[3][3]; /* along a's axes; turn[i][m]: cosine between a's axis i and b's axis m; size: its absolute value */
 } dem__two_boxes;
 
 /* Finds the axis k < 3 of a, or k - 3 of b, along which two boxes are farthest apart. Returns how far, as
-   dem__apart_along; along: k, and the component of the distance along it. */
+   dem__apart_along does. along: component of the distance along the axis. */
 static inline double dem__apart_along_faces(const dem__two_boxes *q, int *k, double *along) {
     double most = -HUGE_VAL;
     for (int n = 0; n < 6; n++) {
@@ -17293,8 +17359,8 @@ static inline double dem__apart_along_edges(const dem__two_boxes *q, int *k, dou
 }
 
 /* Looks for a direction along which two boxes are farther apart than `enough`, a unit vector from b to a, among the
-   normals of faces, then the products of edges (separating axes). Returns how far, as dem__apart_along; if it is not
-   enough, the direction is not set. */
+   normals of faces, then the products of edges (separating axes). Returns how far, as dem__apart_along does. If that is
+   not enough, the direction is not set. */
 static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                      const dem__placed *pb, double enough, dem_vec *normal) {
     dem__two_boxes q;
@@ -17355,13 +17421,13 @@ static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *
     }
 }
 
-/* A direction is good enough to find the points of two cores if they are as far apart along it as this share of the
+/* A direction is good enough to find the points of two cores if their distance along it is at least this share of the
    radii. */
 #define DEM__GOOD_AXIS 0.9
 
 /* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart
-   than `enough`, or certainly nearer and apart along a good direction. cache: of this pair, read and written, or NULL.
-   */
+   than `enough`, or certainly nearer and apart along a good direction. cache: of this pair, read and written, or
+   NULL. */
 static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
                                  double enough, dem__nearest_cache *cache, dem__gap_of_cores *gap) {
     dem__simplex s;
@@ -17394,7 +17460,7 @@ static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, con
     else dem__nearest_points(&s, a, pa, b, pb, gap);
 }
 
-/* Makes a core of a segment, or of a triangle. Its centre is the first corner; its axes are the world's. */
+/* Makes a core from a segment, or a triangle. Its centre is the first corner; its axes are the world's. */
 static inline void dem__segment_core(dem_convex *s, dem__placed *p, dem_vec from, dem_vec to, double radius) {
     const dem_vec u = dem__sub(to, from);
     memset(s, 0, sizeof *s);
@@ -17417,7 +17483,7 @@ static inline void dem__triangle_core(dem_convex *s, dem__placed *p, dem_vec a, 
     }
     s->face_start[1] = 3, s->face_start[2] = 6;
 }
-/* Makes a core of a point: the centre of a sphere. */
+/* Makes a core from a point: the centre of a sphere. */
 static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, double radius) {
     dem__segment_core(s, p, x, x, radius);
     s->corners = 1, s->edges = 0;
@@ -17425,24 +17491,42 @@ static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, dou
 
 /* -------------------------------------------------------------------------------------------- >>polyhedra/points.h */
 /* The points at which two rounded polyhedra touch: corners of each at the other, and edges that cross. Promises: a
-   point depends on its own two features alone; weight times overlap along the normals is the gradient of a potential
-   (of a linear law), and continuous in the motion. */
+   point depends only on its own two features; weight times overlap along the normals is the gradient of a potential (of
+   a linear law), and continuous in the motion. */
 
 enum {
     DEM__POINTS_MAX = 256
-}; /* greatest number of points of a pair: enough for a plate on 60 wires; further ones are left out */
+}; /* greatest number of points of a pair, enough for a plate on 60 wires; further points are left out */
 #define DEM__WINDOW                                                                                                    \
     1.000001 /* features are tested up to this multiple of the radii, so that rounding of directions does not decide   \
               */
 
-/* Sets what a point has that is a corner: its whole law. */
-DEM_INLINE void dem__count_point(dem__convex_point *p, double gap) {
+/* Returns the part that a corner of a body has of the spring of a pair. */
+DEM_INLINE double dem__part_of(const dem_convex *s) { return 1.0 / (double)s->springs; }
+
+/* Sets what a point has that is a corner. part: of the spring of its pair. */
+DEM_INLINE void dem__count_point(dem__convex_point *p, double part, double gap) {
     p->taken = 0;
-    p->gap = gap, p->weight = p->count = p->spring = 1.0;
+    p->gap = gap, p->weight = p->count = part;
 }
 
-/* Returns the signed distance of a point p from a box, in its frame; n: the direction away from it. Beyond `enough`,
-   any larger value without a direction. */
+/* Sets the weights of the point of a crossing, p[0], and of those of its n - 1 ends: p[0] and p[k] have the overlaps D
+   and D_k, and forces are the gradient of part D^2 product(1 - (D_k/D)^2) k/2. Returns 0 if nothing is left of that. */
+DEM_INLINE int dem__weigh_crossing(dem__convex_point *p, int n, double part) {
+    double rest[5], left = part, sum = 1.0;
+    for (int k = 1; k < n; k++) {
+        const double ratio = p[k].gap / p[0].gap, share = ratio * ratio;
+        rest[k] = share < 1.0 ? 1.0 - share : 0.0;
+        left *= rest[k], sum += share / rest[k];
+    }
+    if (!(left > 1e-10 * part)) return 0;
+    p[0].weight = left * sum, p[0].count = left;
+    for (int k = 1; k < n; k++) p[k].weight = -left / rest[k], p[k].count = 0.0;
+    return 1;
+}
+
+/* Returns the signed distance of a point p from a box, in its frame. n: the direction away from it. Beyond `enough`,
+   returns any larger value without a direction. */
 DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec *n) {
     const dem_vec out = dem_vec3(fabs(p.x) - half.x, fabs(p.y) - half.y, fabs(p.z) - half.z);
     const dem_vec d = dem_vec3(out.x > 0.0 ? out.x : 0.0, out.y > 0.0 ? out.y : 0.0, out.z > 0.0 ? out.z : 0.0);
@@ -17459,7 +17543,7 @@ DEM_INLINE double dem__from_box(dem_vec half, dem_vec p, double enough, dem_vec 
     return dem_axis(out, k);
 }
 
-/* Returns whether the foot of a point p lies within face f. */
+/* Returns whether the projection of a point p on face f lies within it. */
 DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     const dem_vec n = dem__point(s->plane[f]);
     for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
@@ -17470,8 +17554,8 @@ DEM_INLINE int dem__over_face(const dem_convex *s, int f, dem_vec p) {
     return 1;
 }
 
-/* Returns the signed distance of a point p from a core that is no box; n: the direction away from it. Beyond `enough`,
-   any larger value. */
+/* Returns the signed distance of a point p from a core that is not a box. n: the direction away from it. Beyond
+   `enough`, returns any larger value. */
 static inline double dem__from_near_faces(const dem_convex *s, dem_vec p, double enough, dem_vec *n) {
     int top = -1;
     double highest = -HUGE_VAL, least = HUGE_VAL;
@@ -17505,25 +17589,30 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
     return dem__from_near_faces(s, p, HUGE_VAL, n);
 }
 
-/* Returns the signed distance of a point p from a core; n: the direction away from it. Beyond `enough`, any larger
-   value. */
-DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
-    const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
+/* Returns the signed distance of a point, given in the frame of a core, from the core. n: the direction away from it, in
+   the world. Beyond `enough`, returns any larger value. */
+DEM_INLINE double dem__from_core_in(const dem_convex *s, const dem__placed *place, dem_vec x, double enough,
+                                    dem_vec *n) {
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);
     const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_near_faces(s, x, enough, &m);
     *n = distance > enough ? m : dem__from_core_frame(place, m);
     return distance;
 }
 
-/* An edge in the world: where it begins, its direction, its length; in each of its two faces the direction away from
-   it; the sum of their normals. */
+/* Returns the same of a point p of the world. */
+DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
+    return dem__from_core_in(s, place, dem__into_core(place, dem__sub(p, place->x)), enough, n);
+}
+
+/* An edge in the world: where it begins, its direction and length; in each of its two faces the direction away from it;
+   the sum of their normals. */
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
     double length, middle,
-        half; /* [m]; the middle of the part that is near the other core, along it, and half the length of that */
-    int number, ends; /* ends: bits of the ends that are corners, which have points of their own */
-    int sided;        /* of a wall's edge: whether it is touched only from the side of `outward` */
-    double deep;      /* of a wall's edge: how much deeper than the radii it may be in the core [m] */
+        half; /* [m]; of the part near the other core: its middle, along the edge, and half its length */
+    int number, ends; /* ends: bits of the ends that are corners, which have their own points */
+    int sided;        /* edge of a wall: whether it is touched only from the side of `outward` */
+    double deep;      /* edge of a wall: how much deeper than the radii it may be in the core [m] */
 } dem__placed_edge;
 
 /* Heights of corners along a direction, and which corners are near the other core. */
@@ -17534,14 +17623,32 @@ typedef struct dem__side {
     double sign;
     int n; /* near corners */
     uint8_t corner[DEM_CORNERS_MAX], is_near[DEM_CORNERS_MAX];
+    dem_vec *seen; /* all corners in the frame of the other core, if that is a box */
 } dem__side;
+
+/* Finds the corners in the frame of the other core, if that is a box. */
+DEM_INLINE void dem__see_corners(dem__side *side, const dem__side *other) {
+    const dem__placed *frame = other->place;
+    dem__placed seen;
+    if (!other->shape->is_box) return;
+    seen.x = dem__into_core(frame, dem__sub(side->place->x, frame->x));
+    for (int k = 0; k < 3; k++) seen.axis[k] = dem__into_core(frame, side->place->axis[k]);
+    for (int k = 0; k < side->shape->corners; k++) side->seen[k] = dem__corner_at(side->shape, &seen, k);
+}
 
 DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, double *highest) {
     const double centre = dem__dot(n, side->place->x);
-    const dem_vec in_body = dem__into_core(side->place, n);
+    const dem_vec in_body = dem__into_core(side->place, n), half = side->shape->half;
+    for (int k = 0; k < side->shape->corners; k++)
+        side->height[k] = centre + dem__dot(in_body, dem__point(side->shape->corner[k]));
+    if (side->shape->is_box) {
+        const double reach = fabs(in_body.x) * half.x + fabs(in_body.y) * half.y + fabs(in_body.z) * half.z;
+        *lowest = centre - reach, *highest = centre + reach;
+        return;
+    }
     *lowest = HUGE_VAL, *highest = -HUGE_VAL;
     for (int k = 0; k < side->shape->corners; k++) {
-        const double h = side->height[k] = centre + dem__dot(in_body, dem__point(side->shape->corner[k]));
+        const double h = side->height[k];
         *lowest = h < *lowest ? h : *lowest, *highest = h > *highest ? h : *highest;
     }
 }
@@ -17550,16 +17657,16 @@ DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, do
 DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
     side->n = 0, side->limit = low, side->sign = sign;
     for (int k = 0; k < side->shape->corners;
-         k++) { /* without branches, as is all that follows: they could not be predicted */
+         k++) { /* without branches here and below: they could not be predicted */
         side->corner[side->n] = (uint8_t)k;
         side->n += side->is_near[k] = sign * side->height[k] < low;
     }
 }
 
-/* Finds the part of an edge that is near the other core: all of it, or from its near end to the limit. a, b: heights of
-   its ends [m]. */
-DEM_INLINE void dem__find_near_part(const dem__side *side, double a, double b, dem__placed_edge *p) {
-    a *= side->sign, b *= side->sign;
+/* Finds the part of edge e that is near the other core: all of it, or from its near end to the limit. */
+DEM_INLINE void dem__find_near_part(const dem__side *side, int e, dem__placed_edge *p) {
+    const uint8_t *end = side->shape->edge[e];
+    const double a = side->sign * side->height[end[0]], b = side->sign * side->height[end[1]];
     const double at_limit = p->length * ((side->limit - a) / (b != a ? b - a : 1.0));
     const double from = a < side->limit ? 0.0 : at_limit, to = b < side->limit ? p->length : at_limit;
     p->middle = 0.5 * (from + to);
@@ -17571,7 +17678,7 @@ DEM_INLINE int dem__is_near_edge(const dem__side *side, int e) {
     return side->is_near[side->shape->edge[e][0]] | side->is_near[side->shape->edge[e][1]];
 }
 
-/* Places edge e in the world. apart: the cores do not overlap, and the directions in its faces are not needed. */
+/* Places edge e in the world. apart: the cores do not overlap, and the directions in its faces are not used. */
 static inline void dem__place_edge(const dem__side *side, int e, int apart, dem__placed_edge *p) {
     const dem_convex *s = side->shape;
     const int from = s->edge[e][0], to = s->edge[e][1];
@@ -17580,12 +17687,11 @@ static inline void dem__place_edge(const dem__side *side, int e, int apart, dem_
     p->from = dem__corner_at(s, side->place, from);
     if (s->is_box) { /* along an axis */
         const int k = !(fabs(u.x) > 0.0) * (1 + !(fabs(u.y) > 0.0));
-        p->length = fabs(dem_axis(u, k)), p->along = dem__scale(1.0 / p->length * dem_axis(u, k), side->place->axis[k]);
+        const double along = u.x + u.y + u.z;
+        p->length = fabs(along), p->along = dem__scale(along < 0.0 ? -1.0 : 1.0, side->place->axis[k]);
     } else {
         p->length = dem__length(u), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
     }
-    const double a = side->height[from], b = side->height[to];
-    dem__find_near_part(side, a, b, p);
     p->outward = p->in[0] = p->in[1] = dem_vec3(0.0, 0.0, 0.0); /* a segment has no faces */
     if (apart) return;
     for (int f = 0; f < 2 && s->faces > 0; f++) {
@@ -17596,8 +17702,7 @@ static inline void dem__place_edge(const dem__side *side, int e, int apart, dem_
     if (dem__dot(p->outward, p->outward) < 1e-6) p->outward = dem__scale(-1.0, p->in[0]); /* the rim of a sheet */
 }
 
-/* Returns how much the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals.
- */
+/* Returns how far the direction n, away from an edge, leans over one of its faces; 0 if it is between their normals. */
 DEM_INLINE double dem__lean(const dem__placed_edge *e, dem_vec n) {
     double lean = 0.0;
     for (int f = 0; f < 2; f++) {
@@ -17626,7 +17731,7 @@ DEM_INLINE double dem__from_edge(const dem__placed_edge *e, dem_vec x, dem_vec *
 }
 
 /* Finds where two edges cross: s along p, the unit vector from q to p, and the signed distance. Returns 0 if they do
-   not cross. apart: the cores do not overlap, so that nearest points tell the direction. */
+   not cross. apart: the cores do not overlap, so the nearest points give the direction. */
 static inline int dem__find_crossing(const dem__placed_edge *p, const dem__placed_edge *q, int apart, double *s,
                                      dem_vec *normal, double *distance) {
     const dem_vec d = dem__sub(p->from, q->from), product = dem__cross(p->along, q->along);
@@ -17634,7 +17739,7 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     if (!(square > 1e-12)) return 0; /* parallel: corners suffice */
     const double on_p = dem__dot(d, p->along), on_q = dem__dot(d, q->along), s_square = c * on_q - on_p,
                  t_square = on_q - c * on_p;
-    const double wide = DEM__WINDOW * square; /* most do not cross, which is seen without a division */
+    const double wide = DEM__WINDOW * square; /* most do not cross, which shows without a division */
     if (!((s_square > 0.0) & (s_square < p->length * wide) & (t_square > 0.0) & (t_square < q->length * wide)))
         return 0;
     const double t = t_square / square;
@@ -17651,17 +17756,17 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     return apart || *distance > 0.0 || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
 }
 
-/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap D at the
-   crossing counts only beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1
-   - (D_i/D)^2) k/2. It is 0 with slope 0 where the crossing reaches an end, and that corner's own point continues.
-   Forces are its gradient: D at the crossing and D_i at the ends, with weights. The point of the crossing gets `key`,
-   those of the ends the next four. */
+/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap at the
+   crossing counts only beyond that of the ends of the edges, each with its overlap at the other edge: it is 0 with
+   slope 0 where the crossing reaches an end, and that corner's own point continues. The point of the crossing gets
+   `key`, those of the ends the next four. part: of the spring of the pair. */
 static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart,
-                                   int32_t key, dem__convex_point *out) {
-    double s, distance, rest[4], left = 1.0, share[4];
+                                   double part, int32_t key, dem__convex_point *out) {
+    double s, distance;
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
-    if (!(overlap > 0.0) || !(overlap < 2.0 * radii + q->deep)) return 0; /* deeper: on far sides of the cores */
+    /* deeper: they lie on far sides of the cores */
+    if (!(overlap > 0.0) || !(overlap < 2.0 * radii + q->deep)) return 0;
     int n = 1;
     out->key = key, out->taken = 0;
     out->gap = -overlap;
@@ -17671,49 +17776,38 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
         const dem_vec x = k % 2 ? dem__plus(own->from, own->length, own->along) : own->from;
         dem__convex_point *end = &out[n];
         dem_vec off;
-        share[k] = 0.0, rest[k] = 1.0;
         if (!(own->ends >> k % 2 & 1) || dem__is_off_edge(other, x, DEM__WINDOW * radii)) continue;
-        const double from = dem__from_edge(other, x, &off), at_end = radii - from;
-        if (!(at_end > 0.0)) continue;
-        share[k] = at_end * at_end / (overlap * overlap);
-        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
-        left *= rest[k];
-        if (share[k] == 0.0) continue;
-        end->key = out->key + 1 + k, end->taken = 0, end->gap = -at_end, end->weight = k;
+        const double from = dem__from_edge(other, x, &off);
+        if (!(from < radii)) continue;
+        end->key = out->key + 1 + k, end->taken = 0, end->gap = from - radii;
         end->normal = dem__scale(k < 2 ? 1.0 : -1.0, off);
         end->at = k < 2 ? x : dem__plus(x, -from, off);
         n++;
     }
-    if (!(left > 1e-10)) return 0;
-    out->weight = out->count = left;
-    for (int k = 0; k < 4; k++) out->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight], out[m].count = 0.0;
-    return n;
+    return dem__weigh_crossing(out, n, part) ? n : 0;
 }
 
-/* Returns whether a point is farther than a distance beyond a side of a box. */
-DEM_INLINE int dem__passes_box(const dem__side *box, dem_vec x, double distance) {
-    const dem_vec d = dem__sub(x, box->place->x), half = box->shape->half;
-    int passes = 0;
-    for (int k = 0; k < 3; k++) passes |= fabs(dem__dot(d, box->place->axis[k])) > dem_axis(half, k) + distance;
-    return passes;
+/* Returns whether a point, given in the frame of a box, is farther than a distance beyond a side of it. */
+DEM_INLINE int dem__passes_box(dem_vec half, dem_vec x, double distance) {
+    return (fabs(x.x) > half.x + distance) | (fabs(x.y) > half.y + distance) | (fabs(x.z) > half.z + distance);
 }
 
-/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if above 0,
-   a and b have changed places. */
+/* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if it is
+   above 0, a and b are exchanged. */
 static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out,
                                           int n) {
-    const double radii = a->shape->radius + b->shape->radius;
+    const double radii = a->shape->radius + b->shape->radius, part = dem__part_of(a->shape);
     for (int m = 0; m < a->n && n < DEM__POINTS_MAX; m++) {
         const int k = a->corner[m];
         dem__convex_point *p = &out[n];
-        const dem_vec x = dem__corner_at(a->shape, a->place, k);
-        if (b->shape->is_box && dem__passes_box(b, x, DEM__WINDOW * radii)) continue;
-        const double distance = dem__from_core(b->shape, b->place, x, DEM__WINDOW * radii, &p->normal);
+        if (b->shape->is_box && dem__passes_box(b->shape->half, a->seen[k], DEM__WINDOW * radii)) continue;
+        const dem_vec x = dem__corner_at(a->shape, a->place, k),
+                      in_b = b->shape->is_box ? a->seen[k] : dem__into_core(b->place, dem__sub(x, b->place->x));
+        const double distance = dem__from_core_in(b->shape, b->place, in_b, DEM__WINDOW * radii, &p->normal);
         if (!(distance < radii)) continue;
         p->key = key + k, p->at = x;
-        dem__count_point(p, distance - radii);
-        if (key > 0) { /* a and b have changed places */
+        dem__count_point(p, part, distance - radii);
+        if (key > 0) { /* a and b are exchanged */
             p->at = dem__plus(x, -distance, p->normal);
             p->normal = dem__scale(-1.0, p->normal);
         }
@@ -17722,17 +17816,14 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
     return n;
 }
 
-/* Returns which sides of a box the near part of edge e of another core comes near to: bits 2 k and 2 k + 1 for the
-   lower and the upper side across axis k; 0 if it is not near to two sides that meet, where an edge of the box could
-   be. seen: the core's place in the box's frame. */
-DEM_INLINE unsigned dem__sides_near(const dem__side *side, const dem__placed *seen, int e, const dem_convex *box,
-                                    double radii) {
+/* Returns to which sides of a box the near part of edge e of another core comes close: bits 2 k and 2 k + 1 for the
+   lower and the upper side across axis k. Returns 0 if these are not two sides that meet in an edge. */
+DEM_INLINE unsigned dem__sides_near(const dem__side *side, int e, const dem_convex *box, double radii) {
     const uint8_t *end = side->shape->edge[e];
     const double a = side->sign * side->height[end[0]], b = side->sign * side->height[end[1]];
     const double at_limit = (side->limit - a) / (b != a ? b - a : 1.0);
     const double begins = a < side->limit ? 0.0 : at_limit, ends = b < side->limit ? 1.0 : at_limit;
-    const dem_vec from = dem__corner_at(side->shape, seen, end[0]),
-                  u = dem__sub(dem__corner_at(side->shape, seen, end[1]), from);
+    const dem_vec from = side->seen[end[0]], u = dem__sub(side->seen[end[1]], from);
     const dem_vec at = dem__plus(from, 0.5 * (begins + ends), u);
     const double half_part = 0.5 * (ends - begins);
     const double x[3] = {at.x, at.y, at.z}, half[3] = {box->half.x, box->half.y, box->half.z};
@@ -17747,18 +17838,13 @@ DEM_INLINE unsigned dem__sides_near(const dem__side *side, const dem__placed *se
     }
     return sides * (unsigned)(!passes & (across > 1));
 }
-/* Returns the sides of a box at which a corner lies. */
-DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
-    const double *x = box->corner[corner];
-    return 1u << (x[0] > 0.0) | 4u << (x[1] > 0.0) | 16u << (x[2] > 0.0);
-}
 
 /* Edges of a core that end at a near corner. */
 typedef struct dem__edge_list {
     int n;
     uint8_t number[DEM_EDGES_MAX];
-    uint8_t sides[DEM_EDGES_MAX]; /* of a box: those at which an edge lies; or those of the other box that it is not
-                                     near to */
+    uint8_t sides[DEM_EDGES_MAX]; /* of a box: the sides that meet at an edge; otherwise the sides of the other box that
+                                     it is not close to */
 } dem__edge_list;
 
 /* Lists the edges that end at a near corner. */
@@ -17769,43 +17855,53 @@ static inline void dem__list_near_edges(const dem__side *side, dem__edge_list *l
         list->n += dem__is_near_edge(side, e);
     }
 }
-/* Finds the sides of a box at which its edges lie. */
+/* Finds the sides of a box that meet at its edges. */
 static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) {
+    const dem_convex *s = side->shape;
+    unsigned of[6] = {0, 0, 0, 0, 0, 0};
+    for (int f = 0; f < 6 && s->is_box; f++) {
+        const double *n = s->plane[f];
+        of[f] = (n[0] < -0.5) | (unsigned)(n[0] > 0.5) << 1 | (unsigned)(n[1] < -0.5) << 2 |
+                (unsigned)(n[1] > 0.5) << 3 | (unsigned)(n[2] < -0.5) << 4 | (unsigned)(n[2] > 0.5) << 5;
+    }
     for (int m = 0; m < list->n; m++) {
-        const uint8_t *end = side->shape->edge[list->number[m]];
-        list->sides[m] = side->shape->is_box
-                             ? (uint8_t)(dem__sides_of(side->shape, end[0]) & dem__sides_of(side->shape, end[1]))
-                             : 0;
+        const uint8_t *face = s->edge_face[list->number[m]];
+        list->sides[m] = s->is_box ? (uint8_t)(of[face[0]] | of[face[1]]) : 0;
     }
 }
-/* Keeps the edges of a list that can cross one of the other core. */
+/* Keeps the edges of a list that can cross an edge of the other core. */
 static inline void dem__keep_edges(const dem__side *side, const dem__side *other, double radii, dem__edge_list *list) {
-    const dem__placed *frame = other->place;
-    dem__placed seen;
     int kept = 0;
-    seen.x = dem__into_core(frame, dem__sub(side->place->x, frame->x));
-    for (int k = 0; k < 3; k++) seen.axis[k] = dem__into_core(frame, side->place->axis[k]);
     for (int m = 0; m < list->n; m++) {
         const uint8_t number = list->number[m];
         list->number[kept] = number;
-        const unsigned sides = other->shape->is_box ? dem__sides_near(side, &seen, number, other->shape, radii) : 63u;
+        const unsigned sides = other->shape->is_box ? dem__sides_near(side, number, other->shape, radii) : 63u;
         list->sides[kept] = (uint8_t)~sides;
         kept += sides > 0;
     }
     list->n = kept;
 }
 
-/* Appends the points where edges cross to a list of n. Returns the new number. The core with fewer near edges is looked
-   at first: if none of these can cross one of the other core, nothing else is done. Edges are placed as soon as they
-   are needed. */
-static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out,
-                                        int n) {
+/* Returns whether the near parts of two edges are farther from each other than a distance. */
+DEM_INLINE int dem__are_apart(const dem__placed_edge *p, const dem__placed_edge *q, double distance) {
+    const dem_vec d = dem__sub(dem__plus(p->from, p->middle, p->along), dem__plus(q->from, q->middle, q->along));
+    const double far_off = p->half + q->half + distance;
+    return dem__dot(d, d) >= far_off * far_off;
+}
+
+/* Appends the points where edges cross to a list of n. Returns the new number. Begins with the core that has fewer near
+   edges: if none of these can cross an edge of the other core, nothing else is done. Edges are placed when they are
+   needed. */
+static DEM__NOINLINE int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart,
+                                               dem__convex_point *out, int n) {
     const double radii = a->shape->radius + b->shape->radius, window = DEM__WINDOW * radii;
+    const double part = dem__part_of(a->shape->springs > b->shape->springs ? a->shape : b->shape);
     uint8_t is_placed[DEM_EDGES_MAX], other[DEM_EDGES_MAX];
-    dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of a, and all of b: a second table would make the frame too large */
+    dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of a, and all of b: a second table would make the stack frame too
+                                                large */
     dem__edge_list of_a, of_b;
     dem__list_near_edges(a, &of_a), dem__list_near_edges(b, &of_b);
-    const int a_first = of_a.n <= of_b.n;
+    const int a_first = of_a.n <= of_b.n, boxes = a->shape->is_box && b->shape->is_box;
     dem__keep_edges(a_first ? a : b, a_first ? b : a, window, a_first ? &of_a : &of_b);
     if (of_a.n == 0 || of_b.n == 0) return n;
     dem__find_sides(a_first ? b : a, a_first ? &of_b : &of_a);
@@ -17814,45 +17910,47 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
         int others = 0;
         for (int f = 0; f < of_b.n; f++) other[others] = (uint8_t)f, others += !(of_a.sides[e] & of_b.sides[f]);
         if (others > 0) dem__place_edge(a, of_a.number[e], apart, &p);
+        if (others > 0 && !boxes) dem__find_near_part(a, of_a.number[e], &p);
         for (int m = 0; m < others && n + 5 <= DEM__POINTS_MAX; m++) {
             const int f = other[m];
             if (!is_placed[f]) dem__place_edge(b, of_b.number[f], apart, &edge[f]);
+            if (!is_placed[f] && !boxes) dem__find_near_part(b, of_b.number[f], &edge[f]);
             is_placed[f] = 1;
             const dem__placed_edge *q = &edge[f];
             const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + q->number);
-            const dem_vec d = dem__sub(dem__plus(p.from, p.middle, p.along), dem__plus(q->from, q->middle, q->along));
-            const double far_off = p.half + q->half + window;
-            if (dem__dot(d, d) < far_off * far_off) n += dem__cross_edges(&p, q, radii, apart, key, &out[n]);
+            if (boxes || !dem__are_apart(&p, q, window)) n += dem__cross_edges(&p, q, radii, apart, part, key, &out[n]);
         }
     }
     return n;
 }
 
-/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, in the order of keys. Returns
-   their number. If a core is a point, only its own corner counts; otherwise it would be counted twice. */
-static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
-                                   const dem__placed *pb, dem_vec normal, dem__convex_point *out) {
+/* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, sorted by key. Returns how
+   many. If a core is a point, only its own corner counts; otherwise it would be counted twice. */
+static DEM__NOINLINE int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                          const dem__placed *pb, dem_vec normal, dem__convex_point *out) {
     dem__side sa, sb;
+    dem_vec seen_a[DEM_CORNERS_MAX], seen_b[DEM_CORNERS_MAX];
     const double radii = DEM__WINDOW * (a->radius + b->radius);
     double low_a, high_a, low_b, high_b;
     int n = 0;
-    sa.shape = a, sa.place = pa, sb.shape = b, sb.place = pb;
+    sa.seen = seen_a, sb.seen = seen_b, sa.shape = a, sa.place = pa, sb.shape = b, sb.place = pb;
     dem__find_heights(&sa, normal, &low_a, &high_a);
     dem__find_heights(&sb, normal, &low_b, &high_b);
     if (!(low_a - high_b < radii)) return 0;
     dem__choose_corners(&sa, high_b + radii, 1.0);
     dem__choose_corners(&sb, radii - low_a, -1.0);
+    dem__see_corners(&sa, &sb), dem__see_corners(&sb, &sa);
     if (b->corners > 1 || a->corners == 1) n = dem__find_corner_points(&sa, &sb, 0, out, n);
     if (a->corners > 1) n = dem__find_corner_points(&sb, &sa, DEM_CORNERS_MAX, out, n);
     return dem__find_edge_points(&sa, &sb, low_a > high_b, out, n);
 }
 
 /* -------------------------------------------------------------------------------------------- >>polyhedra/behind.h */
-/* Polyhedra that a thin sheet cuts: which of their points are behind it, and how deep. A sheet has no inside, a body
-   has: the side of its centre is in front. Reads a wall, a shape and its place. Promises: overlap and normal of a point
-   that passes the sheet are continuous; nothing is computed here unless a core is cut. */
+/* Polyhedra that a thin sheet cuts: which of their points are behind it, and how deep. A sheet has no inside, so the
+   side of the body's centre counts as the front. Reads a wall, a shape and its place. Promises: overlap and normal of a
+   point that passes the sheet are continuous; nothing is computed here unless a core is cut. */
 
-/* Returns the place at which the line from p to q passes through triangle k of a tree, 0 .. 1; above 1: none. */
+/* Returns where the line from p to q passes through triangle k of a tree, 0 .. 1; above 1: nowhere. */
 static inline double dem__passes_at(const dem__tree *t, int32_t k, dem_vec p, dem_vec q) {
     const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]],
                   c = t->vertex[t->corner[3 * k + 2]];
@@ -17865,9 +17963,9 @@ static inline double dem__passes_at(const dem__tree *t, int32_t k, dem_vec p, de
     return passes ? from / (from - to) : HUGE_VAL;
 }
 
-/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
-   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
-   in another direction. */
+/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: the
+   distance along the normal of the triangle, or of a face of the core. A value that is not above 0 says nothing,
+   because they may be apart in another direction. */
 static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
                                               int32_t k, double enough) {
     const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
@@ -17912,7 +18010,7 @@ static inline int dem__may_cut(const dem_wall *wall, const dem_convex *s, const 
     return 0;
 }
 
-/* Finds the first triangle through which the line from p to q passes. Returns its number, -1: none; at: where. */
+/* Finds the first triangle through which the line from p to q passes. Returns its index, -1: none. at: where. */
 static inline int32_t dem__first_passed(const dem__tree *t, dem_vec p, dem_vec q, dem_vec *at) {
     const dem_vec u = dem__sub(q, p), middle = dem__plus(p, 0.5, u);
     const double half = 0.5 * dem__length(u);
@@ -17937,21 +18035,21 @@ static inline int32_t dem__first_passed(const dem__tree *t, dem_vec p, dem_vec q
 /* A place behind a sheet, in the mesh's frame. */
 typedef struct dem__behind {
     const dem__tree *tree;
-    dem_vec centre, x, at; /* of the body; the place; where the line between them passes the sheet first */
-    int32_t first, best;   /* triangle there; triangle that is nearest */
-    double distance;       /* to the nearest [m] */
+    dem_vec centre, x, at; /* the body's centre; the place; where the line between them first passes the sheet */
+    int32_t first, best;   /* the triangle there; the nearest triangle */
+    double distance;       /* to the nearest triangle [m] */
     dem_vec normal;        /* from the nearest triangle to the front */
 } dem__behind;
 
-/* Returns the normal of a triangle that points to the centre's side, or 0 if the place is on that side. */
+/* Returns the normal of a triangle on the side of the centre, or 0 if the place is on that side, too. */
 static inline dem_vec dem__front_of(const dem__behind *q, int32_t k) {
     const dem_vec n = q->tree->normal[k], a = q->tree->vertex[q->tree->corner[3 * k]];
     const double centre = dem__dot(n, dem__sub(q->centre, a)), x = dem__dot(n, dem__sub(q->x, a));
     return dem__scale(centre > 0.0 && x < 0.0 ? 1.0 : centre < 0.0 && x > 0.0 ? -1.0 : 0.0, n);
 }
 
-/* Takes triangle k if it is the nearest one behind which the place is. One that is as good as parallel to the first one
-   and behind that is the far side of a plate, which does not count. */
+/* Takes triangle k if the place is behind it, and no triangle taken before is nearer. A triangle behind the first one
+   and as good as parallel to it is the far side of a plate, which does not count. */
 static inline void dem__try_behind(dem__behind *q, int32_t k) {
     const dem_vec front = dem__front_of(q, k), a = q->tree->vertex[q->tree->corner[3 * k]];
     double distance;
@@ -17964,10 +18062,10 @@ static inline void dem__try_behind(dem__behind *q, int32_t k) {
     const dem_vec up = inside || !(distance > 0.0) ? front : dem__scale(-1.0 / distance, v);
     q->distance = distance, q->best = k, q->normal = up;
     if (dem__dot(up, front) > DEM__SMOOTH) return;
-    q->normal = front; /* beyond a rim: behind its plane */
+    q->normal = front; /* beyond a rim it is behind the plane */
 }
 
-/* Finds how deep a place is behind a mesh, seen from a body's centre. Returns 0 if it is not. */
+/* Finds how deep a place is behind a mesh, seen from a body's centre. Returns 0 if it is not behind it. */
 static inline int dem__find_behind(const dem_wall *wall, dem_vec centre, dem_vec x, dem__touch *out) {
     dem__behind q;
     q.tree = wall->tree, q.distance = HUGE_VAL;
@@ -17995,7 +18093,7 @@ static inline int dem__find_behind(const dem_wall *wall, dem_vec centre, dem_vec
     return 1;
 }
 
-/* Returns whether a curved sheet may cut a core: an edge passes through it. */
+/* Returns whether a curved sheet may cut a core, because an edge of the core passes through it. */
 static DEM__NOINLINE int dem__sheet_cuts(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
     dem_vec corner[DEM_CORNERS_MAX];
     for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);
@@ -18006,13 +18104,13 @@ static DEM__NOINLINE int dem__sheet_cuts(const dem_wall *w, const dem_convex *s,
 }
 
 /* ---------------------------------------------------------------------------------------- >>polyhedra/mesh_edges.h */
-/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. The
-   table is made once for each mesh, in a world with polyhedra. */
+/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. The table is made once for each
+   mesh, in a world with polyhedra. */
 
 #define DEM__FLAT_EDGE                                                                                                 \
-    1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
+    1e-3 /* edges: sine of the angle between two triangles up to which they are flat; corners: the same for two edges */
 
-/* Finds the first vertex at the same place for each vertex. */
+/* For each vertex, finds the first vertex at the same place. */
 static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keyed *items) {
     for (int32_t v = 0; v < t->vertices; v++) {
         const double x[3] = {t->vertex[v].x + 0.0, t->vertex[v].y + 0.0, t->vertex[v].z + 0.0}; /* no -0 */
@@ -18070,7 +18168,7 @@ static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edg
     }
 }
 
-/* Finds the sharp corners: ends of sharp edges, except where only two of these meet in one line. */
+/* Finds the sharp corners: ends of sharp edges, unless just two sharp edges meet there in one line. */
 static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same,
                                           dem__keyed *items) {
     ptrdiff_t n = 0;
@@ -18128,7 +18226,7 @@ static inline int dem__make_mesh_edges(const dem_allocator *a, dem__tree *t) {
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/walls.h */
-/* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own
+/* Contacts of a polyhedron with a wall. Its corners are spheres, its edges capsules, and its faces touch the wall's own
    corners. Reads a wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a
    potential, as between polyhedra. */
 
@@ -18137,16 +18235,17 @@ typedef struct dem__at_wall {
     dem__edge_visitor visitor; /* first, so that a visitor's address is that of this struct */
     const dem_wall *wall;
     const dem_convex *shape;
+    double part;      /* of the spring of the pair that a corner has */
     dem_vec centre;   /* of the polyhedron */
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
     int edges;  /* length of the list; 0 until edges are needed */
-    int is_cut; /* whether a sheet may cut the core: only then corners can be behind it */
+    int is_cut; /* whether a sheet may cut the core: only then can corners be behind it */
     int n;
     dem__convex_point *out;
 } dem__at_wall;
 
-/* Returns the key of a corner at an element of a wall, by its number, or at a place of a mesh, by the direction of its
+/* Returns the key of a corner: at an element of a wall by its index, at a place of a mesh by the direction of its
    normal in the wall's frame. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
     if (dem__has_elements(wall)) return corner + DEM__ELEMENT_KEYS * (touch->element + DEM__ELEMENTS_FROM);
@@ -18168,7 +18267,7 @@ DEM_INLINE int32_t dem__element_of_key(const dem_wall *wall, int32_t key) {
     return dem__has_elements(wall) ? key / DEM__ELEMENT_KEYS - DEM__ELEMENTS_FROM : 0;
 }
 
-/* Lists the edges of the polyhedron unless that is done. */
+/* Lists the edges of the polyhedron unless they are listed. */
 static inline void dem__list_edges(dem__at_wall *q) {
     dem__side side;
     if (q->edges > 0) return;
@@ -18202,7 +18301,7 @@ static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_e
     return 0;
 }
 
-/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
+/* Returns whether a part of the line from p to q, given in the core's frame, lies in the core. */
 static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
     double low = 0.0, high = 1.0;
     for (int f = 0; f < s->faces; f++) {
@@ -18215,8 +18314,8 @@ static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q
     return low < high;
 }
 
-/* Finds the direction in which an edge of a wall, which is in the core, is nearest to its surface, among those at which
-   edges of the core cross it. Returns 0 if there is none. */
+/* For an edge of a wall inside the core, finds the direction in which it is nearest to the core's surface, among those
+   at which edges of the core cross it. Returns 0 if there is none. */
 static DEM__NOINLINE int dem__find_way_out(const dem__at_wall *q, const dem__placed_edge *e, dem_vec *way) {
     double nearest = HUGE_VAL, s, distance;
     dem_vec n;
@@ -18227,8 +18326,8 @@ static DEM__NOINLINE int dem__find_way_out(const dem__at_wall *q, const dem__pla
     return nearest < HUGE_VAL;
 }
 
-/* Adds the points of all edges of the polyhedron at an edge of a wall. Where this is in the core, edges of the core
-   tell the side, and only those count through which it came. */
+/* Adds the points of all edges of the polyhedron at an edge of a wall. If that edge is in the core, edges of the core
+   tell its side, and only those count through which it entered. */
 static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_edge *of) {
     dem__at_wall *q = (dem__at_wall *)(void *)v;
     dem__placed_edge e;
@@ -18242,8 +18341,8 @@ static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_ed
         dem__find_way_out(q, &e, &way);
     if (is_deep) e.deep = dem__half_width(q->shape);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n = dem__cross_edges(&q->edge[k], &e, radii, !e.sided && !is_deep, of->key + 5 * q->edge[k].number,
-                                       q->out + q->n);
+        const int n = dem__cross_edges(&q->edge[k], &e, radii, !e.sided && !is_deep, q->part,
+                                       of->key + 5 * q->edge[k].number, q->out + q->n);
         if (n == 0 || (is_deep && !(dem__dot(q->out[q->n].normal, way) > 0.7))) continue;
         const double up = dem__dot(q->out[q->n].normal, of->side);
         if (of->sign == 0.0 || (of->sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
@@ -18260,13 +18359,13 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
     const double gap = distance - radius - q->shape->radius;
     if (!(gap < 0.0) || dem__dot(n, tip) > 0.0) return;
     point->key = key;
-    dem__count_point(point, gap);
+    dem__count_point(point, q->part, gap);
     point->normal = dem__scale(-1.0, n), point->at = dem__plus(x, -distance, n);
     q->n++;
 }
 
-/* Finds the touches of a sphere of the rounding at x with a sheet that may cut the core. Behind the sheet its overlap
-   counts on, along the normal to the front. Returns their number. */
+/* Finds where a sphere of the rounding at x touches a sheet that may cut the core. Behind the sheet its overlap goes on
+   growing, along the normal to the front. Returns how many touches there are. */
 static DEM__NOINLINE int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double limit, dem__touch *touch) {
     const dem_wall *wall = q->wall;
     dem__touch behind;
@@ -18281,7 +18380,7 @@ static DEM__NOINLINE int dem__touch_cutting(const dem__at_wall *q, dem_vec x, do
     }
     if (!is_behind) return found;
     behind.gap -= q->shape->radius;
-    for (int m = 0; m < found; m++) { /* other surfaces stay, this one's far side does not */
+    for (int m = 0; m < found; m++) { /* touches of other surfaces stay, those of this one's far side do not */
         if (dem__dot(touch[m].normal, behind.normal) > -0.5 && dem__dot(touch[m].normal, behind.normal) < 0.5)
             touch[kept++] = touch[m];
     }
@@ -18309,7 +18408,7 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
             dem__convex_point *point = &q->out[q->n];
             int is_new = touch[m].gap < 0.0;
             point->key = dem__wall_key(q->wall, &touch[m], k);
-            dem__count_point(point, touch[m].gap);
+            dem__count_point(point, q->part, touch[m].gap);
             point->normal = touch[m].normal, point->at = arm;
             for (int p = q->n - 1; p >= q->n - m && is_new && p >= 0; p--) is_new = q->out[p].key != point->key;
             q->n += is_new;
@@ -18341,7 +18440,7 @@ static inline double dem__nearest_between(const dem__at_wall *q, const dem__plac
 }
 
 /* Finds the places at which an edge touches a sheet between its ends, by steps along it: long ones where no contact is
-   possible, otherwise short ones. Returns their number. */
+   possible, otherwise short ones. Returns how many. */
 static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
     const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
     dem__touch was = dem__touch_sheet_along(q, e, 0.0);
@@ -18359,29 +18458,22 @@ static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_ed
     return n;
 }
 
-/* Adds the point of an edge at t with a sheet, and the points of the edge's ends, with weights as for crossing edges. */
+/* Adds the point of an edge at t with a sheet, and the points of the edge's ends, weighted as for crossing edges. */
 static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
-    double share[2], rest[2], left = 1.0;
     int n = 1;
     const dem__touch here = dem__touch_sheet_along(q, e, t);
     if (!(here.gap < 0.0) || q->n + 3 > DEM__POINTS_MAX) return;
+    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
+    point->at = dem__plus(e->from, t, e->along);
     for (int k = 0; k < 2; k++) {
         const dem__touch end = dem__touch_sheet_along(q, e, k ? e->length : 0.0);
-        share[k] = end.gap < 0.0 ? end.gap * end.gap / (here.gap * here.gap) : 0.0;
-        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
-        left *= rest[k];
-        if (share[k] == 0.0) continue;
+        if (!(end.gap < 0.0)) continue;
         point[n].key = key + 1 + k, point[n].taken = 0, point[n].gap = end.gap, point[n].normal = end.normal;
-        point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along), point[n].weight = k;
+        point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along);
         n++;
     }
-    if (!(left > 1e-10)) return;
-    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
-    point->at = dem__plus(e->from, t, e->along), point->weight = point->count = left;
-    for (int k = 0; k < 2; k++) point->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight], point[m].count = 0.0;
-    q->n += n;
+    if (dem__weigh_crossing(point, n, q->part)) q->n += n;
 }
 
 /* Adds the points of edges at a sheet and its rims. */
@@ -18395,19 +18487,19 @@ static inline void dem__touch_sheet_with_edges(dem__at_wall *q) {
     }
 }
 
-/* How corners of a polyhedron tell its gap to a wall. */
+/* How the corners of a polyhedron tell its gap to a wall. */
 DEM_INLINE int dem__corners_at(const dem_wall *wall) {
     return wall->kind__->corners ? wall->kind__->corners(wall) : DEM__CORNERS_SOME;
 }
 
-/* Finds the points of a polyhedron at a wall, both at the end of the step; the sphere around it touches the wall.
-   Returns their number; may_cut: whether a sheet may cut its core. */
-static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
-                                             dem__convex_point *out, int *may_cut) {
+/* Finds the points of a polyhedron at a wall, both at the end of the step. The sphere around it touches the wall.
+   Returns how many. may_cut: whether a sheet may cut its core. */
+static DEM__NOINLINE int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
+                                                    dem__convex_point *out, int *may_cut) {
     dem__at_wall q;
     *may_cut = 0;
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
-    q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
+    q.wall = wall, q.shape = s, q.part = dem__part_of(s), q.centre = place->x, q.out = out, q.n = q.edges = 0;
     q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
     q.is_cut = 0;
     if (dem__has(wall, DEM__TRIANGULATED)) q.is_cut = dem__may_cut(wall, s, place);
@@ -18419,7 +18511,7 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     return q.n;
 }
 
-/* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: of the core. */
+/* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: the core's. */
 static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
     const dem__tree *t = wall->tree;
     const dem__placed core = dem__in_frame(wall, place);
@@ -18484,7 +18576,7 @@ static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s,
     }
     return 0;
 }
-/* Looks for the axis of a bar that passes through a core. */
+/* Looks for a bar's axis that passes through a core. */
 typedef struct dem__axis_visitor {
     dem__edge_visitor visitor;
     const dem_convex *shape;
@@ -18500,8 +18592,8 @@ static inline void dem__look_at_axis(dem__edge_visitor *v, const dem__wall_edge 
     q->found = dem__core_holds_line(q->shape, dem__into_core(q->place, e->from), dem__into_core(q->place, e->to));
 }
 
-/* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners
-   touch nothing. */
+/* Returns whether a core has passed into a sheet, a mesh, a cone, or the axis of a bar. Beyond them its corners touch
+   nothing. */
 static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
     dem_vec corner[DEM_CORNERS_MAX];
     if (dem__has_elements(w)) {
@@ -18540,21 +18632,12 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
    The dashpot acts on the mass that the resultant of the springs meets, with the stiffness that they have. So the
    restitution, at the point where the resultant acts, is that of the pair. */
 
-/* Returns the overlap to the power of the energy, or of the force, from its square. */
-DEM_INLINE double dem__energy_at(double square, double power) {
-    return power > 2.0 ? square * sqrt(sqrt(square)) : square;
-}
-DEM_INLINE double dem__force_at(double square, double power) {
-    return power > 2.0 ? sqrt(square * sqrt(square)) : sqrt(square);
+/* Returns the force over the stiffness of an overlap; times the overlap it is the energy over k/p. */
+DEM_INLINE double dem__force_at(double overlap, double power) {
+    return power > 2.0 ? overlap * sqrt(overlap) : overlap;
 }
 
-/* Gives a point its part of the spring of its body. */
-DEM_INLINE void dem__divide_point(dem__convex_point *p, int springs) {
-    p->weight /= (double)springs, p->count /= (double)springs;
-}
-
-/* The number of springs that the points of a pair are to be divided by, and its slope, from c: 1 up to 2, c/2 from 2.5
-   on. */
+/* The number by which the springs of a pair's points are divided, and its slope, from c: 1 up to 2, c/2 from 2.5 on. */
 typedef struct dem__division {
     double by, slope;
 } dem__division;
@@ -18566,44 +18649,56 @@ DEM_INLINE dem__division dem__divide(double c) {
     return d;
 }
 
-/* What a pair's springs have together: its energy over k/p, and whether they are no more than the parts of its points in
-   the law, as where only corners touch. */
-typedef struct dem__springs {
-    double energy;
-    int are_parts;
-} dem__springs;
-
-/* Sets the parts of a pair's n points in its law and the factors of their springs. */
-static inline dem__springs dem__share_points(dem__convex_point *p, int n, double power) {
-    const double half = 0.5 * power;
-    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0, head = 1.0; /* head: t of an end's crossing */
-    dem__springs of = {0.0, 1};
-    for (int k = 0; k < n; k++) most = p[k].gap * p[k].gap > most ? p[k].gap * p[k].gap : most;
-    for (int k = 0; k < n; k++) {
-        const double t = p[k].gap * p[k].gap / most;
-        first += p[k].count * t, second += p[k].count * t * t, sum += p[k].count * dem__energy_at(t, power);
-        of.are_parts &= p[k].weight == p[k].count;
-    }
-    if (n == 0) return of;
-    const dem__division divided = dem__divide(first * first / second);
-    of.energy = sum / divided.by * dem__energy_at(most, power), of.are_parts &= divided.by == 1.0;
-    const double lost = sum * divided.slope / (divided.by * divided.by), per = first / second;
-    for (int k = 0; k < n && !of.are_parts; k++) {
-        const double l = p[k].count, w = p[k].weight, own = p[k].gap * p[k].gap / most, t = l > 0.0 ? head = own : head;
-        double spring = dem__energy_at(t, power) / t * (w + (half - 1.0) * l) / divided.by;
-        if (lost > 0.0) spring -= lost * per * (2.0 * w - per * t * (w + l));
-        p[k].spring = power > 2.0 ? spring / (half * sqrt(sqrt(own))) : spring;
-        p[k].weight = l / divided.by;
-    }
-    for (int k = 0; k < n && of.are_parts; k++) p[k].spring = p[k].weight;
-    return of;
-}
-
-/* Sums of a pair: its energy over k/p; over the stiffness the forces of the law by the parts, and of the springs. */
+/* Sums of a pair: its energy over k/p; over the stiffness the forces by the parts of its points in the law, and of its
+   springs, and their moments about the centre of i. */
 typedef struct dem__shared {
     double energy, parts, springs, whole; /* whole: sum of the parts */
-    dem_vec normal, on_i, on_j;           /* the forces by the parts, and their moments about the centres */
+    dem_vec normal, on_i, pull, pull_on_i;
+    int are_parts; /* whether the springs are no more than the parts, as where only corners touch */
 } dem__shared;
+
+/* Adds a force at a point to one of the sums, with its moment. */
+DEM_INLINE void dem__add_shared(dem_vec *sum, dem_vec *moment, double force, const dem__convex_point *p) {
+    const dem_vec f = dem__scale(force, p->normal);
+    *sum = dem__add(*sum, f), *moment = dem__add(*moment, dem__cross(p->at, f));
+}
+
+/* Divides the springs of a pair's n points, c the number that they are and per its slope. */
+static DEM__NOINLINE void dem__share_springs(dem__convex_point *p, int n, double power, double c, double per,
+                                             dem__shared *s) {
+    const dem__division divided = dem__divide(c);
+    const double half = 0.5 * power, by = 1.0 / divided.by, lost = s->energy * divided.slope * by * by * per;
+    double head = 1.0; /* overlap of an end's crossing */
+    s->are_parts = 0, s->springs = 0.0, s->pull = s->pull_on_i = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < n; k++) {
+        const double l = p[k].count, w = p[k].weight, own = fabs(p[k].gap), d = l > 0.0 ? head = own : head;
+        double spring = (power > 2.0 ? sqrt(d) : 1.0) * (w + (half - 1.0) * l) * by;
+        if (lost > 0.0) spring -= lost * (2.0 * w - per * d * d * (w + l));
+        spring *= own / half;
+        s->springs += spring, dem__add_shared(&s->pull, &s->pull_on_i, spring, &p[k]);
+        p[k].weight = l * by;
+    }
+    s->energy *= by, s->parts *= by, s->whole *= by;
+    s->normal = dem__scale(by, s->normal), s->on_i = dem__scale(by, s->on_i);
+}
+
+/* Sets the parts of a pair's n points in its law. Returns their sums. */
+static inline dem__shared dem__share_points(dem__convex_point *p, int n, double power) {
+    double first = 0.0, second = 0.0;
+    dem__shared s;
+    memset(&s, 0, sizeof s);
+    s.are_parts = 1;
+    for (int k = 0; k < n; k++) {
+        const double d = fabs(p[k].gap), l = p[k].count, force = dem__force_at(d, power);
+        first += l * d * d, second += l * d * d * (d * d), s.energy += l * force * d;
+        s.whole += l, s.parts += l * force, s.are_parts &= p[k].weight == l;
+        dem__add_shared(&s.normal, &s.on_i, l * force, &p[k]);
+    }
+    s.springs = s.parts;
+    const double c = second > DBL_MIN ? first * first / second : 0.0, per = second > DBL_MIN ? first / second : 0.0;
+    if (!s.are_parts || c > 2.0) dem__share_springs(p, n, power, c, per, &s);
+    return s;
+}
 
 /* Returns how much faster a force of 1 N with a moment about the centre of particle i moves i where it acts, because i
    turns [1/kg]. */
@@ -18616,71 +18711,60 @@ DEM_INLINE double dem__per_turning(const dem_world *w, ptrdiff_t i, dem_vec mome
 }
 
 /* Returns the factor of the closing speed that makes the pair's dashpot that of the resultant: the law's own is that of
-   the whole masses and of the pair's spring. */
-static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, const dem__shared *s,
-                                     double power) {
+   the whole masses and of the pair's spring. apart: from the centre of j to that of i. */
+static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, dem_vec apart,
+                                     const dem__shared *s, double power) {
     const double length = dem__length(s->normal), least = 0.5 * s->parts; /* normals may face each other */
     const double per = 1.0 / (length > least ? length : least), depth = s->energy / s->springs;
     double whole = dem__is_fixed(w, pair->i) ? 0.0 : 1.0 / w->particle[pair->i].mass,
            turning = dem__per_turning(w, pair->i, dem__scale(per, s->on_i));
     if (pair->j >= 0) {
+        const dem_vec on_j = dem__add(s->on_i, dem__cross(apart, s->normal));
         whole += dem__is_fixed(w, pair->j) ? 0.0 : 1.0 / w->particle[pair->j].mass;
-        turning += dem__per_turning(w, pair->j, dem__scale(per, s->on_j));
+        turning += dem__per_turning(w, pair->j, dem__scale(per, on_j));
     }
-    const double stiffness = s->energy / dem__energy_at(depth * depth, power); /* over that of the pair */
+    const double stiffness = s->springs / dem__force_at(depth, power); /* over that of the pair */
     return whole > 0.0 ? sqrt(stiffness * whole / (whole + turning)) / s->whole : 1.0;
 }
 
-/* Sets the pull of a pair, and each point's part in it, and removes ends. raise: of the parts, so that friction, which
-   they limit, counts on the whole force. Returns the number of points left. */
-static DEM__NOINLINE int dem__set_pull(dem__convex_pair *pair, dem_vec apart, double power, double parts, double raise,
-                                       dem__convex_point *p, int n) {
+/* Sets the pull of a pair, what its springs exert beyond the parts, which are raised. */
+static inline void dem__set_pull(dem__convex_pair *pair, dem_vec apart, double raise, const dem__shared *s) {
+    const dem_vec f = dem__plus(s->pull, -raise, s->normal), on_i = dem__plus(s->pull_on_i, -raise, s->on_i),
+                  on_j = dem__add(on_i, dem__cross(apart, f));
+    for (int a = 0; a < 3; a++) {
+        pair->pull[a] = dem_axis(f, a);
+        pair->pull[3 + a] = dem_axis(on_i, a), pair->pull[6 + a] = -dem_axis(on_j, a);
+    }
+}
+
+/* Completes the n points of a pair, and removes ends. apart: from the centre of j to that of i. Returns the number of
+   points left. */
+static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__shared *s,
+                                     dem__convex_point *p, int n) {
+    if (n == 0) return 0;
+    /* of the parts, so that friction, which they limit, counts on the whole force */
+    const double raise = s->are_parts ? 1.0 : dem__clamp(s->springs / s->parts, 0.25, 4.0), per = 1.0 / s->parts;
+    s->springs = raise * s->parts, s->whole *= raise;
+    const double damping = dem__damping_of(w, pair, apart, s, w->engine->run.power);
+    if (s->are_parts) {
+        for (int k = 0; k < n; k++) p[k].damping = damping, p[k].pull = 0.0;
+        return n;
+    }
     int kept = 0;
-    for (int a = 0; a < 9; a++) pair->pull[a] = 0.0;
+    dem__set_pull(pair, apart, raise, s);
     for (int k = 0; k < n; k++) {
-        const double part = raise * p[k].weight,
-                     more = (p[k].spring - part) * dem__force_at(p[k].gap * p[k].gap, power);
-        const dem_vec f = dem__scale(more, p[k].normal), on_i = dem__cross(p[k].at, f),
-                      on_j = dem__cross(dem__add(p[k].at, apart), f);
-        for (int a = 0; a < 3; a++) {
-            pair->pull[a] += dem_axis(f, a);
-            pair->pull[3 + a] += dem_axis(on_i, a), pair->pull[6 + a] -= dem_axis(on_j, a);
-        }
-        p[k].pull = p[k].weight / parts, p[k].weight = part;
+        p[k].damping = damping, p[k].pull = p[k].weight * per, p[k].weight *= raise;
         if (p[k].count > 0.0) p[kept++] = p[k];
     }
     return kept;
 }
 
-/* Completes the n points of a pair. apart: from the centre of j to that of i. Returns the number of points left. */
-static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__springs of,
-                                     dem__convex_point *p, int n) {
-    const double power = w->engine->run.power;
-    dem__shared s;
-    memset(&s, 0, sizeof s);
-    s.energy = of.energy;
-    for (int k = 0; k < n; k++) {
-        const double force = dem__force_at(p[k].gap * p[k].gap, power), part = p[k].weight * force;
-        s.parts += part, s.springs += p[k].spring * force, s.whole += p[k].weight;
-        s.normal = dem__plus(s.normal, part, p[k].normal);
-        s.on_i = dem__plus(s.on_i, part, dem__cross(p[k].at, p[k].normal));
-        if (pair->j >= 0) s.on_j = dem__plus(s.on_j, part, dem__cross(dem__add(p[k].at, apart), p[k].normal));
-        p[k].pull = 0.0;
-    }
-    if (n == 0) return 0;
-    const double raise = of.are_parts ? 1.0 : dem__clamp(s.springs / s.parts, 0.25, 4.0);
-    s.springs = raise * s.parts, s.whole *= raise;
-    const double damping = dem__damping_of(w, pair, &s, power);
-    for (int k = 0; k < n; k++) p[k].damping = damping;
-    return of.are_parts ? n : dem__set_pull(pair, apart, power, s.parts, raise, p, n);
-}
-
 /* ------------------------------------------------------------------------------------------- >>polyhedra/entered.h */
-/* Two cores that are in each other: they are pushed apart along the direction of least overlap. Reads shapes, places
-   and the points of a pair; adds one point and lowers the weights of the others. Promises: forces stay the gradient of a
-   potential (of a linear law); nothing changes where cores begin to overlap; deep cores have one way only, apart. */
+/* Two overlapping cores are pushed apart along the direction of least overlap. Reads shapes, places and the points of a
+   pair; adds one point and lowers the weights of the others. Promises: forces stay the gradient of a potential (of a
+   linear law); nothing jumps where cores begin to overlap; deep cores can only move apart. */
 
-#define DEM__DEEP 1.0 /* overlap of cores over the radii of the roundings from which on nothing else acts */
+#define DEM__DEEP 1.0 /* overlap of cores, over the radii of the roundings, from which on only this point acts */
 
 /* The corners of a core that are farthest along a direction: how many, their mean, and two of them. */
 typedef struct dem__farthest_part {
@@ -18701,7 +18785,7 @@ static inline dem__farthest_part dem__find_part(const dem_convex *s, const dem__
     return part;
 }
 
-/* Returns the point at which two cores touch that have moved apart along n: of a's part. */
+/* Returns the point, on a, at which two cores touch once they have moved apart along n. */
 static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem__farthest_part *b) {
     if (a->n == 2 && b->n == 2) {
         const dem_vec u = dem__sub(a->end[1], a->end[0]), v = dem__sub(b->end[1], b->end[0]),
@@ -18713,52 +18797,64 @@ static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem_
     return a->n <= b->n ? a->mean : b->mean;
 }
 
-/* Adds the point at which two overlapping cores are pushed apart to the n points of a pair. With U, the energy of these
-   over k/p, and that of the point, V = (radii + depth)^p, the energy of the pair is (1 - s) U + s V, where s goes from 0
-   to 1 with the depth. Forces are its gradient. Returns the number of points. power: p. */
+/* Multiplies the sums of a pair, whose springs are then more than its parts. */
+static inline void dem__scale_shared(dem__shared *s, double by) {
+    if (s->are_parts) s->pull = s->normal, s->pull_on_i = s->on_i;
+    s->are_parts = 0;
+    s->energy *= by, s->parts *= by, s->springs *= by, s->whole *= by;
+    s->normal = dem__scale(by, s->normal), s->on_i = dem__scale(by, s->on_i);
+    s->pull = dem__scale(by, s->pull), s->pull_on_i = dem__scale(by, s->pull_on_i);
+}
+
+/* Adds to the n points of a pair the one at which two overlapping cores are pushed apart. With U, the energy of the
+   other points over k/p, and V = (radii + depth)^p, that of the new one, the energy of the pair is (1 - s) U + s V,
+   where s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. There must be room for
+   one more. power: p. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                          const dem__placed *pb, const dem__gap_of_cores *gap, double power,
-                                         dem__springs *springs, dem__convex_point *out, int n) {
+                                         dem__shared *sums, dem__convex_point *out, int n) {
     const double radii = a->radius + b->radius, depth = -gap->separation, overlap = radii + depth,
                  over = depth / (DEM__DEEP * radii);
     const double x = dem__clamp(over, 0.0, 1.0), s = x * x * (3.0 - 2.0 * x),
                  slope = 6.0 * x * (1.0 - x) / (DEM__DEEP * radii);
-    const double force = dem__force_at(overlap * overlap, power);
     if (!(depth > 0.0)) return n;
-    if (n == DEM__POINTS_MAX) n--;
-    for (int k = 0; k < n; k++) out[k].weight *= 1.0 - s, out[k].spring *= 1.0 - s;
+    for (int k = 0; k < n; k++) out[k].weight *= 1.0 - s;
     const dem__farthest_part of_a = dem__find_part(a, pa, dem__scale(-1.0, gap->normal)),
                              of_b = dem__find_part(b, pb, gap->normal);
     dem__convex_point *point = &out[n];
+    const double force = dem__force_at(overlap, power), energy = sums->energy, part = s * force,
+                 spring = part + slope * (overlap * force - energy) / power;
     point->key = 2 * DEM_CORNERS_MAX + 5 * DEM_EDGES_MAX * DEM_EDGES_MAX;
-    dem__count_point(point, -overlap);
-    point->normal = gap->normal;
+    dem__count_point(point, s, -overlap);
+    point->count = 1.0, point->normal = gap->normal;
     point->at = dem__meeting_point(&of_a, &of_b);
-    point->weight = s, point->spring = s + slope * (overlap - springs->energy / force) / power;
-    springs->energy = (1.0 - s) * springs->energy + s * overlap * force, springs->are_parts = 0;
+    dem__scale_shared(sums, 1.0 - s);
+    sums->energy += part * overlap, sums->parts += part, sums->whole += s, sums->springs += spring;
+    dem__add_shared(&sums->normal, &sums->on_i, part, point);
+    dem__add_shared(&sums->pull, &sums->pull_on_i, spring, point);
     return n + 1;
 }
 
-/* ---------------------------------------------------------------------------------------------- >>polyhedra/idle.h */
-/* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that cannot touch for some steps. Reads bodies and
-   walls; writes pairs. Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that
-   time. */
+/* ---------------------------------------------------------------------------------------------- >>polyhedra/skip.h */
+/* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that are not tested for some steps. Reads bodies
+   and walls; writes pairs. Promises: a pair is skipped only while both bodies stay in flight and cannot touch in
+   that time. */
 
-/* Returns whether particle i still is in the flight that began at a step. */
+/* Returns whether particle i is still in the flight that began at a step. */
 DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
     return w->engine->bodies.activity[i] == DEM__FLYING && w->particle[i].origin == origin;
 }
-/* Returns whether a pair cannot touch at a step. */
-DEM_INLINE int dem__is_idle(const dem_world *w, const dem__convex_pair *p, int64_t step) {
-    if (p->idle_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
+/* Returns whether a pair is skipped at a step, because it cannot touch. */
+DEM_INLINE int dem__is_skipped(const dem_world *w, const dem__convex_pair *p, int64_t step) {
+    if (p->skip_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
     if (p->j >= 0) return dem__flies_on(w, p->j, p->origin[1]);
     const dem_wall *wall = &w->wall[-1 - p->j];
     return wall->speed_bound <= p->speed && wall->spin_bound <= p->spin;
 }
 
-/* Lets a pair be idle for some steps from a step on. */
-DEM_INLINE void dem__leave_alone(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
-    p->idle_until = step + steps;
+/* Skips a pair for some steps, from a step on. */
+DEM_INLINE void dem__skip_until(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
+    p->skip_until = step + steps;
     p->origin[0] = w->particle[p->i].origin;
     if (p->j >= 0) p->origin[1] = w->particle[p->j].origin;
 }
@@ -18767,22 +18863,22 @@ DEM_INLINE void dem__leave_alone(const dem_world *w, dem__convex_pair *p, int64_
 DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
     return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
 }
-/* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
-DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
+/* Returns the greatest speed of particle i relative to the centre of its clump, from its rotation [m/s]. */
+DEM_INLINE double dem__turning_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
-    return r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
+    return r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
 }
-/* Returns how fast the surface of particle i, or a clump's sphere, moves relative to the centre of its body, at most
+/* Returns the greatest speed of the surface of particle i, or of a clump's sphere, relative to the centre of its body
    [m/s]. */
-DEM_INLINE double dem__stir_of(const dem_world *w, ptrdiff_t i) {
+DEM_INLINE double dem__surface_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
-    return s ? w->engine->bodies.calls->swing(dem__rigid_of(w, i), s->reach) : dem__swing_of(w, i);
+    return s ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, i), s->reach) : dem__turning_speed_of(w, i);
 }
 /* Returns the time from the origin step of particle i to a step [s]. */
 DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
     return (double)(step - w->particle[i].origin) * w->engine->run.dt;
 }
-/* Returns the centre of particle i at a step. That of a polyhedron that flies needs no orientation; others have been
+/* Returns the centre of particle i at a step. A polyhedron in flight needs no orientation for it; others have been
    placed. */
 DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step) {
     const double tau = dem__flown_until(w, i, step);
@@ -18790,34 +18886,36 @@ DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step)
     return w->engine->bodies.activity[i] == DEM__FLYING ? dem__centre_at(w, i, tau) : w->engine->convex.place[i].x;
 }
 
-/* Returns whether two particles may be left alone: both fly. */
-DEM_INLINE int dem__may_rest(const dem_world *w, const dem__convex_pair *p) {
+/* Returns whether a pair may be skipped: both particles are in flight. */
+DEM_INLINE int dem__may_skip(const dem_world *w, const dem__convex_pair *p) {
     return (w->def.skip & DEM_SKIP_PAIRS) && dem__is_in_flight(w, p->i) && dem__is_in_flight(w, p->j);
 }
-/* Returns the velocity of particle i relative to j, of their centres [m/s]. */
+/* Returns the velocity of the centre of particle i relative to that of j [m/s]. */
 DEM_INLINE dem_vec dem__drift_between(const dem_world *w, const dem__convex_pair *p, int64_t step) {
     return dem__sub(dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)),
                     dem__drift_at(w, p->j, dem__flown_until(w, p->j, step)));
 }
-/* Returns how fast their relative velocity changes [m/s2]. */
+/* Returns how fast this velocity changes [m/s2]. */
 DEM_INLINE double dem__pull_between(const dem_world *w, const dem__convex_pair *p) {
     return dem__length(dem__sub(dem__centre_pull(w, p->i), dem__centre_pull(w, p->j)));
 }
 
-/* Finds whether the spheres around two particles touch at a step. If not, and both fly, the pair is left alone. */
+/* Finds whether the spheres around two particles touch at a step. If they do not, and both particles are in flight,
+   skips the pair. */
 static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p, int64_t step) {
     const double slack = 2.0 * w->engine->pairs.position_tolerance;
     const double reach = w->particle[p->i].radius + w->particle[p->j].radius + slack;
     const dem_vec d = dem__nearest_image(w, dem__sub(dem__centre_in(w, p->i, step), dem__centre_in(w, p->j, step)));
     p->is_close = dem__dot(d, d) < reach * reach;
-    if (p->is_close || !dem__may_rest(w, p)) return;
-    const double speed = dem__length(dem__drift_between(w, p, step)) + dem__swing_of(w, p->i) + dem__swing_of(w, p->j);
-    dem__leave_alone(w, p, step,
-                     dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
+    if (p->is_close || !dem__may_skip(w, p)) return;
+    const double speed =
+        dem__length(dem__drift_between(w, p, step)) + dem__turning_speed_of(w, p->i) + dem__turning_speed_of(w, p->j);
+    dem__skip_until(w, p, step,
+                    dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
 }
 
-/* Returns a lower limit of the distance to the images of j that are not the nearest one of i, which is at d from j [m].
- */
+/* Returns a lower limit of the distance between i and all images of j but the nearest one [m]. d: from that one to
+   i. */
 DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
@@ -18827,27 +18925,28 @@ DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
     return least;
 }
 
-/* Leaves two particles alone, if both fly, that do not touch although the spheres around them do. d: from j to i; gap:
-   between their surfaces along n, a direction from j to i, in which nothing of them is nearer. */
-static inline void dem__rest_apart(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d, double gap,
-                                   dem_vec n) {
+/* Skips two particles in flight that do not touch although the spheres around them do. d: from j to i; gap: between
+   their surfaces along n, a direction from j to i, in which nothing of them is nearer. */
+static inline void dem__skip_pair(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d, double gap,
+                                  dem_vec n) {
     const double slack = 2.0 * w->engine->pairs.position_tolerance;
-    if (!(gap > slack) || !dem__may_rest(w, p)) return;
+    if (!(gap > slack) || !dem__may_skip(w, p)) return;
     const dem_vec v = dem__drift_between(w, p, step);
-    const double stir = dem__stir_of(w, p->i) + dem__stir_of(w, p->j), pull = dem__pull_between(w, p);
+    const double surface_speed = dem__surface_speed_of(w, p->i) + dem__surface_speed_of(w, p->j),
+                 pull = dem__pull_between(w, p);
     const double others = dem__far_images(w, d) - w->particle[p->i].radius - w->particle[p->j].radius;
-    const double soonest = dem__time_to_close(gap - slack, stir - dem__dot(n, v), pull),
-                 other = dem__time_to_cover(others - slack, dem__length(v) + stir, pull);
-    dem__leave_alone(w, p, step, dem__steps_until(w, other < soonest ? other : soonest));
+    const double soonest = dem__time_to_close(gap - slack, surface_speed - dem__dot(n, v), pull),
+                 other = dem__time_to_cover(others - slack, dem__length(v) + surface_speed, pull);
+    dem__skip_until(w, p, step, dem__steps_until(w, other < soonest ? other : soonest));
     p->is_close = 0;
 }
 
 /* How a particle moves in the frame of a wall. */
 typedef struct dem__approach {
     double speed, pull; /* speed now [m/s]; limit of its change [m/s2] */
-    int most;           /* number of steps for which they hold */
+    int most;           /* number of steps for which these hold */
 } dem__approach;
-/* Returns this for a particle at x with velocity v and acceleration a. */
+/* Returns how a particle at x with velocity v and acceleration a moves relative to a wall. */
 static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall *wall, dem_vec x, dem_vec v,
                                              dem_vec a) {
     const double turn = DEM__RETEST_STEPS * w->engine->run.dt;
@@ -18856,12 +18955,12 @@ static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall 
     if (!(wall->spin_bound > 0.0)) return q;
     q.most = DEM__RETEST_STEPS;
     if (wall->asked.drive == DEM_KINEMATIC && wall->speed_bound == 0.0 &&
-        wall->spin_bound * turn < 0.02) { /* it turns evenly */
+        wall->spin_bound * turn < 0.02) { /* it turns uniformly */
         const dem_vec arm = dem__sub(x, wall->asked.spin_centre), spin = dem__scale(wall->spin, wall->spin_axis);
         const double bound = wall->spin_bound;
         q.speed = dem__length(dem__sub(v, dem__cross(spin, arm)));
         q.pull = 1.05 * (q.pull + bound * (bound * dem__length(arm) +
-                                           2.02 * q.speed)); /* with what they gain meanwhile, 5 % at most */
+                                           2.02 * q.speed)); /* includes what they gain meanwhile, 5 % at most */
         return q;
     }
     const double out = turn * (q.speed + turn * q.pull); /* as in dem__test_wall */
@@ -18869,35 +18968,36 @@ static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall 
     return q;
 }
 
-/* Returns whether particle i may be left alone at walls. */
-DEM_INLINE int dem__may_rest_at_wall(const dem_world *w, ptrdiff_t i) {
+/* Returns whether walls may be skipped for particle i. */
+DEM_INLINE int dem__may_skip_wall(const dem_world *w, ptrdiff_t i) {
     return (w->def.skip & DEM_SKIP_SPACE) && dem__is_in_flight(w, i);
 }
 
-/* Leaves a particle at x alone that flies and has a gap to a wall. reach: of what turns with it, 0 for the sphere
-   around it [m]. */
-static inline void dem__rest_from_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap,
-                                       double reach) {
+/* Skips a wall for a particle in flight at x, which has a gap to it. reach: of the parts that rotate with the particle;
+   0 for the sphere around it [m]. */
+static inline void dem__skip_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap,
+                                  double reach) {
     const dem_wall *wall = &w->wall[-1 - p->j];
     const double slack = w->engine->pairs.position_tolerance;
     if (!(gap > slack)) return;
     const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
     const dem_vec v = dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), a = dem__centre_pull(w, p->i);
     const dem__approach q = dem__approach_to(w, wall, x, v, a);
-    const double stir =
-        reach > 0.0 ? w->engine->bodies.calls->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
-    const double touch = dem__time_to_cover(gap - slack, q.speed + stir, q.pull),
+    const double surface_speed =
+        reach > 0.0 ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound
+                    : 0.0;
+    const double touch = dem__time_to_cover(gap - slack, q.speed + surface_speed, q.pull),
                  cross = dem__time_to_cover(crossing - slack, dem__length(v), dem__length(a));
     const int steps = dem__steps_until(w, cross < touch ? cross : touch);
     p->speed = wall->speed_bound, p->spin = wall->spin_bound;
-    dem__leave_alone(w, p, step, steps < q.most ? steps : q.most);
+    dem__skip_until(w, p, step, steps < q.most ? steps : q.most);
     p->is_close = 0;
 }
 
-/* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If not, and it flies, it
-   is left alone. */
+/* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If it does not, and the
+   particle is in flight, skips the wall. */
 static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step) {
-    const int may_rest = dem__may_rest_at_wall(w, p->i);
+    const int may_rest = dem__may_skip_wall(w, p->i);
     const dem_vec x = dem__in_box(w, dem__centre_in(w, p->i, step));
     dem__touch touch[DEM__TOUCHES];
     double least;
@@ -18913,26 +19013,26 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
         dem__touch_mesh(wall, dem__sub(x, wall->position), radius, -HUGE_VAL, limit, touch, &least);
     else dem__touch_wall(wall, x, radius, limit, touch, &least);
     p->is_close = least < slack;
-    if (!p->is_close && may_rest) dem__rest_from_wall(w, p, step, x, least, 0.0);
+    if (!p->is_close && may_rest) dem__skip_wall(w, p, step, x, least, 0.0);
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/pairs.h */
-/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin
-   and end. Reads bodies, walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact
-   depends on its own pair and step alone, never on earlier tests or on threads. A contact of pair q has near = -2 - q.
-   */
+/* Contacts of polyhedra: which pairs may have contacts, their points in a step, and the contacts that follow these
+   points, begin and end. Reads bodies, walls and the list of near pairs; writes pairs, contacts and their places.
+   Promises: a contact depends only on its pair and step, never on earlier tests or on threads. A contact of pair q has
+   near = -2 - q. */
 
 /* Places a polyhedron at a step. */
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    const dem__posture p = dem__posture_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
+    const dem__pose p = dem__pose_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
     const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
     dem__placed *place = &w->engine->convex.place[i];
     place->x = dem__in_box(w, p.x);
     place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn),
     place->axis[2] = dem__third_axis(turn);
 }
-/* Places those among particles first .. end-1 that take steps. */
+/* Places the particles among first .. end-1 that take steps. */
 static inline void dem__place_active(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     (void)part;
     for (ptrdiff_t i = first; i < end; i++) {
@@ -18940,7 +19040,7 @@ static inline void dem__place_active(dem_world *w, ptrdiff_t first, ptrdiff_t en
             dem__place_polyhedron(w, i, *(const int64_t *)context);
     }
 }
-/* Places those among particles first .. end-1 that fly and are marked in scratch.index. */
+/* Places the particles among first .. end-1 that are in flight and marked in scratch.index. */
 static inline void dem__place_flying(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     (void)part;
     for (ptrdiff_t i = first; i < end; i++) {
@@ -18955,10 +19055,10 @@ static inline void dem__place_flying(dem_world *w, ptrdiff_t first, ptrdiff_t en
 static inline void dem__find_close(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const int64_t step = *(const int64_t *)context;
     (void)part;
-    for (ptrdiff_t k = first; k < end; k++) { /* by number: there may be no pairs, and no array */
+    for (ptrdiff_t k = first; k < end; k++) { /* by index: without pairs there is no array */
         dem__convex_pair *p = &w->engine->convex.pair[k];
-        if (dem__is_idle(w, p, step)) continue;
-        p->is_close = p->count = 0, p->idle_until = 0;
+        if (dem__is_skipped(w, p, step)) continue;
+        p->is_close = p->count = 0, p->skip_until = 0;
         if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
         if (p->j < 0) dem__look_at_wall(w, p, step);
         else dem__look_at_spheres(w, p, step);
@@ -18972,7 +19072,7 @@ static inline void dem__place_close(dem_world *w, int64_t step) {
     int32_t *marked = w->engine->scratch.index;
     dem__in_parts(w, parts, w->count, dem__place_active, &step);
     dem__in_parts(w, dem__parts(w, convex->pairs), convex->pairs, dem__find_close, &step);
-    if (w->engine->bodies.active_count == w->count - w->engine->bodies.dropped) return; /* none flies */
+    if (w->engine->bodies.active_count == w->count - w->engine->bodies.dropped) return; /* none is in flight */
     for (ptrdiff_t i = 0; i < w->count; i++) marked[i] = 0;
     for (ptrdiff_t k = 0; k < convex->pairs; k++) {
         const dem__convex_pair *p = &convex->pair[k];
@@ -18985,8 +19085,8 @@ static inline void dem__place_close(dem_world *w, int64_t step) {
 
 /* ---- points ---- */
 
-/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch: then
-   only its gap and normal are set. sphere_first: the sphere is a, the polyhedron b. */
+/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch; then
+   only gap and normal are set. sphere_first: the sphere is a, the polyhedron b. */
 static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius,
                                         int sphere_first, dem__convex_point *out) {
     dem_vec n;
@@ -18995,12 +19095,12 @@ static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *
     out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
     if (!(out->gap < 0.0)) return 0;
     out->key = 0;
-    dem__count_point(out, out->gap);
+    dem__count_point(out, 1.0, out->gap);
     out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
     return 1;
 }
 
-/* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
+/* Finds the points of two particles; `at` is relative to the centre of i. Returns how many. */
 static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
                                       int64_t *overlaps) {
     const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
@@ -19017,13 +19117,14 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
         const double radius = particle[a ? p->j : p->i].radius;
         const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
                         : dem__points_of_sphere(b, &pb, d, radius, 1, out);
-        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
-        if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
-        return dem__finish_points(w, p, d, dem__share_points(out, n, w->engine->run.power), out, n);
+        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* the sphere's centre is in the core */
+        if (n == 0) dem__skip_pair(w, p, step, d, out->gap, out->normal);
+        dem__shared sums = dem__share_points(out, n, w->engine->run.power);
+        return dem__finish_points(w, p, d, &sums, out, n);
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
-    /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are
+    /* A direction only decides which features are tested. That of an earlier step serves as long as the cores are
        nearly as far apart along it. */
     double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
     if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
@@ -19036,19 +19137,16 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     }
     int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
     const double power = w->engine->run.power;
-    for (int k = 0; k < n; k++) {
-        const int of_a = out[k].key < DEM_CORNERS_MAX, of_b = !of_a && out[k].key < 2 * DEM_CORNERS_MAX;
-        dem__divide_point(&out[k], of_a || (!of_b && a->springs > b->springs) ? a->springs : b->springs);
-    }
-    dem__springs springs = dem__share_points(out, n, power);
-    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &springs, out, n);
-    n = dem__finish_points(w, p, d, springs, out, n);
-    if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
+    n -= gap.overlap && n == DEM__POINTS_MAX; /* there is one more then */
+    dem__shared sums = dem__share_points(out, n, power);
+    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &sums, out, n);
+    n = dem__finish_points(w, p, d, &sums, out, n);
+    if (n == 0) dem__skip_pair(w, p, step, d, apart - radii, p->axis);
     return n;
 }
 
-/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. cuts: one more if the
-   wall cuts the core. */
+/* Finds the points of a particle at a wall, both at the end of the step. Returns how many. cuts: 1 more if the wall
+   cuts the core. */
 static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
                                       int64_t *cuts) {
     const dem_wall *wall = &w->wall[-1 - p->j];
@@ -19056,13 +19154,12 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
     const dem__placed *place = &w->engine->convex.place[p->i];
     int may_cut, is_cut = 0;
     int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
-    for (int k = 0; k < n; k++) dem__divide_point(&out[k], s->springs);
-    const dem__springs springs = dem__share_points(out, n, w->engine->run.power);
-    n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), springs, out, n);
+    dem__shared sums = dem__share_points(out, n, w->engine->run.power);
+    n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), &sums, out, n);
     for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
     *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
-    if (n == 0 && dem__may_rest_at_wall(w, p->i))
-        dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
+    if (n == 0 && dem__may_skip_wall(w, p->i))
+        dem__skip_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
     return n;
 }
 
@@ -19072,7 +19169,7 @@ typedef struct dem__convex_look {
     ptrdiff_t share;
     int full[DEM__PARTS_MAX];
 } dem__convex_look;
-/* Finds the points of pairs first .. end-1 at a step. look->full: this part has no room for them. */
+/* Finds the points of pairs first .. end-1 at a step. look->full: they do not fit into this part. */
 static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__convex_look *look = (dem__convex_look *)context;
     dem__convex_state *convex = &w->engine->convex;
@@ -19093,7 +19190,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
     }
 }
 
-/* Makes room for `wanted` points; their contents are lost. Returns 0 when out of memory. */
+/* Makes room for `wanted` points, which loses their contents. Returns 0 when out of memory. */
 static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
@@ -19138,7 +19235,7 @@ DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_poin
     place[DEM__PLACE_DAMPING][c] = p->damping, place[DEM__PLACE_PULL][c] = p->pull;
 }
 
-/* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall,
+/* Sets the place where the contact in slot c begins: also the normal one step before, and the curvature of a wall,
    which the contact keeps. */
 static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -19156,8 +19253,8 @@ static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__co
     dem__set_place_vec(w, DEM__PLACE_BEFORE, c, p->normal);
 }
 
-/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap
-   above 0, and so ends. */
+/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact that has lost its point gets a
+   gap above 0, and so ends. */
 static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part, (void)context;
@@ -19217,7 +19314,7 @@ static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32
     return low < (j < 0 ? convex->pairs : convex->of_particles) && p->i == i && p->j == j ? low : -1;
 }
 
-/* Lists the pairs, or with pair == NULL counts them. Returns their number. */
+/* Lists the pairs, or with pair == NULL counts them. Returns how many. */
 static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pair *pair, ptrdiff_t *of_particles) {
     ptrdiff_t n = 0;
     dem__convex_pair p;
@@ -19241,8 +19338,8 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     return n;
 }
 
-/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory.
- */
+/* Lists the pairs again, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of
+   memory. */
 static inline int dem__list_convex_pairs(dem_world *w) {
     dem__convex_state *convex = &w->engine->convex;
     dem__contacts *contacts = &w->engine->contacts;
@@ -19265,18 +19362,18 @@ static inline int dem__list_convex_pairs(dem_world *w) {
         if (!dem__shape_of(w, i) && (j < 0 || !dem__shape_of(w, j))) continue;
         const ptrdiff_t q = dem__convex_pair_of(w, i, j);
         contacts->near[c] = (int32_t)(-2 - q);
-        if (q < 0) contacts->ended[c] = 1; /* cannot happen: they touch */
+        if (q < 0) contacts->ended[c] = 1; /* cannot happen, because they touch */
     }
     return 1;
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/block.h */
-/* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about
-   the centres of the bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are
-   left as they are. */
+/* Contacts of polyhedra in a block of the kernel. They are contacts of spheres about their points, with torques about
+   the centres of the bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres
+   stay as they are. */
 
-/* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre.
- */
+/* Computes the velocity in the middle of a step, and the acceleration, of the point of a body at `arm` from its
+   centre. */
 DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
     const dem_particle *p = &w->particle[i];
     const dem_vec round = dem__cross(p->spin, arm);
@@ -19284,14 +19381,14 @@ DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, 
     *a = dem__add(p->a, dem__add(dem__cross(w->spin_rate[i], arm), dem__cross(p->spin, round)));
 }
 
-/* Returns the arm at the other body, from that at i, the distance of the bodies and the row's normal and gap. */
+/* Returns the arm at the other body, from the arm at i, the distance of the bodies and the row's normal and gap. */
 DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, int k, dem_vec arm) {
     const double reach = t->sum[k] + b->gap[k];
     return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k],
                     arm.z + b->dz[k] - reach * b->nz[k]);
 }
 
-/* Returns a vector whose part along n is larger by a factor 1 + more. */
+/* Returns a vector whose component along n is larger by a factor 1 + more. */
 DEM_INLINE dem_vec dem__speed_up(dem_vec v, dem_vec n, double more) { return dem__plus(v, more * dem__dot(v, n), n); }
 
 /* Calls the law of the run for the springs of row k alone, with these states. */
@@ -19308,8 +19405,8 @@ static inline void dem__spring_of(const dem_world *w, const dem__type_rows *t, i
     law->force(&q, s, r);
 }
 
-/* Fits the stored friction of the contact in slot c to the change of its weight: a larger weight leaves the force as it
-   is, a smaller one the displacement. So the change takes energy and never gives any. Finds how much. */
+/* Adapts the stored friction of the contact in slot c to a change of its weight. A larger weight leaves the force as it
+   is, a smaller one the displacement, so the change takes energy and never gives any. Finds how much. */
 static inline void dem__fit_friction(const dem_world *w, const dem__type_rows *t, int k, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_law *law = w->engine->run.law;
@@ -19371,7 +19468,7 @@ static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b
     }
 }
 
-/* Adds to row k its part of what the springs of its pair exert beyond their parts in the law. */
+/* Adds to row k its part of the force by which the springs of its pair exceed the sum of their parts in the law. */
 static inline void dem__pull(const dem_world *w, const dem__type_rows *t, ptrdiff_t c, double *const *out, int k) {
     const double part = w->engine->contacts.touch[DEM__PLACE_PULL][c],
                  *pull = w->engine->convex.pair[-2 - w->engine->contacts.near[c]].pull;
@@ -19391,7 +19488,7 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
         const ptrdiff_t c = base + k;
         if (!dem__is_convex_contact(w, c)) continue;
         const double weight = contacts->touch[DEM__PLACE_WEIGHT][c],
-                     power = weight / contacts->touch[DEM__PLACE_DAMPING][c]; /* of its true speed */
+                     power = weight / contacts->touch[DEM__PLACE_DAMPING][c]; /* from the true speed */
         const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
         for (int a = 0; a < 9; a++) out[a][k] *= weight;
         const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f),
@@ -19399,8 +19496,8 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
         for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
         if (!w->engine->run.only_ledger) dem__pull(w, t, c, out, k);
         if (!(features & DEM_ENERGY)) continue;
-        /* losses by powers are means of the power before, which has its weight, and of the power now; without a force,
-           the energy of the spring is lost */
+        /* losses are means of the power before, which has its weight, and of the power now; without a force, the energy
+           of the spring is lost */
         if (fabs(before[k]) + fabs(at->force[k]) == 0.0) at->loss[0][k] -= (weight - 1.0) * at->elastic[k];
         else at->loss[0][k] += (power - 1.0) * half * at->power[0][k];
         at->loss[2][k] += (weight - 1.0) * half * at->power[1][k];
@@ -19410,17 +19507,17 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
     }
 }
 
-/* Excludes polyhedra from the correction of edge steps, among the last `marked` contacts that a chunk has listed: the
-   mass at a corner is not the pair's. */
-static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
+/* Excludes polyhedra from the correction of partial steps, among the last `marked` contacts in a chunk's list: the mass
+   at a corner is not the pair's. */
+static inline void dem__exclude_convex(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     dem__contacts *contacts = &w->engine->contacts;
     for (ptrdiff_t m = in->marked - marked; m < in->marked; m++) {
         const ptrdiff_t c = contacts->slots[in->first + m];
-        if (dem__is_convex_contact(w, c)) contacts->edge[c] = 0;
+        if (dem__is_convex_contact(w, c)) contacts->partial[c] = 0;
     }
 }
 
-/* Sets what a law needs of a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
+/* Sets what a law needs for a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
 static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const double per_i = dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
@@ -19432,17 +19529,18 @@ static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birt
 
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/hull.h */
 /* The convex hull of any number of points, in triangles (Barber, Dobkin & Huhdanpaa 1996, farthest points first). Reads
-   points; allocates a builder. Promises: sides are decided exactly for coordinates that are rounded to 2^-50 of the
-   size, so that points in one plane or line, or given twice, make a closed surface like any others. */
+   points; allocates a builder. Promises: sides are decided exactly for coordinates rounded to 2^-50 of the size, so
+   that points in one plane or line, or given twice, still make a closed surface. */
 
 #define DEM__HULL_MAX 65536 /* corners of a hull, at most */
 
 /* A triangle of a hull, counterclockwise from outside. */
 typedef struct dem__hull_face {
     int32_t corner[3], beside[3]; /* beside[k]: the triangle across the edge from corner k to the next one */
-    int32_t first, farthest;      /* of a list of points in front of it, or -1; of these the farthest one */
-    int32_t next, queued; /* of a list of triangles with such points, or of unused ones; whether in the former */
-    int32_t alive, seen;  /* seen: number of the point that saw it last */
+    int32_t first, farthest;      /* first of the list of points in front of it, or -1; the farthest of them */
+    int32_t next, queued; /* next of the triangles with such points, or of the unused ones; whether it is queued among
+                             the former */
+    int32_t alive, seen;  /* seen: index of the last point that saw it */
     dem_vec normal;       /* unit vector */
     double height;        /* of the farthest point, in units of the builder */
 } dem__hull_face;
@@ -19451,20 +19549,21 @@ typedef struct dem__hull_face {
 typedef struct dem__hull_builder {
     dem_allocator allocator;
     ptrdiff_t n;
-    double *x;             /* [n][3]: points about their middle, whole numbers up to 2^50 */
+    double *x;             /* [n][3]: points relative to their middle, whole numbers up to 2^50 */
     double unit;           /* of x [m] */
     int32_t *next;         /* [n]: lists of points */
     int32_t *begins;       /* [n]: the new triangle whose rim begins at a corner */
     dem__hull_face *facet; /* [capacity] */
-    int32_t *list, *rim;   /* [capacity], [capacity][3]: triangles that a point sees; around them: from, to, triangle */
+    int32_t *list, *rim;   /* [capacity], [capacity][3]: triangles that a point sees; the rim around them: from, to,
+                              triangle */
     int32_t facets, capacity, unused, queue;
-    int32_t corners; /* that were added; not all need be corners in the end */
-    int farthest;    /* whether the farthest point of all comes next, and triangles need no queue */
+    int32_t corners; /* points added; not all of them are corners in the end */
+    int farthest;    /* whether the farthest point of all comes next; then triangles need no queue */
     void *block;
     size_t bytes;
 } dem__hull_builder;
 
-/* Splits a b into p, the rounded product, and e, the rest (Dekker 1971). */
+/* Splits a b into the rounded product p and the rest e (Dekker 1971). */
 DEM_INLINE void dem__two_product(double a, double b, double *p, double *e) {
     const double factor = 134217729.0, u = factor * a, v = factor * b;
     const double high = u - (u - a), low = a - high, top = v - (v - b), rest = b - top;
@@ -19539,7 +19638,7 @@ static inline void dem__end_hull(dem__hull_builder *b) {
     b->block = NULL;
 }
 
-/* Sets the points: x [n][3], about the middle of the box around them, rounded. */
+/* Sets the points x [n][3], relative to the middle of their bounding box, rounded. */
 static inline void dem__set_points(dem__hull_builder *b, const double *x) {
     double low[3], high[3], size = 0.0;
     int exponent = 0;
@@ -19558,7 +19657,7 @@ static inline void dem__set_points(dem__hull_builder *b, const double *x) {
     }
 }
 
-/* Takes an unused triangle with these corners. Returns its number, -1 if there is none. */
+/* Returns the index of an unused triangle, which gets these corners; -1 if there is none. */
 static inline int32_t dem__new_facet(dem__hull_builder *b, int32_t i, int32_t j, int32_t k) {
     int32_t f = b->unused;
     if (f >= 0) b->unused = b->facet[f].next;
@@ -19574,7 +19673,7 @@ static inline int32_t dem__new_facet(dem__hull_builder *b, int32_t i, int32_t j,
     return f;
 }
 
-/* Gives point p to triangle f if it is in front of it. Returns whether it is. */
+/* Assigns point p to triangle f if it is in front of it. Returns whether it is. */
 static inline int dem__give_point(dem__hull_builder *b, int32_t p, int32_t f) {
     dem__hull_face *facet = &b->facet[f];
     if (!dem__sees(b, p, f)) return 0;
@@ -19585,7 +19684,7 @@ static inline int dem__give_point(dem__hull_builder *b, int32_t p, int32_t f) {
     return 1;
 }
 
-/* Finds four points that are far from each other. Returns 0 if all are in one plane, up to `flat` [m]. */
+/* Finds four points that are far apart. Returns 0 if all points lie in one plane, up to `flat` [m]. */
 static inline int dem__first_four(const dem__hull_builder *b, double flat, int32_t *four) {
     const int32_t n = (int32_t)b->n;
     double most[3] = {0.0, 0.0, 0.0};
@@ -19613,14 +19712,14 @@ static inline int dem__first_four(const dem__hull_builder *b, double flat, int32
     return area > 0.0 && most[2] > flat / b->unit * area && most[1] > flat / b->unit * most[0];
 }
 
-/* Lets triangles wait that have points in front of them. */
+/* Queues a triangle that has points in front of it. */
 DEM_INLINE void dem__queue_facet(dem__hull_builder *b, int32_t f) {
     dem__hull_face *facet = &b->facet[f];
     if (b->farthest || facet->first < 0 || facet->queued) return;
     facet->queued = 1, facet->next = b->queue, b->queue = f;
 }
 
-/* Makes the first four triangles, and gives the points to them. Returns 0 if all points are in one plane. */
+/* Makes the first four triangles, and assigns the points to them. Returns 0 if all points lie in one plane. */
 static inline int dem__first_facets(dem__hull_builder *b, double flat) {
     int32_t four[4];
     if (!dem__first_four(b, flat, four)) return 0;
@@ -19643,7 +19742,7 @@ static inline int dem__first_facets(dem__hull_builder *b, double flat) {
     return 1;
 }
 
-/* Finds the triangles that point p sees, from f on, and the rim around them. Returns the length of the rim. */
+/* Finds the triangles that point p sees, starting at f, and the rim around them. Returns the length of the rim. */
 static inline int32_t dem__find_seen(dem__hull_builder *b, int32_t p, int32_t f, int32_t *seen) {
     int32_t rim = 0;
     *seen = 1;
@@ -19664,19 +19763,19 @@ static inline int32_t dem__find_seen(dem__hull_builder *b, int32_t p, int32_t f,
     return rim;
 }
 
-/* Adds point p, which triangle f sees, to the hull. Returns 0 if there is no room for it. */
+/* Adds point p, which triangle f sees, to the hull. Returns 0 if it does not fit. */
 static inline int dem__add_hull_point(dem__hull_builder *b, int32_t p, int32_t f) {
     int32_t seen;
     const int32_t rim = dem__find_seen(b, p, f, &seen);
     int32_t points = -1;
-    for (int32_t m = 0; m < seen; m++) { /* points of triangles that go */
+    for (int32_t m = 0; m < seen; m++) { /* points of removed triangles */
         dem__hull_face *facet = &b->facet[b->list[m]];
         for (int32_t q = facet->first, next; q >= 0; q = next) {
             next = b->next[q];
             if (q != p) b->next[q] = points, points = q;
         }
         facet->first = -1, facet->alive = 0;
-        if (facet->queued) continue; /* it is used again when its turn has come */
+        if (facet->queued) continue; /* the queue returns it later */
         facet->next = b->unused, b->unused = b->list[m];
     }
     for (int32_t m = 0; m < rim; m++) {
@@ -19703,8 +19802,8 @@ static inline int dem__add_hull_point(dem__hull_builder *b, int32_t p, int32_t f
     return 1;
 }
 
-/* Takes a triangle that has points in front of it: the next one, or that with the farthest one of all.
-   Returns -1 if there is none. */
+/* Takes a triangle that has points in front of it: the next one, or the one with the farthest point of all. Returns -1
+   if there is none. */
 static inline int32_t dem__next_facet(dem__hull_builder *b) {
     int32_t best = -1;
     while (!b->farthest && b->queue >= 0) {
@@ -19721,7 +19820,7 @@ static inline int32_t dem__next_facet(dem__hull_builder *b) {
     return best;
 }
 
-/* Finds the point that is highest above a triangle of the hull, and that triangle. Returns how high [units]. */
+/* Finds the point that is highest above a triangle of the hull, and that triangle. Returns the height [units]. */
 static inline double dem__highest_point(const dem__hull_builder *b, int32_t *point, int32_t *f) {
     double most = 0.0;
     for (int32_t g = 0; g < b->facets; g++) {
@@ -19735,14 +19834,14 @@ static inline double dem__highest_point(const dem__hull_builder *b, int32_t *poi
     return most;
 }
 
-/* Builds the hull of at most `most` of the points [n][3] [m], farthest ones first, until all others are nearer to it
-   than `tolerance` [m]. Returns 0 if they are in one plane, up to that. */
+/* Builds the hull of at most `most` of the points [n][3] [m], farthest ones first, until all others are closer to it
+   than `tolerance` [m]. Returns 0 if the points lie in one plane, up to that. */
 static inline int dem__build_few(dem__hull_builder *b, const double *x, int most, double tolerance) {
     int32_t point = 0, f = 0;
     b->facets = b->corners = 0, b->unused = b->queue = -1, b->farthest = 1;
     dem__set_points(b, x);
     if (!dem__first_facets(b, tolerance)) return 0;
-    for (int32_t k = 0; k < b->facets; k++) b->facet[k].first = -1; /* lists are not needed */
+    for (int32_t k = 0; k < b->facets; k++) b->facet[k].first = -1; /* these lists are not used */
     while (b->corners < most && dem__highest_point(b, &point, &f) * b->unit > tolerance) {
         if (!dem__add_hull_point(b, point, f)) return 0;
     }
@@ -19750,8 +19849,8 @@ static inline int dem__build_few(dem__hull_builder *b, const double *x, int most
 }
 
 enum { DEM__HULL_OK, DEM__HULL_FLAT, DEM__HULL_LARGE };
-/* Builds the hull of points x [n][3] [m], finite and not all the same, or of their farthest ones: of at most `most`
-   corners, and none nearer to it than `tolerance` [m]. flat: thickness below which it is none [m]. */
+/* Builds the hull of points x [n][3] [m], finite and not all the same. It has at most `most` corners; points closer to
+   it than `tolerance` [m] do not become corners. flat: thickness below which there is no hull [m]. */
 static inline int dem__build_hull(dem__hull_builder *b, const double *x, int32_t most, double tolerance, double flat) {
     b->farthest = most < DEM__HULL_MAX || tolerance > 0.0;
     b->facets = b->corners = 0, b->unused = b->queue = -1;
@@ -19765,7 +19864,7 @@ static inline int dem__build_hull(dem__hull_builder *b, const double *x, int32_t
     }
 }
 
-/* Returns how far the farthest point is from the hull of farthest ones, at most [m]. */
+/* Returns an upper limit of the distance between the hull and the points left out [m]. */
 static inline double dem__left_out(const dem__hull_builder *b) {
     double most = 0.0;
     for (int32_t f = 0; f < b->facets; f++)
@@ -19775,12 +19874,12 @@ static inline double dem__left_out(const dem__hull_builder *b) {
 
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/core.h */
 /* The core of a hull of many corners: eroded by the radius of the rounding, and reduced to as many corners as a shape
-   may have. Reads a hull; makes a shape. Promises: faces that a face of the core lies in stay where they are; the
-   deviation that is told is the Hausdorff distance from the eroded hull, to rounding. */
+   may have. Reads a hull; makes a shape. Promises: faces on which a face of the core lies stay where they are; the
+   deviation reported is the Hausdorff distance from the eroded hull, up to rounding. */
 
-#define DEM__ERODED_MAX 1000 /* corners of a hull that are eroded; of more corners, the farthest ones */
+#define DEM__ERODED_MAX 1000 /* corners of a hull that are eroded at most: the farthest ones of more */
 
-/* Corners of a core before it is reduced, the planes of the hull, and by how much the core is behind them. */
+/* Corners of a core before its reduction, the planes of the hull, and how far the core is behind them. */
 typedef struct dem__cloud {
     ptrdiff_t points, planes;
     double *point;      /* [points][3] [m] */
@@ -19799,8 +19898,8 @@ static inline dem_vec dem__farthest_of(const double *point, ptrdiff_t n, dem_vec
     return dem__point(point + 3 * best);
 }
 
-/* Returns the distance of x from the hull of n points (Gilbert, Johnson & Keerthi 1988), 0 within it, to 1e-6 of
-   itself or `tiny`. */
+/* Returns the distance of x from the hull of n points (Gilbert, Johnson & Keerthi 1988), to a relative error of 1e-6 or
+   to `tiny`; 0 inside. */
 static inline double dem__from_cloud(const double *point, ptrdiff_t n, dem_vec x, double tiny) {
     dem__simplex s;
     double low = 0.0;
@@ -19821,7 +19920,7 @@ static inline double dem__from_cloud(const double *point, ptrdiff_t n, dem_vec x
 
 /* ---- faces of a hull ---- */
 
-/* Adds the plane of triangle f with its normal n, and gives it to all triangles around f that lie in it. */
+/* Adds the plane of triangle f with its normal n, and assigns it to all adjoining triangles that lie in it. */
 static inline void dem__spread_plane(const dem__hull_builder *b, const double *y, double flat, int32_t f, dem_vec n,
                                      dem__cloud *hull, int32_t *number) {
     const double offset = dem__dot(n, dem__point(y + 3 * b->facet[f].corner[0]));
@@ -19842,8 +19941,8 @@ static inline void dem__spread_plane(const dem__hull_builder *b, const double *y
     hull->planes++;
 }
 
-/* Finds the planes of a hull's faces: of triangles in one plane, up to `flat`, that of a large one. y: its points.
-   number: of a triangle's plane, or -1. */
+/* Finds the planes of a hull's faces. Triangles in one plane, up to `flat`, get that of a large one. y: the hull's
+   points. number: index of a triangle's plane, or -1. */
 static inline void dem__find_planes(const dem__hull_builder *b, const double *y, double flat, dem__cloud *hull,
                                     int32_t *number) {
     double largest = 0.0;
@@ -19869,7 +19968,7 @@ static inline void dem__find_planes(const dem__hull_builder *b, const double *y,
     }
 }
 
-/* Returns the smallest distance of a face from the point opposite to it. */
+/* Returns the smallest distance between a face and the point opposite to it. */
 static inline double dem__least_width_of(const dem__cloud *hull, const double *y, ptrdiff_t n) {
     double least = HUGE_VAL;
     for (ptrdiff_t f = 0; f < hull->planes; f++) {
@@ -19880,8 +19979,8 @@ static inline double dem__least_width_of(const dem__cloud *hull, const double *y
     return least;
 }
 
-/* Finds a point far within planes that have moved inwards. Returns its least depth [m]; if not above 0, there is none.
- */
+/* Finds a point far inside planes that have moved inwards. Returns its least depth [m]; there is none if that is not
+   above 0. */
 static inline double dem__inner_point(const dem__cloud *hull, dem_vec *point) {
     dem_vec x = dem_vec3(0.0, 0.0, 0.0);
     double best = -HUGE_VAL, step = 0.0;
@@ -19902,7 +20001,7 @@ static inline double dem__inner_point(const dem__cloud *hull, dem_vec *point) {
 
 /* ---- erosion ---- */
 
-/* Finds the corners of the core: triangles of the hull of the dual points of its planes. dual: a builder for these;
+/* Finds the corners of the core: triangles of the hull of the dual points of its planes. dual: a builder for them;
    work: [planes][3]. Returns 0 if nothing is left. */
 static inline int dem__erode_planes(dem__hull_builder *dual, double flat, double *work, dem__cloud *core) {
     double(*plane)[4] = core->plane;
@@ -19934,13 +20033,13 @@ static inline int dem__erode_planes(dem__hull_builder *dual, double flat, double
 /* The hull of a few corners of a core. */
 typedef struct dem__few {
     int corners, facets;
-    int32_t from[DEM_CORNERS_MAX]; /* their numbers among the points */
+    int32_t from[DEM_CORNERS_MAX]; /* their indices among the points */
     uint8_t facet[DEM_FACES_MAX][3];
     dem_vec normal[DEM_FACES_MAX];
     double behind[DEM_FACES_MAX]; /* how far the core is in front of a facet [m] */
 } dem__few;
 
-/* Gets it from a builder. */
+/* Copies the hull from a builder. */
 static inline void dem__get_few(const dem__hull_builder *b, const dem__cloud *core, dem__few *few) {
     few->corners = few->facets = 0;
     for (int32_t f = 0; f < b->facets; f++) {
@@ -19969,8 +20068,8 @@ static inline dem_vec dem__solve_three(double (*m)[3], dem_vec b) {
     return dem__scale(1.0 / dem__dot(r, st), dem__plus(dem__plus(dem__scale(b.x, st), b.y, tr), b.z, rs));
 }
 
-/* Returns how a corner of the few moves so that its facets move outwards by a share of the way to the core that they
-   are behind. Facets that lie in a face of the core stay. flat: [m] */
+/* Returns how a corner of the reduced hull moves so that its facets move outwards by a share of their distance from the
+   core. Facets that lie in a face of the core stay. flat: [m] */
 static inline dem_vec dem__way_out(const dem__few *few, int corner, double part, double flat) {
     double m[3][3] = {{1e-3, 0, 0}, {0, 1e-3, 0}, {0, 0, 1e-3}};
     dem_vec b = dem_vec3(0.0, 0.0, 0.0), kept[3];
@@ -19994,7 +20093,7 @@ static inline dem_vec dem__way_out(const dem__few *few, int corner, double part,
     return way;
 }
 
-/* Returns the Hausdorff distance of the hull of a shape's corners from a core. Stops at `enough`. */
+/* Returns the Hausdorff distance between the hull of a shape's corners and a core. Stops at `enough`. */
 static inline double dem__deviation_from(const dem_convex *s, const dem__cloud *core, double enough, double tiny) {
     double most = 0.0;
     for (int k = 0; k < s->corners && most < enough; k++) {
@@ -20008,15 +20107,15 @@ static inline double dem__deviation_from(const dem_convex *s, const dem__cloud *
     return most;
 }
 
-/* Takes a trial if it is a polyhedron, and nearer to the core than the best one. */
+/* Takes a trial if it is a polyhedron, and closer to the core than the best one so far. */
 static inline void dem__try_core(const dem__cloud *core, double flat, dem_convex *trial, dem_convex *best) {
     if (dem__find_surface(trial, 0.1 * flat) != NULL) return;
     trial->deviation = dem__deviation_from(trial, core, best->deviation, 0.01 * flat);
     if (trial->deviation < best->deviation) *best = *trial;
 }
 
-/* Makes a core of at most `most` corners: farthest points, moved outwards by several shares, of which the
-   best one is taken. s: in, the numbers of the shape but those of its core. Returns 0 if none is a polyhedron. */
+/* Makes a core of at most `most` corners: the farthest points, moved outwards by several shares, of which the best one
+   is taken. s: in, the shape without its core. Returns 0 if no trial is a polyhedron. */
 static inline int dem__reduce(dem__hull_builder *b, const dem__cloud *core, int most, double flat, dem_convex *s) {
     dem__few few;
     dem_convex trial = *s;
@@ -20038,14 +20137,14 @@ static inline int dem__reduce(dem__hull_builder *b, const dem__cloud *core, int 
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/make.h */
 /* Making convex polyhedra: from corners, from a mesh, from the hull of any points. */
 
-/* What a hull is made with. */
+/* Working memory for making a shape from a hull. */
 typedef struct dem__hull_work {
     dem_allocator allocator;
-    dem__hull_builder given, far, dual, few; /* of the points; of their hull's corners; of its planes; of the core */
+    dem__hull_builder given, far, dual, few; /* hulls of the points; of its corners; of its planes; of the core */
     void *block;
     size_t bytes;
     double *y;              /* [corners][3]: of the hull, about its centroid, along its principal axes [m] */
-    int32_t *number, *from; /* of a triangle's plane; of a corner among the points */
+    int32_t *number, *from; /* index of a triangle's plane; of a corner among the points */
     double *work;
     dem__cloud core;
     ptrdiff_t corners;
@@ -20104,7 +20203,7 @@ static inline const char *dem__measure_hull(dem__hull_work *h, dem_convex *s, pt
     }
     for (ptrdiff_t k = 0; k < n; k++) h->corners += is_used[k];
     const double *one = x + 3 * h->given.facet[0].corner[0];
-    const dem_vec middle = dem__point(one); /* any corner is near enough */
+    const dem_vec middle = dem__point(one); /* any corner will do */
     dem__integrate_hull(&h->given, x, middle, &bulk);
     const char *reason = dem__set_moments(s, &bulk, middle, &c);
     if (reason) return reason;
@@ -20121,7 +20220,7 @@ static inline const char *dem__measure_hull(dem__hull_work *h, dem_convex *s, pt
     return NULL;
 }
 
-/* Marks the corners of the hull at which three faces or more meet. Returns their number. */
+/* Marks the corners of the hull at which three or more faces meet. Returns how many. */
 static inline ptrdiff_t dem__mark_corners(dem__hull_work *h) {
     ptrdiff_t marked = 0;
     for (int32_t k = 0; k < (int32_t)h->corners; k++) {
@@ -20139,7 +20238,7 @@ static inline ptrdiff_t dem__mark_corners(dem__hull_work *h) {
     return marked;
 }
 
-/* Makes the shape of the marked corners exactly. Returns whether it has one. */
+/* Makes the exact shape of the marked corners. Returns whether that works. */
 static inline int dem__make_exactly(const dem__hull_work *h, const double *x, double rounding, dem_convex *s) {
     dem_convex t;
     dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
@@ -20273,7 +20372,7 @@ DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rou
 
 #define DEM__CONVEX_MESH_MAX 4000 /* triangles of a mesh that is checked edge by edge */
 
-/* Returns whether every edge of a mesh has one other triangle, which runs along it the other way. */
+/* Returns whether each edge of a mesh belongs to exactly one other triangle, in the opposite direction. */
 static inline int dem__is_closed(const dem_mesh *mesh) {
     for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
         const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];
@@ -20330,7 +20429,8 @@ DEM_API dem_status dem_make_convex_mesh(dem_convex *shape, const dem_mesh *mesh,
 
 enum { DEM__TABLET_SIDES = 16, DEM__GRAVEL_MAX = 300 };
 
-/* Adds a ring of n points about the z axis, turned by a share of a side. Returns the new number of points. */
+/* Adds a ring of n points about the z axis, turned by `share` of the angle between two points. Returns the new number
+   of points. */
 static inline int dem__add_ring(double (*x)[3], int at, int n, double radius, double height, double share) {
     for (int k = 0; k < n; k++) {
         const double angle = 2.0 * RIDDLE_PI * ((double)k + share) / (double)n;
@@ -20339,7 +20439,7 @@ static inline int dem__add_ring(double (*x)[3], int at, int n, double radius, do
     return at + n;
 }
 
-/* Makes a hull of n points that is scaled to a volume. flat: along x and y alone. */
+/* Makes a hull of n points and scales it to a volume. flat: along x and y alone. */
 static inline dem_status dem__make_of_volume(dem_convex *shape, int n, double (*x)[3], double volume, int flat,
                                              double rounding, const char **reason) {
     dem_status status = dem_make_hull(shape, n, x[0], rounding, 0.0, NULL, reason);
@@ -20363,7 +20463,7 @@ DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double he
     const double volume = RIDDLE_PI * (r * r * band + cap / 3.0 * (3.0 * r * r + cap * cap));
     int n = dem__add_ring(x, 0, sides, r, 0.5 * (is_flat ? height : band), 0.0);
     if (is_flat || band > 1e-3 * height) n = dem__add_ring(x, n, sides, r, -0.5 * (is_flat ? height : band), 0.0);
-    for (int k = 0; k < 12 && !is_flat; k++) { /* rings and a pole on each cap, which is a part of a ball */
+    for (int k = 0; k < 12 && !is_flat; k++) { /* rings and a pole on each cap of a ball */
         static const int of_ring[6] = {16, 16, 12, 8, 5, 1};
         static const double place[6] = {0.95, 0.8, 0.6, 0.4, 0.2, 0.0};
         const double ball = 0.5 * (r * r + cap * cap) / cap, at = r * place[k % 6],
@@ -20385,7 +20485,7 @@ DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double el
     if (wrong) return DEM_BAD_ARGUMENT;
     const double jitter = 1.8 / sqrt((double)corners), axis[3] = {1.0, elongation, elongation * flatness};
     uint64_t random = seed;
-    for (int k = 0; k < corners; k++) { /* a spiral over the ball, shaken */
+    for (int k = 0; k < corners; k++) { /* a spiral over the ball, perturbed */
         const double up = 1.0 - (2.0 * (double)k + 1.0) / (double)corners, across = sqrt(1.0 - up * up);
         const double angle = 2.0 * RIDDLE_PI * (0.618033988749895 * (double)k - floor(0.618033988749895 * (double)k));
         dem_vec v = dem_vec3(up, across * riddle_cos(angle), across * riddle_sin(angle));
@@ -20404,11 +20504,12 @@ DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double el
 
 static inline const dem__convex_calls *dem__polyhedra(void) {
     static const dem__convex_calls row = {dem__prepare_convex, dem__fill_convex_rows, dem__finish_convex_rows,
-                                          dem_add_convex, dem__leave_convex_edges};
+                                          dem_add_convex, dem__exclude_convex};
     return &row;
 }
 
-/* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
+/* Returns whether the tables of a shape agree with each other, and its numbers are in the ranges that the code relies
+   on. */
 static inline int dem__is_sound_shape(const dem_convex *c) {
     if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
         c->faces > DEM_FACES_MAX)
@@ -20445,10 +20546,10 @@ static inline void dem__release_polyhedra(dem_world *w) {
     dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *convex->point);
 }
 
-/* A polyhedron that has gone may have had this entry. */
+/* A polyhedron that has been removed may have had this entry. */
 static inline void dem__add_shapeless(dem_world *w, ptrdiff_t i) { w->engine->convex.shape_of[i] = 0; }
 
-/* Kernels without friction compute no torques. */
+/* Refuses kernels without friction, which compute no torques. */
 static inline dem_status dem__check_polyhedra(const dem_world *w, const dem_kernel *kernel) {
     (void)w;
     return kernel->features & DEM_FRICTION ? DEM_OK : DEM_POLYHEDRON;
@@ -20496,7 +20597,7 @@ static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, d
     return DEM_OK;
 }
 
-/* Checks the bodies whose shapes are polyhedra: rigid bodies come before them. */
+/* Checks the bodies whose shapes are polyhedra. Rigid bodies are loaded before them. */
 static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w, dem__group *g) {
     const dem__convex_state *convex = &w->engine->convex;
     (void)file, (void)g;
@@ -20603,7 +20704,7 @@ DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape) {
                ? &world->engine->convex.shape[shape]
                : NULL;
 }
-/* Returns whether a wall cuts the core of the particle that it is listed with, in the last step. */
+/* Returns whether a wall cut the core of its particle in the last step. */
 static inline int dem__is_cut(const dem_world *w, const dem__convex_pair *p) {
     const dem__convex_state *convex = &w->engine->convex;
     const dem_convex *s = p->i < w->count && w->alive[p->i] == DEM_PRESENT ? dem__shape_of(w, p->i) : NULL;
@@ -20625,8 +20726,8 @@ DEM_API int64_t dem_core_overlap_steps(const dem_world *world) {
 }
 
 /* --------------------------------------------------------------------------------------------------- >>save/load.h */
-/* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and
-   number that the engine relies on is checked here. */
+/* Loading: makes a world from the records that save/save.h writes, and trusts none of them. Every index, count and
+   number on which the engine relies is checked here. */
 
 /* Reads contacts into their slots. Returns 0 if the file is not valid. */
 static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__group *g) {
@@ -20642,11 +20743,11 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
     return 1;
 }
 
-/* Steps that a run may owe: half a one, and more after a change of the time step. */
+/* Steps that a run may owe: half a step, and more after a change of the time step. */
 #define DEM__OWED_STEPS 1e5
 
-/* Reads materials and their pairs. Files have as many as the world, older ones DEM_MATERIALS_MAX of the program that
-   wrote them. Returns 0 if the file is not valid. */
+/* Reads materials and their pairs. Files have as many as the world; older ones have as many as the DEM_MATERIALS_MAX of
+   the program that wrote them. Returns 0 if the file is not valid. */
 static inline int dem__read_materials(const dem__file *file, dem_world *w, dem__group *g) {
     const ptrdiff_t used = w->def.materials, n = dem__entries_of(file, "material.density");
     if (used < 1 || used > DEM_MATERIALS_MAX || n < used || n > INT16_MAX) return 0;
@@ -20654,7 +20755,8 @@ static inline int dem__read_materials(const dem__file *file, dem_world *w, dem__
     if (!dem__read_some(file, g, n, 0, used, 0)) return 0;
     dem__pair_fields(&w->def.pair[0][0], g);
     for (ptrdiff_t a = 0; a < used; a++) {
-        for (ptrdiff_t b = 0; b < used; b++) w->def.pair[a][b].given = 1; /* still older ones do not say what was set */
+        /* still older files do not tell which pairs were set */
+        for (ptrdiff_t b = 0; b < used; b++) w->def.pair[a][b].given = 1;
         if (!dem__read_some(file, g, n * n, a * n, a * n + used, a * DEM_MATERIALS_MAX)) return 0;
     }
     return 1;
@@ -20681,11 +20783,11 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
     if (!dem__is_thread_count(w->def.threads))
-        w->def.threads = 1; /* the caller of the saved world had set it to something else */
+        w->def.threads = 1; /* the caller of the saved world changed it */
     return dem__bad_field(&w->def) == NULL;
 }
 
-/* Reads the triangles of a mesh, and builds its tree anew. */
+/* Reads the triangles of a mesh, and rebuilds its tree. */
 static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocator *memory, int wall, dem_wall *a,
                                         dem__group *g) {
     dem__group triangles;
@@ -20710,7 +20812,7 @@ static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocat
     return status == DEM_BAD_ARGUMENT ? DEM_BAD_DATA : status;
 }
 
-/* Returns whether a loaded wall could come from the functions that make and move walls. */
+/* Returns whether a loaded wall could result from the functions that make and move walls. */
 static inline int dem__is_sound_wall(const dem_world *w, const dem_wall *a) {
     const dem_wall_motion *asked = &a->asked;
     if (a->material < 0 || a->material >= w->def.materials || !a->kind__) return 0;
@@ -20851,7 +20953,7 @@ static inline int dem__are_sound_particles(const dem_world *w) {
     return 1;
 }
 
-/* Returns whether the bodies and elements of contacts and links exist, and no contact is there twice. */
+/* Returns whether the bodies and elements of contacts and links exist, and no contact exists twice. */
 static inline int dem__are_sound_contacts(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     ptrdiff_t n = 0;
@@ -20865,14 +20967,14 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
         contacts->slots[n++] = (int32_t)c;
     }
     if (!dem__are_sound_chunks(w)) return 0;
-    dem__sort(w, contacts->slots, n); /* no contact is there twice */
+    dem__sort(w, contacts->slots, n); /* no contact exists twice */
     for (ptrdiff_t c = 1; c < n; c++) {
         if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;
     }
     return 1;
 }
 
-/* Derives what is not saved from the rest: lists of contacts, activity. */
+/* Derives from the rest what is not saved: lists of contacts, activity. */
 static inline void dem__derive_loaded(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *first = w->engine->walls.first_contact;
@@ -20885,7 +20987,7 @@ static inline void dem__derive_loaded(dem_world *w) {
         if (j >= 0) dem__activate(w, j);
         else contacts->wall_next[c] = first[i], first[i] = (int32_t)c;
         if (j < 0 && w->engine->convex.shapes > 0 && !dem__shape_of(w, i))
-            contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing is trusted */
+            contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no cached face is trusted */
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__set_inverse_mass(w, i);
@@ -20895,7 +20997,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     }
 }
 
-/* Adds every feature that a file may contain: a loaded world keeps those that it uses. */
+/* Adds every feature that a file may contain. A loaded world keeps those that it uses. */
 static inline void dem__expect_features(dem_world *w) {
     dem__add_feature(w, dem__feature_ledger());
     dem__add_feature(w, dem__feature_links());
@@ -20936,18 +21038,17 @@ DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, c
 }
 
 /* ------------------------------------------------------------------------------------------ >>contacts/stiffness.h */
-/* Advice on the stiffness: how deep bodies get into each other at a speed, and how stiff contacts must be for it. A
-   reader. */
+/* Advice on the stiffness: how deep bodies penetrate each other at a speed, and how stiff contacts must be for it. */
 
-#define DEM__DEEP_SPHERE 0.1 /* overlap of a sphere over its radius that is deep */
+#define DEM__DEEP_SPHERE 0.1 /* overlap of a sphere, over its radius, that counts as deep */
 
-/* Returns the overlap from which on a contact of particle i is deep [m]. */
+/* Returns the overlap from which on a contact of particle i counts as deep [m]. */
 DEM_INLINE double dem__deep_overlap(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     return s ? s->radius : DEM__DEEP_SPHERE * w->particle[i].radius;
 }
 
-/* Returns the overlap at which particle i comes to rest that hits, with all of its mass, what has a material [m]. */
+/* Returns the overlap at which particle i comes to rest if its whole mass hits something of a material [m]. */
 static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int material, int features, double speed) {
     const int m = w->material[i];
     const dem_convex *s = dem__shape_of(w, i);
@@ -20956,7 +21057,7 @@ static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int materi
     memset(&b, 0, sizeof b);
     b.def = &w->def, b.features = features, b.material_i = m, b.material_j = material;
     b.pair = m < material ? &w->def.pair[m][material] : &w->def.pair[material][m];
-    const double springs = s ? (double)s->springs : 1.0; /* of which a corner has one */
+    const double springs = s ? (double)s->springs : 1.0; /* a corner has one of them */
     b.radius_i = s ? s->radius : w->particle[i].radius, b.mass = w->particle[i].mass;
     if (!(features & DEM_HERTZ)) return speed * sqrt(springs * b.mass / b.pair->stiffness);
     dem_prepare_hertz(&b, constants);
@@ -20965,8 +21066,8 @@ static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int materi
                                   speed);
 }
 
-/* Sets the advised stiffness, and how deep bodies get with the present one. A pair of bodies, whose mass is less and
-   whose roundings are more, needs no more than the one of them that needs more. */
+/* Sets the advised stiffness, and how deep bodies penetrate with the present one. A pair of bodies has less mass and
+   more rounding, so it needs no more stiffness than the more demanding of the two. */
 static inline void dem__advise_stiffness(const dem_world *w, int features, double speed, dem_advice *a) {
     int present[DEM_MATERIALS_MAX] = {0};
     a->stiffness = a->depth = 0.0;
@@ -20987,7 +21088,7 @@ static inline void dem__advise_stiffness(const dem_world *w, int features, doubl
 }
 
 /* ------------------------------------------------------------------------------------------ >>contacts/time_step.h */
-/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. */
+/* Damping ratio, restitution, duration of a contact, advice on the time step. */
 
 /* Returns half the duration of a clipped contact times omega_0 (Schwager & Poeschel 2007), in one form for any damping.
  */
@@ -21037,8 +21138,8 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
     return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
 }
 
-/* Returns the least effective mass of particle i in a contact [kg]. That of a particle of a body is less than the
-   body's mass, because the body turns. */
+/* Returns the least effective mass of particle i in a contact [kg]. For a particle of a body it is less than the body's
+   mass, because the body turns. */
 static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) return w->particle[i].mass;
@@ -21097,7 +21198,7 @@ static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice
     if (damping > 0.0 && b->mass / damping < a->dashpot) a->dashpot = b->mass / damping;
 }
 
-/* Takes the smallest step over all pairs of materials that are present, each with its smallest sphere. */
+/* The smallest step over all pairs of materials that are present, each with its smallest sphere. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed) {
     dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN, 0.0, 0.0};
     dem__present of[DEM_MATERIALS_MAX];
@@ -21132,7 +21233,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
     a.advised = a.contact / 20.0;
     if (0.5 * a.dashpot < a.advised) a.advised = 0.5 * a.dashpot;
     if ((features & DEM_HERTZ) && 0.2 * a.rayleigh < a.advised) a.advised = 0.2 * a.rayleigh;
-    if (w->engine->convex.shapes > 0) a.advised *= 0.4; /* first and last steps of their contacts are not corrected */
+    if (w->engine->convex.shapes > 0) a.advised *= 0.4; /* partial steps of their contacts are not corrected */
     return a;
 }
 #endif

@@ -57,8 +57,8 @@
 #define FILTRATION__BODIES
 #endif
 
-/* gcc leaves a loop scalar at -O2 if arithmetic may trap or a root may set errno: functions that are compiled for several machines bring
-   their own options, the others those of the header. */
+/* At -O2 gcc does not vectorise a loop if its arithmetic may trap or a root may set errno. Functions that are compiled
+   for several machines therefore bring their own options, the others those of the header. */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
 #define FILTRATION__FAST __attribute__((optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")))
 #else
@@ -89,17 +89,17 @@
 #define FILTRATION__INDEPENDENT
 #endif
 
-/* Functions of which the compiler decides. Without optimisation they are inline by name: gcc then emits every other static function,
-   whether or not anything calls it. */
+/* Functions for which the compiler decides about inlining. Without optimisation they are declared inline, because gcc
+   then emits every other static function, whether or not anything calls it. */
 #if defined(__OPTIMIZE__) || !defined(__GNUC__)
 #define FILTRATION__STATIC static
 #else
 #define FILTRATION__STATIC static inline
 #endif
 
-/* x86-64: the kernels are compiled three times, with AVX-512, with AVX2 and without. The bits are the same, because none fuses. AVX2 has
-   too few registers for a node's populations. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412): there
-   -mavx2 for the whole program gives the speed. */
+/* x86-64: the kernels are compiled three times, with AVX-512, with AVX2 and without. The bits are the same, because
+   none fuses. AVX2 has too few registers for a node's populations. Not on Windows, where gcc does not align the stack
+   for wide vectors (its bug 54412); there -mavx2 for the whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
 #if defined(__clang__)
 #define FILTRATION__AVX512 "avx512vl,avx512dq"
@@ -154,14 +154,15 @@ typedef enum filtration_status { FILTRATION_STATUSES(FILTRATION__ENUM) FILTRATIO
 /* clang-format on */
 FILTRATION_API const char *filtration_status_text(filtration_status status); /* never NULL; static storage */
 
-/* Memory hook: old NULL allocates, new_size 0 frees and returns NULL, otherwise it resizes. fn NULL: malloc, realloc, free. */
+/* Memory hook: old NULL allocates, new_size 0 frees and returns NULL, otherwise it resizes. fn NULL: malloc, realloc,
+   free. */
 typedef struct filtration_memory {
     void *(*fn)(void *user, void *old, size_t old_size, size_t new_size);
     void *user;
 } filtration_memory;
 
-/* Parallel hook: runs task(context, 0 .. tasks - 1), in any order, on any thread, and returns when all are done. fn NULL: OpenMP if the
-   compiler has it, otherwise one after the other. */
+/* Parallel hook: runs task(context, 0 .. tasks - 1), in any order, on any thread, and returns when all are done. fn
+   NULL: OpenMP if the compiler has it, otherwise one after the other. */
 typedef struct filtration_parallel {
     void (*fn)(void *user, int tasks, void (*task)(void *context, int index), void *context);
     void *user;
@@ -209,7 +210,8 @@ static inline void filtration__for_each(const filtration_parallel *p, int thread
 /* ---- laws. dp: pressure difference [Pa], mu: viscosity of the filtrate [Pa s], A: filter area [m2]; all > 0. product: r_K K_S [1/m2], the
    resistance per metre of cake times the cake volume per filtrate volume, >= 0. medium: R_M [1/m] >= 0. ---- */
 
-/* (1) Returns the filtrate velocity dp / (mu (R_C + R_M)) [m/s]; cake, medium: resistances R_C, R_M >= 0, not both 0 [1/m]. */
+/* (1) Returns the filtrate velocity dp / (mu (R_C + R_M)) [m/s]; cake, medium: resistances R_C, R_M >= 0, not both 0
+   [1/m]. */
 static inline double filtration_velocity(double dp, double mu, double cake, double medium);
 /* (1) Returns the resistance dp / (mu v) [1/m]; velocity v > 0 [m/s]. */
 static inline double filtration_resistance(double dp, double mu, double velocity);
@@ -217,54 +219,58 @@ static inline double filtration_resistance(double dp, double mu, double velocity
 static inline double filtration_cake_resistance(double specific, double height);
 /* (2) Returns R_M = R_M0 + R_MI [1/m]: clean medium, and interference of the first layer; both >= 0. */
 static inline double filtration_medium_resistance(double clean, double interference);
-/* (3) Returns the slope mu r_K K_S / (2 A^2 dp) [s/m6] or the intercept mu R_M / (A dp) [s/m3] of t / V over V, or their inverses. */
+/* (3) Returns the slope mu r_K K_S / (2 A^2 dp) [s/m6] or the intercept mu R_M / (A dp) [s/m3] of t / V over V, or
+   their inverses. */
 static inline double filtration_slope(double product, double dp, double mu, double A);
 static inline double filtration_intercept(double medium, double dp, double mu, double A);
 static inline double filtration_product_of_slope(double slope, double dp, double mu, double A);        /* [1/m2] */
 static inline double filtration_medium_of_intercept(double intercept, double dp, double mu, double A); /* [1/m] */
-/* (3) Returns the time [s] for the filtrate volume V >= 0 [m3] at constant pressure, slope V^2 + intercept V; both >= 0. */
+/* (3) Returns the time [s] for the filtrate volume V >= 0 [m3] at constant pressure, slope V^2 + intercept V; both >=
+   0. */
 static inline double filtration_time_of_volume(double slope, double intercept, double V);
 /* Returns the volume [m3] after a time t >= 0 [s], the inverse; slope and intercept not both 0. */
 static inline double filtration_volume_of_time(double slope, double intercept, double t);
 /* Returns the pressure difference [Pa] at the filtrate velocity v >= 0 [m/s] after V / A = w >= 0 [m] of filtrate. */
 static inline double filtration_pressure(double product, double medium, double mu, double v, double w);
 
-/* Returns value_1 (p / p_1)^exponent, the power law of a compressible cake at the pressure difference p [Pa]; value_1 >= 0, p >= 0, p_1 >
-   0. */
+/* Returns value_1 (p / p_1)^exponent, the power law of a compressible cake at the pressure difference p [Pa]; value_1
+   >= 0, p >= 0, p_1 > 0. */
 static inline double filtration_power_law(double value_1, double exponent, double p, double p_1);
-/* Returns the mean over a cake whose local resistance follows the power law with exponent n, 0 <= n < 1: the local value at p times 1 - n
-   (Tiller 1953). */
+/* Returns the mean over a cake whose local resistance follows the power law with exponent n, 0 <= n < 1: the local
+   value at p times 1 - n (Tiller 1953). */
 static inline double filtration_mean_of_local(double local, double n);
-/* Returns the mean solid fraction of a cake [-] from the local one at p (power law with exponent beta >= 0), where the local resistance has
-   the exponent n >= 0: (1 - n - beta) / (1 - n) of it; n + beta < 1. */
+/* Returns the mean solid fraction of a cake [-] from the local one at p (power law with exponent beta >= 0), where the
+   local resistance has the exponent n >= 0: (1 - n - beta) / (1 - n) of it; n + beta < 1. */
 static inline double filtration_mean_solid(double local, double n, double beta);
 
 #define FILTRATION_KOZENY_CARMAN 180.0 /* constant of Carman (1937); Ergun (1952): 150 */
-/* Returns r_K by Kozeny-Carman, constant (1 - porosity)^2 / (porosity^3 d^2) [1/m2]; 0 < porosity <= 1, Sauter diameter d > 0 [m], constant
-   > 0. */
+/* Returns r_K by Kozeny-Carman, constant (1 - porosity)^2 / (porosity^3 d^2) [1/m2]; 0 < porosity <= 1, Sauter diameter
+   d > 0 [m], constant > 0. */
 static inline double filtration_kozeny_carman(double porosity, double d, double constant);
 /* Returns the porosity [-] of a cake with r_K > 0, the inverse. */
 static inline double filtration_kozeny_porosity(double specific, double d, double constant);
-/* Returns K_S [-] from the solid volume fraction c of the suspension and the porosity e of the cake, c / (1 - e - c); c >= 0, c + e < 1. */
+/* Returns K_S [-] from the solid volume fraction c of the suspension and the porosity e of the cake, c / (1 - e - c); c
+   >= 0, c + e < 1. */
 static inline double filtration_cake_ratio(double c, double porosity);
-/* Returns K_S [-] from the solid volume in the cake, its porosity e and the filtrate volume V > 0 [m3], solid / ((1 - e) V). */
+/* Returns K_S [-] from the solid volume in the cake, its porosity e and the filtrate volume V > 0 [m3], solid / ((1 -
+   e) V). */
 static inline double filtration_cake_ratio_of_solid(double solid, double porosity, double V);
 /* Returns K_S [-] from the height of the cake, h A / V. */
 static inline double filtration_cake_ratio_of_height(double height, double A, double V);
 /* Returns the specific resistance by mass, alpha = r_K / (rho_s (1 - e)) [m/kg]; density of the solid > 0 [kg/m3]. */
 static inline double filtration_mass_resistance(double specific, double porosity, double density);
 
-/* Returns the two-sided quantile t of Student's distribution: P(|T| < t) = confidence; 0 < confidence < 1, freedom > 0, not necessarily
-   whole. */
+/* Returns the two-sided quantile t of Student's distribution: P(|T| < t) = confidence; 0 < confidence < 1, freedom > 0,
+   not necessarily an integer. */
 static inline double filtration_student(double confidence, double freedom);
 
 /* ---- size distributions: n classes of mean size d > 0 [m] (arrays of the caller, [n]) ---- */
-/* Computes shares[i] d[i]^power, normalized to a sum of 1: power -3 turns volume shares (q3) into number shares (q0), 3 turns them back.
-   out may be shares. BAD_ARGUMENT: n 0, a share < 0, all 0, a size not > 0. */
+/* Computes shares[i] d[i]^power, normalized to a sum of 1: power -3 turns volume shares (q3) into number shares (q0), 3
+   turns them back. out may be shares. BAD_ARGUMENT: n 0, a share < 0, all 0, a size not > 0. */
 FILTRATION_API filtration_status filtration_convert_shares(size_t n, const double *d, const double *shares,
                                                            double power, double *out);
-/* Converts cumulative Q3 (0 .. 1, rising) at n >= 2 sizes x > 0 (rising) to Q0 at the same sizes: exact if Q3 is linear between them. Q3[0]
-   must be 0, because the number below the first size is unknown. BAD_ARGUMENT. out may be Q3. */
+/* Converts cumulative Q3 (0 .. 1, rising) at n >= 2 sizes x > 0 (rising) to Q0 at the same sizes: exact if Q3 is linear
+   between them. Q3[0] must be 0, because the number below the first size is unknown. BAD_ARGUMENT. out may be Q3. */
 FILTRATION_API filtration_status filtration_number_distribution(size_t n, const double *x, const double *Q3,
                                                                 double *out);
 /* Returns the Sauter diameter [m] of volume shares; NaN where filtration_convert_shares would refuse. */
@@ -293,12 +299,13 @@ typedef struct filtration_point {
 } filtration_point;
 
 FILTRATION_API filtration_operation filtration_operation_default(void);
-/* Returns BAD_ARGUMENT and the name of the first bad field (field may be NULL). Medium and product must not both be 0, pressure and rate
-   not both HUGE_VAL. */
+/* Returns BAD_ARGUMENT and the name of the first bad field (field may be NULL). Medium and product must not both be 0,
+   pressure and rate not both HUGE_VAL. */
 FILTRATION_API filtration_status filtration_operation_check(const filtration_operation *o, const char **field);
 /* Finds the point at which the first stage ends. time infinite: it never ends; 0: there is no such stage. */
 FILTRATION_API filtration_status filtration_change_over(const filtration_operation *o, filtration_point *point);
-/* Computes the point at a filtrate volume >= 0 [m3], or at a time >= 0 [s]. NO_SOLUTION: out of the range of doubles. */
+/* Computes the point at a filtrate volume >= 0 [m3], or at a time >= 0 [s]. NO_SOLUTION: out of the range of doubles.
+   */
 FILTRATION_API filtration_status filtration_at_volume(const filtration_operation *o, double volume,
                                                       filtration_point *point);
 FILTRATION_API filtration_status filtration_at_time(const filtration_operation *o, double time,
@@ -324,23 +331,24 @@ typedef struct filtration_curve_def {
                               scatter grows; default 0 */
     double volume_error; /* [m3] >= 0; default 0. Both only weight the readings; intervals follow from the scatter */
     double
-        drift_error; /* standard error of the last volume used by a balance that drifts in proportion to time [m3] >= 0; default 0.
-                              Such a drift looks like another filter, so that hardly any readings tell it. 0: with
-                              `independent` there is none; otherwise the intervals allow for one that changes the last
-                              reading by seven times its scatter */
-    int independent; /* 1: the errors of neighbours are known to be independent, and the balance does not drift; 0: not known,
-                              intervals allow for errors that are alike or add up, and for a drift: they are two to ten times
-                              as wide; default 0 */
+        drift_error; /* standard error of the last volume used, from a balance that drifts in proportion to time [m3] >=
+                        0; default 0. Such a drift looks like another filter, so that readings hardly reveal it. 0: with
+                        `independent` there is none; otherwise the intervals allow for one that changes the last reading
+                        by seven times its scatter */
+    int independent; /* 1: the errors of neighbours are known to be independent, and the balance does not drift; 0:
+                        neither is known, and the intervals allow for errors that are alike or add up, and for a drift,
+                        which makes them two to ten times as wide; default 0 */
     double
         start_time; /* of the stage that is evaluated [s]; default 0. Then (t - t1) / (V - V1) is fitted over V + V1 */
     double start_volume;   /* [m3] >= 0; default 0 */
     double first_volume;   /* readings from this filtrate volume on ... [m3] >= 0; default 0 */
     double last_volume;    /* ... to this one [m3]; default HUGE_VAL */
     int automatic;         /* 1: uses the longest straight stretch of these; 0: uses all; default 1 */
-    size_t least_readings; /* of a stretch, >= 5; default 6. With no more readings than that all are used */
+    size_t least_readings; /* of a stretch, >= 5; default 6. If there are no more readings than that, all are used */
     double
-        bend_level; /* a stretch is bent if chance alone would bend it as much with less than this probability [-], above 0 .. 1;
-                              default 0.1. A fifth of it where there is no straighter stretch: then there is no interval */
+        bend_level; /* a stretch is bent if chance alone would bend it as much with less than this probability [-],
+                       above 0 .. 1; default 0.1. If there is no straighter stretch, a fifth of this applies: then there
+                       is no interval */
     double tolerance;  /* ... and if the bend exceeds this share of the mean t / V [-] >= 0; default 0.005 */
     double confidence; /* of intervals [-], above 0 .. below 1; default 0.95 */
 } filtration_curve_def;
@@ -389,27 +397,30 @@ typedef struct filtration_curve {
 FILTRATION_API filtration_curve_def filtration_curve_default_def(void);
 /* Returns BAD_DEF and the name of the first bad field (field may be NULL), or OK and NULL. */
 FILTRATION_API filtration_status filtration_curve_check_def(const filtration_curve_def *def, const char **field);
-/* Fits (3) to n readings of time [s] and filtrate volume [m3] (arrays of the caller, in the order of time). Readings at or before the start
-   are left out. BAD_DEF; BAD_ARGUMENT: a reading is negative, infinite or not a number, time runs backwards, or the volume does: after the
-   start it falls below an earlier one by more than 2 % of the largest and six volume_error (the vessel was emptied, or this is more than
-   one filtration). Less is scatter, and counts as it was read. FEW_DATA: fewer than 3; NO_SOLUTION: all at one volume, or out
-   of the range of doubles. After any of them the numbers are NaN, used and remarks 0. With FILTRATION_REMARK_BENT there are values, but
-   error, low and high are NaN: a line that is none has no interval. */
+/* Fits (3) to n readings of time [s] and filtrate volume [m3] (arrays of the caller, in the order of time). Readings at
+   or before the start are left out. BAD_DEF; BAD_ARGUMENT: a reading is negative, infinite or not a number, time runs
+   backwards, or the volume does: after the start it falls below an earlier one by more than 2 % of the largest and six
+   volume_error (the vessel was emptied, or this is more than one filtration). Less is scatter, and counts as it was
+   read. FEW_DATA: fewer than 3; NO_SOLUTION: all at one volume, or out of the range of doubles. After any of them the
+   numbers are NaN, used and remarks 0. With FILTRATION_REMARK_BENT there are values, but error, low and high are NaN: a
+   line that is none has no interval. */
 FILTRATION_API filtration_status filtration_evaluate(const filtration_curve_def *def, size_t n, const double *time,
                                                      const double *volume, filtration_curve *result);
-/* Determines the resistance of the clean medium [1/m]: the mean of dp t A / (mu V) over the readings from the start to last_volume [m3] >
-   0, before there is a cake, at least 2. Errors, and NaN, as above. The caller leaves out readings where t / V still rises. */
+/* Determines the resistance of the clean medium [1/m]: the mean of dp t A / (mu V) over the readings from the start to
+   last_volume [m3] > 0, before there is a cake, at least 2. Errors, and NaN, as above. The caller leaves out readings
+   where t / V still rises. */
 FILTRATION_API filtration_status filtration_evaluate_clean(const filtration_curve_def *def, size_t n,
                                                            const double *time, const double *volume, double last_volume,
                                                            filtration_estimate *medium);
-/* Predicts the time [s] to a filtrate volume V >= 0 [m3] on another filter: pressure [Pa], area [m2] > 0, compressibility n of the cake as
-   above (0 for the measured pressure), with the interval that follows from slope and intercept. NaN with BAD_ARGUMENT. */
+/* Predicts the time [s] to a filtrate volume V >= 0 [m3] on another filter: pressure [Pa], area [m2] > 0,
+   compressibility n of the cake as above (0 for the measured pressure), with the interval that follows from slope and
+   intercept. NaN with BAD_ARGUMENT. */
 FILTRATION_API filtration_status filtration_predict(const filtration_curve *curve, double pressure, double area,
                                                     double compressibility, double V, filtration_estimate *time);
-/* The power law of a compressible cake from runs at several pressures: value = at_reference (p / reference)^exponent, where a value is
-   alpha, r_K or r_K K_S. Runs scatter by more than each one's own error (no two cakes are alike), by how much is not known: the law is
-   the mean over several weightings, each weighted by its likelihood. Intervals follow from the departures from the law, with runs - 2
-   degrees of freedom. */
+/* The power law of a compressible cake from runs at several pressures: value = at_reference (p / reference)^exponent,
+   where a value is alpha, r_K or r_K K_S. Runs scatter by more than their own errors (no two cakes are alike), and by
+   how much is not known: the law is the mean over several weightings, each weighted by its likelihood. Intervals follow
+   from the departures from the law, with runs - 2 degrees of freedom. */
 typedef struct filtration_compressibility {
     filtration_estimate exponent;     /* n [-] */
     filtration_estimate at_reference; /* of the value, in its unit; interval in logarithms */
@@ -420,9 +431,10 @@ typedef struct filtration_compressibility {
     double lowest, highest; /* pressure difference of the runs [Pa] */
     size_t runs;
 } filtration_compressibility;
-/* Fits it to runs >= 2 at pressure [Pa] with value > 0 and its relative standard error (arrays of the caller, [runs]; error may be NULL:
-   not known; 0 and NaN likewise for a run). reference > 0 [Pa]; confidence above 0 .. below 1. With 2 runs there is a law without intervals
-   (NaN). BAD_ARGUMENT; FEW_DATA: fewer than 2; NO_SOLUTION: all at one pressure. Then the numbers are NaN. */
+/* Fits the law to runs >= 2 at pressure [Pa] with value > 0 and its relative standard error (arrays of the caller,
+   [runs]; error may be NULL: not known; 0 and NaN mean the same for a run). reference > 0 [Pa]; confidence above 0 ..
+   below 1. With 2 runs there is a law without intervals (NaN). BAD_ARGUMENT; FEW_DATA: fewer than 2; NO_SOLUTION: all
+   at one pressure. Then the numbers are NaN. */
 FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, const double *pressure,
                                                                 const double *value, const double *error,
                                                                 double reference, double confidence,
@@ -431,14 +443,14 @@ FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, con
 FILTRATION_API filtration_status filtration_value_at_pressure(const filtration_compressibility *fit, double pressure,
                                                               filtration_estimate *value);
 
-/* What of a prediction lies outside the readings. */
+/* Which part of a prediction lies outside the readings. */
 #define FILTRATION_OUTSIDES(X)                                                                                         \
     X(FILTRATION_OUTSIDE_MORE, 1u, "more filtrate on an area than any reading: a thicker cake")                        \
     X(FILTRATION_OUTSIDE_LESS, 2u, "less filtrate on an area than any reading of the straight stretch")                \
     X(FILTRATION_OUTSIDE_PRESSURE, 4u, "another pressure: the cake's compressibility is not measured")
 #define FILTRATION__OUTSIDE(name, bit, text) name = bit,
 enum filtration_outside_flag { FILTRATION_OUTSIDES(FILTRATION__OUTSIDE) FILTRATION_OUTSIDE_NOTHING = 0 };
-/* Returns the flags of a prediction, by more than 1 %: arguments as above. 0 for NULL. */
+/* Returns the flags of a prediction that leaves the readings by more than 1 %: arguments as above. 0 for NULL. */
 FILTRATION_API unsigned filtration_outside(const filtration_curve *curve, double pressure, double area, double V);
 FILTRATION_API const char *filtration_outside_text(unsigned flag); /* of one flag; never NULL; static storage */
 
@@ -453,24 +465,28 @@ typedef struct filtration_near {
     double normal[3]; /* unit vector from the sphere's centre to the surface */
 } filtration_near;
 
-/* A solid at rest, described by functions of the caller, which are called in filtration_fluid_init and when spheres touch it. */
+/* A solid at rest, described by functions of the caller. filtration_fluid_init calls them, and filtration_move where spheres
+   touch the solid. */
 typedef struct filtration_solid {
-    /* Signed distance from a point to the surface [m], > 0 in the fluid. Its sign and its zero must be right; elsewhere it may be smaller
-       than the true distance, never larger. Points may lie up to a voxel outside the box, where periodic solids repeat. NULL: no solid. */
+    /* Signed distance from a point to the surface [m], > 0 in the fluid. Its sign and its zero must be right; elsewhere
+       it may be less than the true distance, never more. Points may lie up to a voxel outside the box, where periodic
+       solids repeat. NULL: no solid. */
     double (*distance)(const void *self, const double point[3]);
-    /* Fraction of the way from a fluid point to a solid one at which the surface lies [-], above 0 .. 1. NULL: computed from `distance`. */
+    /* Fraction of the way from a fluid point to a solid one at which the surface lies [-], above 0 .. 1. NULL: computed
+       from `distance`. */
     double (*cut)(const void *self, const double fluid[3], const double solid[3]);
     const void *self;
-    /* Lists at most `most` places with a gap below `reach` to a sphere, one for each wire or body that it may touch; returns their number.
-       For filtration_move. NULL: the nearest place, from differences of `distance`. */
+    /* Lists at most `most` places with a gap below `reach` to a sphere, one for each wire or body that it may touch.
+       Returns how many. For filtration_move. NULL: the nearest place, from differences of `distance`. */
     int (*touch)(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near);
 } filtration_solid;
 
-/* The solids below keep their own data. filtration_..._solid() returns a filtration_solid that points to these data, which must outlive the
-   fluid. */
+/* The solids below keep their own data. filtration_..._solid() returns a filtration_solid that points to these data,
+   which must outlive the fluid. */
 
-/* Returns the fraction of the way from a point in the fluid to one in the solid at which the surface lies [-], 0 .. 1, from the distance
-   alone, to 1e-9. For links shorter than the space between two surfaces. NaN if both ends are on the same side. */
+/* Returns the fraction of the way from a point in the fluid to one in the solid at which the surface lies [-], 0 ..
+   1, from the distance alone, to 1e-9. The points must be closer than two surfaces. NaN if both ends are on the same
+   side. */
 FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3], const double in_solid[3]);
 
 typedef enum filtration_weave {
@@ -478,28 +494,30 @@ typedef enum filtration_weave {
     FILTRATION_TWILL_WEAVE  /* 2/2 twill: over two, under two: repeats after 4 wires */
 } filtration_weave;
 
-/* Woven wire cloth in a plane z = centre, of round wires at x, y = offset + (i + 1/2) pitch, pitch = wire + opening. At crossings their
-   axes are wire / 2 above or below the plane; between crossings on the same side they are straight, between two sides half a cosine wave. A
-   section perpendicular to the sloping axis is a circle. Warp wires lie along y, above the weft at crossing (i, j) where (i + j) mod 4 < 2
-   (twill) or (i + j) mod 2 = 0 (plain). */
+/* Woven wire cloth in a plane z = centre, made of round wires at x, y = offset + (i + 1/2) pitch, pitch = wire +
+   opening. At crossings their axes are wire / 2 above or below the plane. Between crossings on the same side they are
+   straight, between crossings on opposite sides half a cosine wave. A cross-section perpendicular to the sloping axis
+   is a circle. Warp wires lie along y, above the weft at crossing (i, j) if (i + j) mod 4 < 2 (twill) or (i + j) mod 2
+   = 0 (plain). */
 typedef struct filtration_cloth {
     double wire;    /* diameter [m] > 0 */
     double opening; /* between two wires [m] > 0 */
     filtration_weave weave;
     double centre; /* z of the plane [m] */
     double reach;  /* distances above this may be returned too small [m] > 0; at least the largest sphere's radius */
-    double offset[2]; /* by which the weave is shifted along x, y [m]; finite. Coarse voxels see another cloth at each place */
+    double offset[2]; /* shift of the weave along x, y [m]; finite. Coarse voxels resolve a different cloth at each
+                         shift */
 } filtration_cloth;
 
-/* Makes a cloth with a reach of 4 wires and no offset. BAD_ARGUMENT: wire or opening not > 0 and finite, centre not finite, unknown
-   weave. */
+/* Makes a cloth with a reach of 4 wires and no offset. BAD_ARGUMENT: wire or opening not > 0 and finite, centre not
+   finite, unknown weave. */
 FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening, filtration_weave weave,
                                                        double centre);
-/* Returns the length after which the cloth repeats along x and y [m]; a periodic box is a multiple of it. */
+/* Returns the length after which the cloth repeats along x and y [m]. A periodic box must be a multiple of it. */
 static inline double filtration_cloth_period(const filtration_cloth *cloth) {
     return (cloth->wire + cloth->opening) * (cloth->weave == FILTRATION_TWILL_WEAVE ? 4.0 : 2.0);
 }
-/* Returns the fraction of the plane that is open, seen from above: (opening / pitch)^2 [-]. */
+/* Returns the open fraction of the plane in plan view: (opening / pitch)^2 [-]. */
 static inline double filtration_cloth_open_area(const filtration_cloth *cloth) {
     const double ratio = cloth->opening / (cloth->wire + cloth->opening);
     return ratio * ratio;
@@ -525,8 +543,8 @@ typedef struct filtration_bed {
     struct filtration__bed_entry *entry;
 } filtration_bed;
 
-/* Makes a bed. The arrays are kept, not copied. memory NULL: malloc. After an error the bed is empty and may be freed. BAD_ARGUMENT: a
-   number is not finite; a radius, an edge of the box or the reach is not > 0. NO_MEMORY. */
+/* Makes a bed. The arrays are kept, not copied. memory NULL: malloc. After an error the bed is empty and may be freed.
+   BAD_ARGUMENT: a number is not finite; a radius, an edge of the box or the reach is not > 0. NO_MEMORY. */
 FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdiff_t n, const double *a, const double *b,
                                                      const double *radius, const double box[3], const int periodic[3], double reach,
                                                      const filtration_memory *memory);
@@ -554,17 +572,18 @@ FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *i
 
 /* ==== >>fluid ==== */
 
-/* Law at a lattice link from a fluid node to a solid one, which the surface of a sphere, a wire or a wall cuts at the fraction q of its
-   length. */
+/* Law at a lattice link from a fluid node to a solid one, which the surface of a sphere, a wire or a wall cuts at the
+   fraction q of its length. */
 typedef enum filtration_boundary {
     FILTRATION_CENTRAL_LINEAR, /* central linear interpolation (Ginzburg et al. 2008): second order; default */
-    FILTRATION_HALF_WAY        /* half-way bounce-back (Ladd 1994): q = 1/2 wherever the surface is, so that it becomes a staircase */
+    FILTRATION_HALF_WAY        /* half-way bounce-back (Ladd 1994): q = 1/2 wherever the surface is, so that it becomes
+                                  a staircase */
 } filtration_boundary;
 
 /* How a node that a sphere leaves is filled. */
 typedef enum filtration_refill {
-    FILTRATION_REFILL_NONEQUILIBRIUM, /* equilibrium of the neighbours' density and the wall's velocity, and the non-equilibrium part of
-                                         the fluid neighbour along the normal; default */
+    FILTRATION_REFILL_NONEQUILIBRIUM, /* equilibrium at the density of the neighbours and the wall's velocity, plus the
+                                         non-equilibrium part of the fluid neighbour along the normal; default */
     FILTRATION_REFILL_EQUILIBRIUM,    /* without the non-equilibrium part */
     FILTRATION_REFILL_INTERPOLATION   /* mean of the fluid neighbours' populations (the paper's) */
 } filtration_refill;
@@ -584,14 +603,18 @@ typedef enum filtration_face {
     FILTRATION_PERIODIC,
     FILTRATION_WALL,     /* no slip; at the face, which may move within its plane */
     FILTRATION_PRESSURE, /* open, at a given pressure */
-    FILTRATION_SYMMETRY, /* a mirror: no flow through it, no shear on it. The force on a sphere that it cuts is that on the part inside the
-                            box, without that of a constant pressure */
-    FILTRATION_INFLOW    /* liquid comes or goes with face_velocity; the box needs a PRESSURE face, too, unless as much goes as comes */
+    FILTRATION_SYMMETRY, /* a mirror: no flow through it, no shear on it. A sphere that it cuts gets the force on the
+                            part inside the box, without that of a constant pressure */
+    FILTRATION_INFLOW, /* liquid enters or leaves with face_velocity; the box also needs a PRESSURE or OUTLET face unless
+                          inflow and outflow are equal */
+    FILTRATION_OUTLET  /* open, at a given pressure, for jets and vortices that leave. Where liquid comes back in, the
+                          pressure is less by rho u^2 / 2, as from a vessel at rest: backflow brings no energy. At a
+                          PRESSURE face a strong backflow grows until the run diverges */
 } filtration_face;
 enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y, FILTRATION_LOW_Z, FILTRATION_HIGH_Z };
 
-/* Everything that does not change in time. Made by filtration_fluid_default_def(). The box extends from 0 to nodes[a] * voxel along each
-   axis; node i lies at (i + 1/2) voxel. */
+/* Everything that does not change in time. Made by filtration_fluid_default_def(). The box extends from 0 to nodes[a] *
+   voxel along each axis; node i lies at (i + 1/2) voxel. */
 typedef struct filtration_fluid_def {
     uint32_t cookie;   /* set by filtration_fluid_default_def(); a definition without it is refused */
     int nodes[3];      /* number along x, y, z, each >= 1; below 2^31 in all; default 32, 32, 32. Rows of 64 nodes and more along x are
@@ -600,10 +623,10 @@ typedef struct filtration_fluid_def {
     double density;    /* of the fluid [kg/m3], 1e-15 .. 1e15; default 1000 */
     double viscosity;  /* dynamic [Pa s], 1e-15 .. 1e15; default 1e-3 */
     double tau;        /* relaxation time [-], 0.5 < tau <= 20; default 1. It sets the time step (tau - 1/2) voxel^2 / (3 nu) */
-    double bulk_ratio; /* bulk viscosity over kinematic viscosity [-], >= 0; default 2/3: no third rate. Larger values damp sound; keep
-                          below about 100 where spheres move */
-    double magic;      /* Lambda of the two relaxation times [-] > 0; default 3/16, with which walls half way are exact; HUGE_VAL: one
-                          relaxation time (BGK) */
+    double bulk_ratio; /* bulk viscosity over kinematic viscosity [-], >= 0; default 2/3: no third rate. Larger values
+                          damp sound; keep below about 100 if spheres move */
+    double magic;      /* Lambda of the two relaxation times [-] > 0; default 3/16, which makes walls half way between
+                          nodes exact; HUGE_VAL: one relaxation time (BGK) */
     filtration_lattice lattice;     /* default D3Q19; D3Q15 is stored in doubles only */
     filtration_precision precision; /* default DOUBLE */
     filtration_boundary boundary;   /* default CENTRAL_LINEAR */
@@ -611,14 +634,14 @@ typedef struct filtration_fluid_def {
     filtration_force_mode force;    /* default MOMENTUM_EXCHANGE */
     filtration_face face[6];        /* FILTRATION_LOW_X ...; default PERIODIC */
     double face_velocity[6][3];     /* of WALL faces, within their plane, and of INFLOW faces [m/s]; default 0 */
-    double face_pressure[6];        /* of PRESSURE faces [Pa], relative to the mean; default 0 */
+    double face_pressure[6];        /* of PRESSURE and OUTLET faces [Pa], relative to the mean; default 0 */
     double body_force[3];           /* on the fluid [N/m3]; default 0. Without gravity, because pressure is dynamic */
     filtration_solid solid;         /* default: none */
     double speed_limit;             /* lattice speed [-] above which a run stops as diverged, 1e-15 .. 0.5; default 0.3 */
-    int keep_mass;                  /* 1: filtration_fluid_keep_mass is called every 256 steps of a closed box with spheres that move;
-                                       default 1 */
-    int skip;                       /* 1: slabs that are all solid, or fluid at exact rest, are not updated; 0: all are; same bits; default
-                                       1 */
+    int keep_mass;                  /* 1: filtration_fluid_keep_mass is called every 256 steps of a closed box with
+                                       moving spheres; default 1 */
+    int skip;                       /* 1: slabs that are all solid, or fluid at exact rest, are not updated; 0: all are;
+                                       same bits; default 1 */
     int threads;                    /* number of threads >= 1; default 1; same bits for any number */
     filtration_parallel parallel;   /* default: OpenMP if the compiler has it */
     filtration_memory memory;       /* default: realloc and free */
@@ -650,7 +673,7 @@ typedef struct filtration_problem {
     int node[3];          /* the first bad node in the order of z, y, x; with FILTRATION_SPHERE: {index of the sphere, 0, 0} */
     int64_t step;         /* step at which it was found */
     double speed;         /* speed there, in lattice units [-] */
-    const char *rule;     /* with FILTRATION_SPHERE: what it must be; static storage; otherwise NULL */
+    const char *rule;     /* with FILTRATION_SPHERE: what it has to be; static storage; otherwise NULL */
     double cell_reynolds; /* u dx / nu there [-]; above 20 to 30 the flow between two nodes is not resolved */
 } filtration_problem;
 
@@ -671,34 +694,36 @@ typedef struct filtration_fluid {
 FILTRATION_API filtration_fluid_def filtration_fluid_default_def(void);
 /* Returns BAD_DEF if a field is out of range; then *field (may be NULL) is its name, in static storage. */
 FILTRATION_API filtration_status filtration_fluid_check_def(const filtration_fluid_def *def, const char **field);
-/* Makes a fluid at rest. A fluid in use must be freed first. After an error *fluid is empty and may be freed. BAD_DEF, NO_MEMORY. */
+/* Makes a fluid at rest. A fluid in use must be freed first. After an error *fluid is empty and may be freed. BAD_DEF,
+   NO_MEMORY. */
 FILTRATION_API filtration_status filtration_fluid_init(filtration_fluid *fluid, const filtration_fluid_def *def);
 FILTRATION_API void filtration_fluid_free(filtration_fluid *fluid);
 /* Returns the memory that a definition will allocate, without spheres and links [B]; 0 for an invalid one. */
 FILTRATION_API double filtration_fluid_bytes(const filtration_fluid_def *def);
 
-/* Takes one time step: the fluid flows around the spheres where they are now, and force and torque are set to those of this step. Then the
-   caller moves the spheres by fluid->dt and steps again. spheres may be NULL: none. BAD_ARGUMENT, NO_MEMORY, TOO_FAST, DIVERGED. A step
-   tests the flow that it begins with: what a force, a face or a sphere makes of it in this step is told by the next one. After an error the
-   fluid can be read, saved and freed. */
+/* Takes one time step: the fluid flows around the spheres at their present positions, and force and torque are set to
+   those of this step. Then the caller moves the spheres by fluid->dt and steps again. spheres may be NULL: none.
+   BAD_ARGUMENT, NO_MEMORY, TOO_FAST, DIVERGED. A step tests the flow with which it begins; the next step tests what a
+   force, a face or a sphere makes of it. After an error the fluid can be read, saved and freed. */
 FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres);
-/* Takes steps >= 0 with spheres whose centres stay (their surfaces may move: velocity and spin hold). */
+/* Takes steps >= 0 with spheres whose centres stay in place; their surfaces move with their velocity and spin. */
 FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres);
 
 /* ---- changes during a run: BAD_ARGUMENT, and nothing changes, where a value is out of range. Velocities of faces [voxel / dt], pressures
    [density voxel^2 / dt^2 / 3] and forces [density voxel / dt^2] stay below 1000. ---- */
-/* Sets tau, and so the time step, and rescales the flow: velocity, pressure and stress keep their SI values. Takes over what the caller has
-   changed of bulk_ratio and magic in fluid->def. */
+/* Sets tau, and with it the time step, and rescales the flow: velocity, pressure and stress keep their SI values.
+   Adopts changes of bulk_ratio and magic that the caller has made in fluid->def. */
 FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *fluid, double tau);
 FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]); /* [N/m3] */
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure);
 FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]);
-/* Sets the flow to start from. fn gives velocity [m/s] and pressure [Pa] at a point [m]. fn is asked twice for every point. Populations are
-   equilibrium plus the stress of the velocity's differences. */
+/* Sets the initial flow. fn gives velocity [m/s] and pressure [Pa] at a point [m]. It is called twice for every point.
+   Populations are the equilibrium plus the stress from the differences of velocity. */
 FILTRATION_API filtration_status filtration_fluid_set_flow(
     filtration_fluid *fluid, void (*fn)(void *user, const double point[3], double velocity[3], double *pressure), void *user);
-/* Adds the same density to every fluid node, so that its mean is def.density: it compensates for nodes that spheres cover and leave. For
-   closed boxes; mass_correction is the sum of what was added. DIVERGED if the mass is not a number. */
+/* Adds the same density to every fluid node, so that its mean is def.density. This compensates for nodes that spheres
+   cover and leave. For closed boxes; mass_correction is the sum of all that was added. DIVERGED if the mass is not a
+   number. */
 FILTRATION_API filtration_status filtration_fluid_keep_mass(filtration_fluid *fluid);
 
 /* ---- measuring ---- */
@@ -709,13 +734,13 @@ typedef struct filtration_sample {
 } filtration_sample;
 /* Samples node (x, y, z), each 0 .. nodes - 1; otherwise BAD_ARGUMENT. */
 FILTRATION_API filtration_status filtration_fluid_at(const filtration_fluid *fluid, int x, int y, int z, filtration_sample *sample);
-/* Copies whole fields into arrays of the caller, x fastest; each may be NULL: velocity [nz][ny][nx][3], pressure [nz][ny][nx], owner
-   [nz][ny][nx]. */
+/* Copies whole fields into arrays of the caller, x fastest; each may be NULL: velocity [nz][ny][nx][3], pressure
+   [nz][ny][nx], owner [nz][ny][nx]. */
 FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float *velocity, float *pressure, int32_t *owner);
 /* Computes the superficial velocity [m/s]: the mean over the whole box, with 0 in solids. */
 FILTRATION_API void filtration_fluid_mean_velocity(const filtration_fluid *fluid, double velocity[3]);
-/* Returns the superficial velocity [m/s] along an axis (0 x, 1 y, 2 z): volume flow through a slab of nodes over the box's
-   cross-section. */
+/* Returns the superficial velocity [m/s] along an axis (0 x, 1 y, 2 z): volume flow through a slab of nodes over the
+   box's cross-section. */
 FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int axis, int slab);
 FILTRATION_API double filtration_fluid_mass(const filtration_fluid *fluid);                       /* of the liquid [kg] */
 FILTRATION_API double filtration_fluid_porosity(const filtration_fluid *fluid);                   /* share of fluid nodes [-] */
@@ -726,16 +751,16 @@ FILTRATION_API double filtration_fluid_max_speed(const filtration_fluid *fluid);
 typedef int (*filtration_write_fn)(void *user, const void *data, size_t bytes);
 typedef int (*filtration_read_fn)(void *user, void *data, size_t bytes);
 FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user);
-/* Loads into a fluid that filtration_fluid_init made with the same definition (box, lattice, precision, faces, solid, laws); BAD_DATA
-   for another one. After BAD_DATA or STREAM the fluid is at rest at time 0. */
+/* Loads into a fluid that filtration_fluid_init made with the same definition (box, lattice, precision, faces, solid,
+   laws); BAD_DATA for another one. After BAD_DATA or STREAM the fluid is at rest at time 0. */
 FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, filtration_read_fn read, void *user);
 
 /* ==== >>motion: spheres moved by a fluid, without another particle code ==== */
 
 typedef struct filtration_motion_def {
     uint32_t cookie;
-    double density;     /* of the spheres [kg/m3], at least 0.4 of the fluid's: lighter ones are tossed by the liquid that they displace;
-                           default 2200 */
+    double density;     /* of the spheres [kg/m3], at least 0.4 times the fluid's, because the liquid that they displace
+                           tosses lighter ones about; default 2200 */
     double gravity[3];  /* [m/s2]; default (0, 0, -9.81); acts as buoyant weight (density - fluid density) V g */
     double modulus;     /* reduced modulus E* of two spheres in contact [Pa] > 0; default 1e8 (softened; docs/filtration.md) */
     double restitution; /* coefficient of restitution of a dry contact [-], above 0 .. 1; default 0.5 */
@@ -749,18 +774,19 @@ typedef struct filtration_motion_def {
 FILTRATION_API filtration_motion_def filtration_motion_default_def(void);
 FILTRATION_API filtration_status filtration_motion_check_def(const filtration_motion_def *def, const char **field);
 
-/* Moves the spheres by one step of the fluid (leapfrog in sub_steps, at constant force and torque of the fluid): changes centre, velocity
-   and spin. contact [n][3] (may be NULL): mean contact and lubrication force in the step [N]. Walls and the solid of the fluid are touched
-   where they are. share: factor of the force in a box with symmetry faces (1, 2 or 4). BAD_DEF, BAD_ARGUMENT (also for spheres lighter
-   than 0.4 of the fluid): nothing has moved; TOO_FAST: a contact gave a sphere an infinite speed (more sub_steps). */
+/* Moves the spheres by one step of the fluid (leapfrog in sub_steps, at constant force and torque of the fluid):
+   changes centre, velocity and spin. contact [n][3] (may be NULL): mean contact and lubrication force in the step [N].
+   Spheres touch the fluid's walls and solid where these are. share: factor of the force in a box with symmetry faces
+   (1, 2 or 4). BAD_DEF, BAD_ARGUMENT (also for spheres lighter than 0.4 of the fluid): nothing has moved; TOO_FAST: a
+   contact gave a sphere an infinite speed (use more sub_steps). */
 FILTRATION_API filtration_status filtration_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                                  filtration_spheres *spheres, double share, double *contact);
-/* Returns the number of sub-steps in the contact time of two equal spheres (Hertz) [-]; it should be 10 or more. dt: of the fluid [s];
-   radius [m], speed of approach [m/s], all > 0, otherwise NaN. */
+/* Returns the number of sub-steps in the contact time of two equal spheres (Hertz) [-]; it should be 10 or more. dt: of
+   the fluid [s]; radius [m], speed of approach [m/s], all > 0, otherwise NaN. */
 FILTRATION_API double filtration_contact_sub_steps(const filtration_motion_def *def, double dt, double radius, double speed);
-/* Returns the lubrication force along the normal on two spheres (r2 HUGE_VAL: a wall) [N], > 0 repulsive. gap [m]; closing: approach
-   velocity [m/s], > 0 closing; viscosity [Pa s]; cutoff: gap at which it begins [m]; least: smallest gap [m]. (Brenner 1961; Nguyen and
-   Ladd 2002.) */
+/* Returns the lubrication force along the normal on two spheres (r2 HUGE_VAL: a wall) [N], > 0 repulsive. gap [m];
+   closing: approach velocity [m/s], > 0 closing; viscosity [Pa s]; cutoff: gap at which it begins [m]; least: smallest
+   gap [m]. (Brenner 1961; Nguyen and Ladd 2002.) */
 FILTRATION_API double filtration_lubrication_force(double r1, double r2, double gap, double closing, double viscosity, double cutoff,
                                                    double least);
 
@@ -777,9 +803,9 @@ typedef struct filtration_permeability_result {
     int64_t steps;        /* number taken */
 } filtration_permeability_result;
 
-/* Drives the fluid along an axis by pressure_drop [Pa] over the box, applied as a body force, until the flow changes by less than tolerance
-   (0: 1e-5) in the time that momentum needs to spread over the pores. spheres (may be NULL) are at rest. NOT_STEADY after max_steps. The
-   flow remains in fluid and may be read. */
+/* Drives the fluid along an axis by pressure_drop [Pa] over the box, applied as a body force, until the flow changes by
+   less than tolerance (0: 1e-5) in the time in which momentum spreads over the pores. spheres (may be NULL) are at
+   rest. NOT_STEADY after max_steps. The flow remains in fluid and may be read. */
 FILTRATION_API filtration_status filtration_fluid_permeability(filtration_fluid *fluid, const filtration_spheres *spheres, int axis,
                                                                double pressure_drop, double tolerance, int64_t max_steps,
                                                                filtration_permeability_result *result);
@@ -1098,8 +1124,8 @@ static inline double filtration_kozeny_carman(double porosity, double d, double 
     return constant * ratio * ratio / (porosity * porosity * porosity);
 }
 
-/* Returns the porosity y^2, where s y^3 + y^2 = 1 and s = d sqrt(r_K / constant); by Newton's method from the right of the root of a convex
-   function. */
+/* Returns the porosity y^2, where s y^3 + y^2 = 1 and s = d sqrt(r_K / constant); by Newton's method from the right of
+   the root of a convex function. */
 static inline double filtration_kozeny_porosity(double specific, double d, double constant) {
     if (!(specific > 0.0 && d > 0.0 && constant > 0.0)) return (double)NAN;
     const double s = d * sqrt(specific / constant);
@@ -1141,7 +1167,8 @@ static inline double filtration_student(double confidence, double freedom) { ret
 
 /* ==== >>settling: drag of one sphere over Stokes' 3 pi mu d v [-]; NaN outside the stated range ==== */
 
-/* Returns the terminal velocity by Stokes' law, (density difference) g d^2 / (18 mu) [m/s]; d > 0 [m], mu > 0 [Pa s]. */
+/* Returns the terminal velocity by Stokes' law, (density difference) g d^2 / (18 mu) [m/s]; d > 0 [m], mu > 0 [Pa s].
+   */
 static inline double filtration_stokes_velocity(double density_difference, double gravity, double d, double mu) {
     return d > 0.0 && mu > 0.0 ? density_difference * gravity * d * d / (18.0 * mu) : (double)NAN;
 }
@@ -1151,8 +1178,8 @@ static inline double filtration_schiller_naumann(double reynolds) {
     return reynolds >= 0.0 && reynolds <= 1000.0 ? 1.0 + 0.15 * riddle_pow(reynolds, 0.687) : (double)NAN;
 }
 
-/* Returns the factor on the axis of a cylinder of diameter D; ratio = d / D, 0 .. below 1. The paper's (13): Ladenburg (1907) with Faxen's
-   constant, first order. */
+/* Returns the factor on the axis of a cylinder of diameter D; ratio = d / D, 0 .. below 1. The paper's (13): Ladenburg
+   (1907) with Faxen's constant, first order. */
 static inline double filtration_wall_ladenburg(double ratio) { return ratio >= 0.0 && ratio < 1.0 ? 1.0 + 2.104 * ratio : (double)NAN; }
 
 /* Returns the same by Faxen (1922): good to a ratio of about 0.3; NaN from 0.6 on. */
@@ -1169,8 +1196,8 @@ static inline double filtration_wall_haberman_sayre(double ratio) {
     return (1.0 - 0.75857 * fifth) / (1.0 - 2.1050 * ratio + 2.0865 * cube - 1.7068 * fifth + 0.72603 * fifth * ratio);
 }
 
-/* Returns the factor towards a plane by Brenner (1961), without inertia; gap over the radius > 0. Exact; below 1e-3 the two leading terms
-   of lubrication. */
+/* Returns the factor towards a plane by Brenner (1961), without inertia; gap over the radius > 0. Exact; below 1e-3 the
+   two leading terms of lubrication. */
 static inline double filtration_wall_brenner(double gap_over_radius) {
     const double gap = gap_over_radius;
     if (!(gap > 0.0)) return (double)NAN;
@@ -1195,7 +1222,8 @@ static inline double filtration_wall_brenner(double gap_over_radius) {
 /* --------------------------------------------------------------------------------------------- >>process/process.h */
 /* Size distributions, operations at constant rate and pressure, the evaluation of filter curves. */
 
-#define FILTRATION__ROUNDING 1e-12 /* share of t / V below which bend and scatter are of the numbers, not of the filter */
+#define FILTRATION__ROUNDING 1e-12 /* share of t / V below which bend and scatter stem from rounded numbers, not from
+                                      the filter */
 #define FILTRATION__FEW 20.0 /* readings that do not tell whether neighbours are alike */
 
 /* ---- size distributions ---- */
@@ -1276,8 +1304,8 @@ FILTRATION_API filtration_status filtration_operation_check(const filtration_ope
     return bad ? FILTRATION_BAD_ARGUMENT : FILTRATION_OK;
 }
 
-/* Returns the fraction q of the pressure difference dp that lies in the cake: q^(1-n) = k (1 - q), k: resistance of the cake at dp over the
-   medium's. Solved by Newton's method from the left of the root of a concave function. */
+/* Returns the fraction q of the pressure difference dp that lies in the cake: q^(1-n) = k (1 - q), k: resistance of the
+   cake at dp over the medium's. Solved by Newton's method from the left of the root of a concave function. */
 static inline double filtration__cake_share(const filtration_operation *o, double w) {
     const double n = o->compressibility;
     if (o->medium == 0.0) return 1.0;
@@ -1303,8 +1331,8 @@ static inline double filtration__total_resistance(const filtration_operation *o,
     return o->product * riddle_pow(in_cake / o->reference, o->compressibility) * w + o->medium;
 }
 
-/* Returns the integral of the resistance over w: in closed form for an incompressible cake, otherwise with 8 Gauss points in panels that
-   halve towards the start, where the cake takes up the pressure. */
+/* Returns the integral of the resistance over w: in closed form for an incompressible cake, otherwise with 8 Gauss
+   points in panels that halve towards the start, where the cake takes up the pressure. */
 static inline double filtration__resistance_integral(const filtration_operation *o, double from, double to) {
     static const double node[4] = {0.18343464249564980494, 0.52553240991632898582, 0.79666647741362673959, 0.96028985649753623168};
     static const double weight[4] = {0.36268378337836198297, 0.31370664587788728734, 0.22238103445337447054, 0.10122853629037625915};
@@ -1387,14 +1415,15 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
     if (!point || !(time >= 0.0 && filtration__is_finite(time)) || filtration_change_over(o, &start) != FILTRATION_OK)
         return FILTRATION_BAD_ARGUMENT;
     if (time <= start.time) return filtration_at_volume(o, start.time > 0.0 ? time * o->rate : 0.0, point);
-    /* starts as if the cake were incompressible, with its resistance at the pressure: the volume is too small */
+    /* starts as if the cake were incompressible, with its resistance at the pressure: that volume is too small */
     const double factor = o->viscosity / (o->pressure * o->area);
     const double stiff = o->product * riddle_pow(o->pressure / o->reference, o->compressibility);
     const double slope = 0.5 * factor * stiff / o->area, intercept = factor * (stiff * start.volume / o->area + o->medium);
     double volume = start.volume + filtration_volume_of_time(slope, intercept, time - start.time);
     *point = filtration__pressure_point(o, &start, volume);
     if (o->compressibility > 0.0 && filtration__is_finite(point->time)) {
-        for (int i = 0; point->time < time; i++) { /* goes to the right of the root, then Newton's method: time is convex in volume */
+        /* goes to the right of the root, then uses Newton's method: time is convex in volume */
+        for (int i = 0; point->time < time; i++) {
             if (i == 100) return FILTRATION_NO_SOLUTION;
             volume = start.volume + 2.0 * (volume - start.volume);
             *point = filtration__pressure_point(o, &start, volume);
@@ -1411,16 +1440,17 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
 }
 
 /* ---------------------------------------------------------------------------------------- >>process/process_line.h */
-/* A straight line through readings whose scatter is not known: how it grows with the volume, and how far neighbours are
-   alike. */
+/* A straight line through readings whose scatter is unknown: how it grows with the volume, and how similar neighbours
+   are. */
 
-/* An error is white noise with the variance `white`, and a part that keeps a share of its value and gets something new at each reading. */
+/* An error is white noise with the variance `white`, plus a part that keeps a share of its value and gets a random step
+   at each reading. */
 typedef struct filtration__roughness {
     double keeps, step, white, prior; /* step, white: variances */
-    int for_bend;                     /* 1: one of those that tell a bend from scatter (three are enough) */
+    int for_bend;                     /* 1: used to tell a bend from scatter (three kinds are enough) */
 } filtration__roughness;
 
-/* A drift of the balance in proportion to time: what it changes at the end, over the scatter of a reading there. */
+/* A drift of the balance in proportion to time: its effect at the end, over the scatter of a reading there. */
 typedef struct filtration__drifting {
     double size, prior;
 } filtration__drifting;
@@ -1436,8 +1466,10 @@ static const filtration__drifting filtration__drifts[FILTRATION__DRIFTS] = {{0.0
 static const double filtration__weight_prior[FILTRATION__WEIGHTS] = {1.0, 1.0, 0.5, 0.5};
 static const filtration__roughness filtration__roughs[FILTRATION__ROUGHS] = {
     {0.0, 0.0, 1.0, 1.0, 1},                                                      /* independent errors */
-    {0.3, 0.91, 0.0, 1.0, 0}, {0.6, 0.64, 0.0, 1.0, 1}, {0.8, 0.36, 0.0, 1.0, 0}, /* each like the one before, of variance 1 */
-    {1.0, 0.03, 1.0, 0.5, 0}, {1.0, 0.3, 1.0, 0.5, 1},  {1.0, 1.0, 0.0, 0.5, 0}}; /* errors that add up, as of a balance that wanders */
+    /* each similar to the one before, of variance 1 */
+    {0.3, 0.91, 0.0, 1.0, 0}, {0.6, 0.64, 0.0, 1.0, 1}, {0.8, 0.36, 0.0, 1.0, 0},
+    {1.0, 0.03, 1.0, 0.5, 0}, {1.0, 0.3, 1.0, 0.5, 1},  {1.0, 1.0, 0.0, 0.5, 0}}; /* errors that add up, as those of a
+                                                                                     wandering balance */
 
 /* The readings, and the scales that keep sums in the range of doubles. */
 typedef struct filtration__readings {
@@ -1446,8 +1478,8 @@ typedef struct filtration__readings {
     double x_scale, y_scale;
 } filtration__readings;
 
-/* Computes the abscissa V + V1, the ordinate (t - t1) / (V - V1) and the volume u = V - V1 of reading i, scaled. Returns 0 if it is left
-   out. */
+/* Computes the abscissa V + V1, the ordinate (t - t1) / (V - V1) and the volume u = V - V1 of reading i, scaled.
+   Returns 0 if it is left out. */
 static inline int filtration__reading(const filtration__readings *r, size_t i, double *x, double *y, double *u) {
     const filtration_curve_def *d = r->def;
     const double t = r->time[i] - d->start_time, V = r->volume[i] - d->start_volume;
@@ -1458,7 +1490,8 @@ static inline int filtration__reading(const filtration__readings *r, size_t i, d
     return 1;
 }
 
-/* A line y = mean_y + slope (x - mean_x) by least squares of t, which small volumes cannot upset: what the kinds of scatter correct. */
+/* A line y = mean_y + slope (x - mean_x) by least squares of t, which small volumes cannot upset. The kinds of scatter
+   correct it. */
 typedef struct filtration__line {
     size_t n;
     double mean_x, mean_y, sxx, slope, low, high, end; /* low, high: range of x; end: largest u */
@@ -1484,7 +1517,7 @@ static inline void filtration__plain_line(const filtration__readings *r, size_t 
     line->slope = line->sxx > 0.0 ? sxy / line->sxx : 0.0;
 }
 
-/* Returns the ordinate of the line, and in rate dt / dV there; a line that reaches 0 is cut off. */
+/* Returns the ordinate of the line at a volume, and in rate dt / dV there; a line that reaches 0 is cut off. */
 static inline double filtration__on_line(const filtration__line *line, double x, double u, double *rate) {
     const double rise = line->slope > 0.0 ? line->slope : 0.0, least = 0.05 * line->mean_y;
     double y = line->mean_y + rise * (x - line->mean_x);
@@ -1493,8 +1526,8 @@ static inline double filtration__on_line(const filtration__line *line, double x,
     return y;
 }
 
-/* Returns the factor by which a reading's ordinate has the scatter of the others: V over the error of t, which is constant (weight 0), that
-   of a constant error of V (1), in proportion to V (2), or to t (3). */
+/* Returns the factor that gives a reading's ordinate the scatter of the others: V over the error of t, where that is
+   constant (weight 0), that of a constant error of V (1), in proportion to V (2), or to t (3). */
 static inline double filtration__factor(const filtration__readings *r, const filtration__line *line, int weight, double x, double u) {
     const filtration_curve_def *d = r->def;
     double rate;
@@ -1506,19 +1539,19 @@ static inline double filtration__factor(const filtration__readings *r, const fil
     return weight == 0 ? u : weight == 1 ? u / rate : weight == 2 ? 1.0 : 1.0 / y;
 }
 
-/* What a kind of scatter makes of the readings. */
+/* The readings seen through one kind of scatter. */
 typedef struct filtration__kind {
     double level, slope;                  /* corrections of the plain line at mean_x */
     double of_level, of_both, of_slope;   /* inverse of the normal matrix */
-    double squares, likelihood;           /* what the line leaves; logarithm of the likelihood, but for a constant */
+    double squares, likelihood;           /* residual sum of squares; logarithm of the likelihood, up to a constant */
     double drifted[2];                    /* change of level and slope by a drift of the balance by `end` at the last reading */
     double drift;                         /* that drift, if there is one: shares of end */
     double bent_squares, bent_likelihood; /* with a parabola and a cubic in addition */
     double coefficient[2];                /* of them, over half the range */
 } filtration__kind;
 
-/* Turns the first `pivots` columns of the normal matrix g [n][n] (lower half) into Cholesky's factor, the rest into what remains of it.
-   Returns the logarithm of the factor's determinant. */
+/* Turns the first `pivots` columns of the normal matrix g [n][n] (lower half) into Cholesky's factor, the rest into
+   what remains of it. Returns the logarithm of the factor's determinant. */
 static inline double filtration__decompose(double *g, int n, int pivots) {
     double determinant = 0.0;
     for (int k = 0; k < pivots; k++) {
@@ -1532,8 +1565,8 @@ static inline double filtration__decompose(double *g, int n, int pivots) {
     return determinant;
 }
 
-/* Sums the normal matrix of level, slope, parabola, cubic, drift and the plain line's residual, each made independent by the prediction
-   from the readings before (Kalman 1960). Returns the logarithm of the factor between densities. */
+/* Sums the normal matrix of level, slope, parabola, cubic, drift and the plain line's residual, each made independent
+   by the prediction from the readings before (Kalman 1960). Returns the logarithm of the factor between densities. */
 enum { FILTRATION__COLUMNS = 6 };
 static inline double filtration__normal_matrix(const filtration__readings *r, size_t first, size_t last, const filtration__line *line,
                                                int weight, const filtration__roughness *rough,
@@ -1569,9 +1602,9 @@ static inline double filtration__normal_matrix(const filtration__readings *r, si
     return logs + riddle_log(product);
 }
 
-/* Fits a level, or a level and a slope (unknowns 1, 2), by the normal matrix of a kind of scatter. drift: standard error
-   of an ordinate at the line's end by a drift of the balance, over that of a reading there; 0: none. It is an unknown
-   that is expected to be 0, which an observation of its own says. */
+/* Fits a level, or a level and a slope (unknowns 1, 2), by the normal matrix of a kind of scatter. drift: standard
+   error of an ordinate at the line's end by a drift of the balance, over that of a reading there; 0: none. The drift is
+   an unknown with the expectation 0, which enters as an observation. */
 static inline void filtration__fit_line(double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], double drift, double rate,
                                         double logs, double least, int unknowns, const filtration__line *line,
                                         filtration__kind *kind) {
@@ -1604,7 +1637,7 @@ static inline void filtration__fit_line(double g[FILTRATION__COLUMNS][FILTRATION
     if (drift > 0.0) kind->likelihood += riddle_log(expected);
 }
 
-/* Fits the same with a parabola and a cubic in addition. */
+/* The same fit with a parabola and a cubic in addition. */
 static inline void filtration__fit_bend(double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], double logs, double least,
                                         const filtration__line *line, filtration__kind *kind) {
     const int columns[5] = {0, 1, 2, 3, 5};
@@ -1618,7 +1651,8 @@ static inline void filtration__fit_bend(double g[FILTRATION__COLUMNS][FILTRATION
     kind->coefficient[0] = bent[2][2] > 0.0 ? (bent[4][2] - bent[3][2] * kind->coefficient[1]) / bent[2][2] : 0.0;
 }
 
-/* Fits one kind of scatter without and with drifts of the balance that nobody has stated: fills drifts entries. */
+/* Fits one kind of scatter, without a drift of the balance and with drifts that were not stated: fills drifts
+   entries. */
 static inline void filtration__fit_kind(const filtration__readings *r, size_t first, size_t last, const filtration__line *line,
                                         int unknowns, int weight, const filtration__roughness *rough, int drifts,
                                         filtration__kind *kind) {
@@ -1631,7 +1665,7 @@ static inline void filtration__fit_kind(const filtration__readings *r, size_t fi
     filtration__fit_bend(g, logs, least, line, kind);
 }
 
-/* The kinds that are thought of: all, or those that the definition leaves. */
+/* Returns whether a kind is considered: all are, or those that the definition leaves. */
 static inline int filtration__is_thought_of(const filtration_curve_def *d, int kind) {
     const int weights = d->time_error > 0.0 || d->volume_error > 0.0 ? 1 : FILTRATION__WEIGHTS;
     return kind / FILTRATION__ROUGHS < weights && (!d->independent || kind % FILTRATION__ROUGHS == 0);
@@ -1644,10 +1678,10 @@ typedef struct filtration__mixture {
     filtration__kind kind[FILTRATION__KINDS];
     double level, slope, drifted[2], rough; /* means */
     double freedom, confidence, student;
-    double drift; /* of the balance by the last reading, a standard error, in shares of the line's end */
+    double drift; /* standard error of the balance at the last reading, in shares of the line's end */
 } filtration__mixture;
 
-/* Computes the means. The line is that without a drift that nobody has stated: it only widens the range. */
+/* Computes the means. The line is the one without an unstated drift, which only widens the range. */
 static inline void filtration__average(filtration__mixture *m, int drifts) {
     double sum = 0.0, still = 0.0;
     for (int k = 0; k < m->n; k++) {
@@ -1688,8 +1722,8 @@ static inline void filtration__mix(const filtration__readings *r, size_t first, 
     filtration__average(m, drifts);
 }
 
-/* Returns the standard error of level times the level and slope times the slope: with Student's factor it gives the half width of the
-   interval about the mean that holds the confidence, with the drift's part. */
+/* Returns the standard error of level times the level and slope times the slope. With Student's factor it gives the
+   half width of the interval about the mean that holds the confidence, including the drift's part. */
 static inline double filtration__error_of(const filtration__mixture *m, double level, double slope) {
     const double centre = level * m->level + slope * m->slope;
     double mean[FILTRATION__KINDS], scale[FILTRATION__KINDS], low = 0.0, high = 0.0, half = 0.0;
@@ -1783,21 +1817,22 @@ FILTRATION_API filtration_status filtration_curve_check_def(const filtration_cur
     return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
 }
 
-/* How far the readings of a stretch bend: the departure of a parabola and a cubic from the line, over the mean ordinate; the probability
-   that chance alone would bend it as much (F test with 2 and n - 4 degrees of freedom), for the likeliest kind of scatter; the drift of
-   the balance that would bend it so, in shares of the end. A parabola alone would miss an S-shaped curve (flat, steep, less steep). */
+/* How far the readings of a stretch bend: the departure of a parabola and a cubic from the line, over the mean
+   ordinate; the probability that chance alone would bend it as much (F test with 2 and n - 4 degrees of freedom), for
+   the likeliest kind of scatter; the drift of the balance that would bend it so, in shares of the end. A parabola alone
+   would miss an S-shaped curve (flat, steep, less steep). */
 typedef struct filtration__bend {
     double size, chance, drift;
 } filtration__bend;
 
 #define FILTRATION__CERTAIN                                                                                            \
-    0.2 /* factor of the level: a bend that is no longer put down to chance where all readings are to count */
+    0.2 /* factor of the level: below it, a bend is not attributed to chance even where all readings are to count */
 
 static inline filtration__bend filtration__find_bend(const filtration__readings *r, size_t first, size_t last,
                                                      const filtration__line *line) {
     filtration__bend bend = {0.0, 1.0, 0.0};
     filtration__kind kind, best = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, {0.0, 0.0}, 0.0, 0.0, 0.0, {0.0, 0.0}};
-    if (line->n < 6) return bend; /* a bend would be a guess */
+    if (line->n < 6) return bend; /* too few readings to tell a bend */
     for (int k = 0; k < FILTRATION__FITS; k++) {
         if (!filtration__is_thought_of(r->def, k) || !filtration__roughs[k % FILTRATION__ROUGHS].for_bend) continue;
         filtration__fit_kind(r, first, last, line, 2, k / FILTRATION__ROUGHS,
@@ -1811,16 +1846,17 @@ static inline filtration__bend filtration__find_bend(const filtration__readings 
     return bend;
 }
 
-/* Returns whether a stretch is straight: it bends no more than chance would bend it, or than the tolerance. level: the smallest
-   probability. */
+/* Returns whether a stretch is straight: it bends no more than chance would bend it, or than the tolerance. level: the
+   smallest probability. */
 static inline int filtration__is_straight(const filtration__readings *r, const filtration__line *line,
                                           const filtration__bend *bend, double level) {
     return line->sxx > 0.0 && (bend->chance >= level || bend->size <= r->def->tolerance + FILTRATION__ROUNDING);
 }
 
-/* Finds the straight stretch over the widest range of volumes, among up to `grid` starts and ends; first and last stay if there is none.
-   Then cuts off a fifth at an end beyond which the curve bends: the test passes readings whose bend is hidden by scatter, and they would
-   bias the line (without the cut, 95 % intervals hold in 83 % of trials; tests/test_filtration_process.c). */
+/* Finds the straight stretch over the widest range of volumes, among up to `grid` starts and ends. If there is none,
+   first and last stay. Then cuts off a fifth at an end beyond which the curve bends: the test admits readings whose
+   bend is hidden by scatter, and they would bias the line (without the cut, 95 % intervals hold in 83 % of trials;
+   tests/test_filtration_process.c). */
 static inline void filtration__longest_straight(const filtration__readings *r, size_t *first_reading,
                                                 size_t *last_reading) {
     const size_t first = *first_reading, last = *last_reading, readings = last - first + 1,
@@ -1854,8 +1890,8 @@ static inline filtration_estimate filtration__estimate(double value, double erro
     return e;
 }
 
-/* Returns an estimate that is `factor` times another one. The factor has a relative standard error of its own, known well (Welch 1947 and
-   Satterthwaite 1946 for the degrees of freedom). */
+/* Returns an estimate that is `factor` times another one. The factor has its own relative standard error, which is
+   known well (Welch 1947 and Satterthwaite 1946 for the degrees of freedom). */
 static inline filtration_estimate filtration__times(filtration_estimate e, double factor, double relative,
                                                     double confidence, double freedom) {
     const double value = factor * e.value, of_fit = fabs(factor) * e.error, of_factor = fabs(value) * relative;
@@ -1873,7 +1909,7 @@ static inline void filtration__clear_curve(filtration_curve *c) {
     c->pressure = c->viscosity = c->area = c->confidence = c->smallest = c->largest = (double)NAN;
 }
 
-/* Returns whether the volume runs backwards after the start, by more than readings scatter. */
+/* Returns whether the volume falls after the start, by more than readings scatter. */
 static inline int filtration__falls(const filtration__readings *r, size_t n) {
     double largest = 0.0, highest = 0.0;
     for (size_t i = 0; i < n; i++)
@@ -1887,7 +1923,7 @@ static inline int filtration__falls(const filtration__readings *r, size_t n) {
     return 0;
 }
 
-/* Checks the readings; least: number of them that is needed; first and last: the outermost ones that count. */
+/* Checks the readings. least: how many are needed; first and last: the outermost ones that count. */
 static inline filtration_status filtration__take(filtration__readings *r, size_t n, size_t least, size_t *first,
                                                  size_t *last, size_t *count) {
     double x, y, u;
@@ -1938,7 +1974,7 @@ static inline void filtration__intervals(const filtration__readings *r, size_t f
     if (n < FILTRATION__FEW && !r->def->independent && c->scatter > FILTRATION__ROUNDING)
         c->remarks |= FILTRATION_REMARK_FEW;
     const double certain = FILTRATION__CERTAIN * r->def->bend_level;
-    if (bend->chance < certain && bend->size > FILTRATION__ROUNDING) { /* seen, though within the tolerance */
+    if (bend->chance < certain && bend->size > FILTRATION__ROUNDING) { /* significant, though within the tolerance */
         c->remarks |= FILTRATION_REMARK_DRIFT;
         if (bend->drift > m.drift) m.drift = bend->drift;
     }
@@ -2077,7 +2113,8 @@ FILTRATION_API const char *filtration_outside_text(unsigned flag) {
 /* ------------------------------------------------------------------------------------- >>process/compressibility.h */
 /* The power law of a compressible cake from runs at several pressures. */
 
-/* Fits the line of logarithms with weights 1 / (error^2 + between^2), error the runs' own; between HUGE_VAL: equal weights. */
+/* Fits the line of logarithms with weights 1 / (error^2 + between^2), error the runs' own; between HUGE_VAL: equal
+   weights. */
 static inline filtration__kind filtration__fit_law(size_t n, const double *pressure, const double *value,
                                                    const double *error, double reference, double between) {
     double weights = 0.0, mean_x = 0.0, mean_y = 0.0, sxx = 0.0, sxy = 0.0, logs = 0.0;
@@ -2108,8 +2145,8 @@ static inline filtration__kind filtration__fit_law(size_t n, const double *press
     return kind;
 }
 
-/* The mean over what the runs may scatter beyond their errors: nothing, as much again, three times, or so much more that these do not
-   matter. The size of the scatter follows from the departures from the law. */
+/* The mean over how much runs may scatter beyond their errors: not at all, as much again, three times as much, or so
+   much that the errors do not matter. The size of the scatter follows from the departures from the law. */
 static inline void filtration__mix_laws(size_t n, const double *pressure, const double *value, const double *error,
                                         double reference, double confidence, filtration__mixture *m) {
     static const double beyond[] = {0.0, 1.0, 3.0};
@@ -2183,7 +2220,7 @@ FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, con
     if (!filtration__is_finite(m.slope) || !filtration__is_positive(at)) return FILTRATION_NO_SOLUTION;
     const double of_slope = filtration__error_of(&m, 0.0, 1.0), of_level = filtration__error_of(&m, 1.0, 0.0);
     const double of_middle = filtration__error_of(&m, 1.0, middle), most = of_slope * of_level;
-    double both = 0.0; /* such that the interval in the middle of the pressures is right, too */
+    double both = 0.0; /* so that the interval in the middle of the pressures is right, too */
     if (fabs(middle) > 1e-9)
         both = (of_middle * of_middle - of_level * of_level - middle * middle * of_slope * of_slope) / (2.0 * middle);
     both = both > most ? most : both < -most ? -most : both;
@@ -2208,7 +2245,7 @@ FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, con
 
 #define FILTRATION__Q 19     /* largest number of directions */
 #define FILTRATION__LINE 64  /* bytes of a cache line: rows begin on one */
-#define FILTRATION__TASKS 64 /* parts of a step that threads share: a fixed number, so that sums have one order */
+#define FILTRATION__TASKS 64 /* parts of a step that threads share: a fixed number, so that sums have a fixed order */
 #define FILTRATION__FLUID (-1)
 #define FILTRATION__SOLID (-2)
 #define FILTRATION__FRESH (-3) /* left by a sphere, not yet filled */
@@ -2231,8 +2268,8 @@ typedef struct filtration__link {
     float fraction; /* q [-] */
 } filtration__link;
 
-/* A population that enters a node through a face, the opposite of direction i, which leaves. It follows from the population that leaves the
-   node at `offset` along `along`. */
+/* A population that enters a node through a face, opposite to direction i, which leaves. It is computed from the
+   population that leaves the node at `offset` along `along`. */
 typedef struct filtration__entry {
     signed char i, face, offset[3], along;
 } filtration__entry;
@@ -2254,8 +2291,10 @@ typedef struct filtration__ball {
 typedef struct filtration__near {
     int32_t other;         /* -1: a face */
     double normal[3], gap; /* towards the other; [nodes], 0 where they touch */
-    double cap;            /* the surface farther along the normal, from the centre, belongs to the gap [nodes] */
-    double push[FILTRATION__PUSHES]; /* along the normal, of its links in the gap, and of a density and slopes of 1 there */
+    double cap;            /* the surface farther than this along the normal, from the centre, belongs to the gap
+                              [nodes] */
+    double push[FILTRATION__PUSHES]; /* along the normal: from its links in the gap, and from a density and slopes of 1
+                                        there */
 } filtration__near;
 
 /* The gaps beside a sphere. */
@@ -2290,8 +2329,8 @@ typedef struct filtration__lattice {
     filtration__rates rates;
     int periodic_x, half_way, refill;
     int repeats[3]; /* 1: the axis is periodic */
-    /* Of nodes whose neighbours all lie in the box, between steps; the first index is `odd`: where an outgoing and an incoming population
-       is, after the place of the node itself; how far the next node is, in places and in nodes. */
+    /* For nodes whose neighbours all lie in the box, between steps; the first index is `odd`. Where an outgoing and an
+       incoming population is, relative to the node; how far the next node is, in places and in nodes. */
     ptrdiff_t out_at[2][FILTRATION__Q], in_at[2][FILTRATION__Q], next_place[FILTRATION__Q], next_node[FILTRATION__Q];
     int left;                   /* 1: spheres have left nodes since the mass was corrected */
     int odd;                    /* which step of the pair comes next */
@@ -2346,9 +2385,9 @@ static inline void filtration__put(filtration__lattice *l, ptrdiff_t place, doub
     else ((double *)l->f)[place] = h;
 }
 
-/* Returns where a population is stored at its own node. There is only one lattice, updated in place (Bailey et al. 2009): an even step
-   reads and writes at the node itself, an odd one at its neighbours; both write each outgoing population where they read the opposite one.
-   So there are two kinds of places: `home` and `abroad`. */
+/* Returns where a population is stored at its own node. There is only one lattice, updated in place (Bailey et al.
+   2009): an even step reads and writes at the node itself, an odd one at its neighbours. Both write each outgoing
+   population where they read the opposite one. So a population is stored `home` or `abroad`. */
 static inline ptrdiff_t filtration__home(const filtration__lattice *l, int x, int y, int z, int i) {
     return filtration__place(l, filtration__row(l, y, z), i, x);
 }
@@ -2417,10 +2456,11 @@ static inline double filtration__equilibrium(const filtration__lattice *l, int i
 /* ------------------------------------------------------------------------------------------------ >>fluid/kernel.h */
 /* Collision of the nodes of a row; read once for doubles and once for floats. */
 
-/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third for
-   the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns whether
-   a node is faster than the limit or not a number. A call processes `n` nodes from `first` on. The memory of the next row is prefetched
-   into the second cache, because hardware prefetchers follow too few streams. */
+/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation
+   times, and a third for the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et
+   al. (2002), split by parity. Returns whether a node is faster than the limit or not a number. A call processes `n`
+   nodes from `first` on. The memory of the next row is prefetched into the second cache, because hardware prefetchers
+   follow too few streams. */
 #define FILTRATION__LOAD(i) const FILTRATION__REAL s##i = p##i[x] + p##i##o[x], d##i = p##i[x] - p##i##o[x];
 #define FILTRATION__STORE(i, cu_, cf_, W)                                                                                                  \
     {                                                                                                                                      \
@@ -2450,7 +2490,8 @@ static inline double filtration__equilibrium(const filtration__lattice *l, int i
                            W##_force_odd = (FILTRATION__REAL)(3.0 * (w)) * (1 - half * minus);                                             \
     (void)W##_force_even, (void)W##_force_odd;
 
-/* Density, speed, trace of the non-equilibrium stress. c2: squared length of the outer directions; rest: weight at rest. */
+/* Density, speed, trace of the non-equilibrium stress. c2: squared length of the outer directions; rest: weight at
+   rest. */
 #define FILTRATION__MOMENTS(c2, rest)                                                                                                      \
     if (forced) ux += half * fx, uy += half * fy, uz += half * fz;                                                                         \
     const FILTRATION__REAL h0 = p0[x], r = h0 + (axes + outer), uu = (ux * ux + uy * uy) + uz * uz;                                        \
@@ -2570,10 +2611,11 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const
 /* ------------------------------------------------------------------------------------------------ >>fluid/kernel.h */
 /* Collision of the nodes of a row; read once for doubles and once for floats. */
 
-/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third for
-   the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns whether
-   a node is faster than the limit or not a number. A call processes `n` nodes from `first` on. The memory of the next row is prefetched
-   into the second cache, because hardware prefetchers follow too few streams. */
+/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation
+   times, and a third for the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et
+   al. (2002), split by parity. Returns whether a node is faster than the limit or not a number. A call processes `n`
+   nodes from `first` on. The memory of the next row is prefetched into the second cache, because hardware prefetchers
+   follow too few streams. */
 #define FILTRATION__LOAD(i) const FILTRATION__REAL s##i = p##i[x] + p##i##o[x], d##i = p##i[x] - p##i##o[x];
 #define FILTRATION__STORE(i, cu_, cf_, W)                                                                                                  \
     {                                                                                                                                      \
@@ -2603,7 +2645,8 @@ FILTRATION__INLINE int FILTRATION__OF(filtration__row19)(FILTRATION__REAL *const
                            W##_force_odd = (FILTRATION__REAL)(3.0 * (w)) * (1 - half * minus);                                             \
     (void)W##_force_even, (void)W##_force_odd;
 
-/* Density, speed, trace of the non-equilibrium stress. c2: squared length of the outer directions; rest: weight at rest. */
+/* Density, speed, trace of the non-equilibrium stress. c2: squared length of the outer directions; rest: weight at
+   rest. */
 #define FILTRATION__MOMENTS(c2, rest)                                                                                                      \
     if (forced) ux += half * fx, uy += half * fy, uz += half * fz;                                                                         \
     const FILTRATION__REAL h0 = p0[x], r = h0 + (axes + outer), uu = (ux * ux + uy * uy) + uz * uz;                                        \
@@ -2753,7 +2796,7 @@ static inline int filtration__collide_row(const filtration__lattice *l, const pt
     return bad;
 }
 
-/* Moves what left a periodic row from its halo to the nodes at the other end, before an even step. */
+/* Before an even step, moves the populations that left a periodic row from its halo to the nodes at the other end. */
 static inline void filtration__fold(filtration__lattice *l, ptrdiff_t row) {
     for (int i = 1; i < l->q; i++) {
         int c = l->c[i][0];
@@ -2762,7 +2805,7 @@ static inline void filtration__fold(filtration__lattice *l, ptrdiff_t row) {
     }
 }
 
-/* Copies the ends of a periodic row to its halo, where the next odd step reads them, after an even step. */
+/* After an even step, copies the ends of a periodic row to its halo, where the next odd step reads them. */
 static inline void filtration__spread(filtration__lattice *l, ptrdiff_t row) {
     for (int i = 1; i < l->q; i++) {
         int c = l->c[i][0];
@@ -2771,7 +2814,7 @@ static inline void filtration__spread(filtration__lattice *l, ptrdiff_t row) {
     }
 }
 
-/* l->odd is that of the next step already: this one is of the other kind. */
+/* l->odd already belongs to the next step: this one is of the other kind. */
 static inline void filtration__collide_at(filtration__lattice *l, int y, int z) {
     ptrdiff_t place[FILTRATION__Q], row = filtration__row(l, y, z);
     unsigned char *state = l->row_state + (ptrdiff_t)z * l->ny + y;
@@ -2794,8 +2837,8 @@ static inline void filtration__task_range(ptrdiff_t n, int task, ptrdiff_t *firs
     *end = n * (task + 1) / FILTRATION__TASKS;
 }
 
-/* Wakes slabs at exact rest next to moving ones. An odd step reads the neighbouring slabs and writes to them, so that motion reaches two
-   slabs farther. always: wakes all. */
+/* Wakes slabs at exact rest next to moving ones. An odd step reads the neighbouring slabs and writes to them, so that
+   motion reaches two slabs farther. always: wakes all. */
 static inline void filtration__wake(filtration__lattice *l, int always) {
     unsigned char *a = l->slab_active;
     int reach = l->odd ? 2 : 0;
@@ -2814,8 +2857,8 @@ static inline void filtration__wake(filtration__lattice *l, int always) {
     }
 }
 
-/* Returns whether a node lies in a film between surfaces: fewer than half of its neighbours within the box are fluid. The flow there is not
-   resolved; lubrication stands for it. */
+/* Returns whether a node lies in a film between surfaces: fewer than half of its neighbours within the box are fluid.
+   The flow there is not resolved; lubrication replaces it. */
 static inline int filtration__in_film(const filtration__lattice *l, int x, int y, int z) {
     int fluid = 0;
     for (int i = 1; i < l->q; i++) {
@@ -2836,8 +2879,8 @@ static inline double filtration__film_density(const filtration__lattice *l, int 
     return 0.0;
 }
 
-/* Finds the first node of a row that is too fast or not a number. Solids and films do not count; they are put to rest. Returns 0 if there
-   is none. */
+/* Finds the first node of a row that is too fast or not a number. Solids and films do not count; they are set to rest.
+   Returns 0 if there is none. */
 static inline int filtration__bad_node(filtration__lattice *l, int y, int z, filtration_problem *problem) {
     for (int x = 0; x < l->nx; x++) {
         double u[3] = {0, 0, 0}, r = 0.0;
@@ -2882,11 +2925,12 @@ typedef struct filtration__face_kind {
     int has_velocity; /* 1: along the face, 2: through it, too */
     int has_pressure;
     int reads_flow; /* 1: enter needs the velocity of the nodes */
-    /* Computes what enters n nodes from what leaves, h. u: their velocity, or 0. NULL: what leaves is what enters. */
+    /* Computes the populations that enter n nodes from those that leave, h. u: their velocity, or 0. NULL: leaving ones
+       enter again. */
     void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK], double *h);
 } filtration__face_kind;
 
-/* Bounce-back half way from a surface that moves along itself, or through which liquid comes. */
+/* Half-way bounce-back from a surface that moves along itself, or through which liquid enters. */
 FILTRATION__STATIC void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n,
                                                double u[3][FILTRATION__BLOCK], double *h) {
     const signed char *c = l->c[e->i];
@@ -2907,6 +2951,17 @@ FILTRATION__STATIC void filtration__enter_open(const filtration__lattice *l, con
     }
 }
 
+/* A given pressure where liquid leaves; where it enters, with the energy of a vessel at rest (Bruneau and Fabrie 1994). */
+FILTRATION__STATIC void filtration__enter_outlet(const filtration__lattice *l, const filtration__entry *e, int n,
+                                                 double u[3][FILTRATION__BLOCK], double *h) {
+    const double into = e->face & 1 ? -1.0 : 1.0, *through = u[e->face / 2];
+    filtration__enter_open(l, e, n, u, h);
+    for (int k = 0; k < n; k++) {
+        const double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
+        if (into * through[k] > 0.0) h[k] -= 3.0 * l->w[e->i] * uu;
+    }
+}
+
 /* clang-format off */
 static const filtration__face_kind filtration__face_kinds[] = {
     /* kind                 beyond                 rank  touched velocity pressure reads flow  enter */
@@ -2914,7 +2969,9 @@ static const filtration__face_kind filtration__face_kinds[] = {
     {FILTRATION_WALL,     FILTRATION__NOTHING,  3, 1, 1, 0, 0, filtration__enter_wall},
     {FILTRATION_PRESSURE, FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_open},
     {FILTRATION_SYMMETRY, FILTRATION__MIRRORED, 1, 0, 0, 0, 0, NULL},
-    {FILTRATION_INFLOW,   FILTRATION__NOTHING,  4, 0, 2, 0, 0, filtration__enter_wall}, /* before walls: all of the flow enters */
+    {FILTRATION_INFLOW,   FILTRATION__NOTHING,  4, 0, 2, 0, 0, filtration__enter_wall}, /* ranks before walls, so that all of
+                                                                                           the flow enters */
+    {FILTRATION_OUTLET,   FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_outlet},
 };
 /* clang-format on */
 
@@ -2937,8 +2994,8 @@ static inline int filtration__turned(const filtration__lattice *l, int i, int ax
     return i;
 }
 
-/* Moves p, beyond the box by at most one node, into the box: wrapped, or mirrored with the axes as bits in *mirrored. Returns 0 beyond
-   walls and open faces. */
+/* Moves p, beyond the box by at most one node, into the box: wrapped, or mirrored with the axes as bits in *mirrored.
+   Returns 0 beyond walls and open faces. */
 static inline int filtration__inside(const filtration__lattice *l, int p[3], int *mirrored) {
     const int n[3] = {l->nx, l->ny, l->nz};
     *mirrored = 0;
@@ -2982,8 +3039,8 @@ static inline void filtration__row_velocity(const filtration__lattice *l, int x,
     }
 }
 
-/* Finds how the opposite of direction i enters a node with that many faces beside it (2 bits an axis: low, high). Returns 0 if it does not
-   enter through a face. */
+/* Finds how the opposite of direction i enters a node beside these faces (2 bits an axis: low, high). Returns 0 if it
+   does not enter through a face. */
 static inline int filtration__find_entry(const filtration__lattice *l, int beside, int i, filtration__entry *e) {
     int rank = 0, crossed = 0;
     memset(e, 0, sizeof *e);
@@ -3041,7 +3098,7 @@ static inline void filtration__wall_node(filtration__lattice *l, int x, int y, i
     }
 }
 
-/* Computes what enters a row from what left it. */
+/* Computes the populations that enter a row from those that left it. */
 static inline void filtration__face_row(filtration__lattice *l, int y, int z) {
     const int at_end = y == 0 || y == l->ny - 1 || z == 0 || z == l->nz - 1;
     const int at_face = (l->ghost_y && (y == 0 || y == l->ny - 1)) || (l->ghost_z && (z == 0 || z == l->nz - 1));
@@ -3054,7 +3111,7 @@ static inline void filtration__face_row(filtration__lattice *l, int y, int z) {
         filtration__face_block(l, x, l->nx - 1 - x < FILTRATION__BLOCK ? l->nx - 1 - x : FILTRATION__BLOCK, y, z);
 }
 
-/* Mirrored faces read other rows, so faces wait for all rows. */
+/* Mirrored faces read other rows, so they wait until all rows are done. */
 static inline int filtration__faces_wait(const filtration__lattice *l) {
     int wait = 0;
     for (int f = 0; f < 6; f++) wait |= l->face[f]->beyond == FILTRATION__MIRRORED;
@@ -3106,30 +3163,32 @@ static inline int filtration__find_problem(filtration__lattice *l, filtration_pr
 }
 
 /* ------------------------------------------------------------------------------------------------- >>fluid/batch.h */
-/* Links in batches: what they need is gathered, computed for many at a time, and stored. */
+/* Links in batches: their data are gathered, computed for many links at a time, and stored. */
 
 /* ==== >>batch ==== */
 
 #define FILTRATION__BATCH 64 /* links after which a batch is applied, a multiple of FILTRATION__LANES */
 #define FILTRATION__ROOM (2 * FILTRATION__BATCH) /* what it can hold */
 #define FILTRATION__LANES                                                                                              \
-    8 /* parts of a sum, added in their order at the end: the same bits for any width of a vector */
+    8 /* parts of a sum, added in their order at the end, so that bits do not depend on the width of vectors */
 
 /* Links from fluid nodes to a surface. */
 typedef struct filtration__batch {
     int n;
-    ptrdiff_t place[FILTRATION__ROOM]; /* of the node, then where the next step reads what returns */
-    double out[FILTRATION__ROOM], other[FILTRATION__ROOM]; /* what leaves the node along the link, and against it */
+    ptrdiff_t place[FILTRATION__ROOM]; /* of the node; later where the next step reads the returning population */
+    double out[FILTRATION__ROOM], other[FILTRATION__ROOM]; /* population that leaves the node along the link, and
+                                                              against it */
     double behind[FILTRATION__ROOM],
-        free[FILTRATION__ROOM];    /* what leaves the node behind along the link, if that is fluid (1, else 0) */
+        free[FILTRATION__ROOM];    /* population that leaves the node behind along the link, if that is fluid (1, else
+                                      0) */
     double back[FILTRATION__ROOM]; /* what returns */
-    double d[3][FILTRATION__ROOM]; /* the fluid node, then the surface, from the centre */
+    double d[3][FILTRATION__ROOM]; /* from the centre to the fluid node, then to the surface */
     double fraction[FILTRATION__ROOM],
         push[FILTRATION__ROOM]; /* q; weight times c . velocity of the surface, c into the solid */
     double w[FILTRATION__ROOM]; /* weight; 0: nothing is added */
 } filtration__batch;
 
-/* Where the populations of links along one direction are, after the place of the node, whose neighbours all lie in the box. */
+/* Where the populations of links along one direction are, relative to the node, whose neighbours all lie in the box. */
 typedef struct filtration__paths {
     ptrdiff_t out, other, behind, in, node_behind;
 } filtration__paths;
@@ -3143,7 +3202,8 @@ static inline filtration__paths filtration__paths_of(const filtration__lattice *
     return p;
 }
 
-/* Reads the populations of links of such nodes along one direction; their places become those of what returns. */
+/* Reads the populations of links of such nodes along one direction. Their places become those of the returning
+   populations. */
 FILTRATION__INLINE void filtration__read_batch(const filtration__lattice *l, filtration__batch *b,
                                                const filtration__paths *path) {
     for (int k = 0; k < b->n; k++) {
@@ -3179,7 +3239,7 @@ static inline int filtration__pad_batch(filtration__batch *b) {
     return end;
 }
 
-/* Stores the populations that return where the next step reads them. */
+/* Stores the returning populations where the next step reads them. */
 FILTRATION__INLINE void filtration__write_batch(filtration__lattice *l, const filtration__batch *b) {
     if (l->single)
         for (int k = 0; k < b->n; k++) ((float *)l->f)[b->place[k]] = (float)b->back[k];
@@ -3187,8 +3247,8 @@ FILTRATION__INLINE void filtration__write_batch(filtration__lattice *l, const fi
         for (int k = 0; k < b->n; k++) ((double *)l->f)[b->place[k]] = b->back[k];
 }
 
-/* Computes the populations that return: by central linear interpolation (Ginzburg et al. 2008), or half way where there is no second fluid
-   node. end: a multiple of FILTRATION__LANES. */
+/* Computes the returning populations: by central linear interpolation (Ginzburg et al. 2008), or half way where there
+   is no second fluid node. end: a multiple of FILTRATION__LANES. */
 FILTRATION__INLINE void filtration__bounce_lanes(filtration__batch *b, int end) {
     for (int k = 0; k < end; k++) {
         const double q = b->fraction[k], weight = 1.0 / (1.0 + 2.0 * q), push = b->push[k];
@@ -3255,7 +3315,8 @@ static inline void filtration__point(const filtration_fluid_def *def, int x, int
     point[0] = (x + 0.5) * def->voxel, point[1] = (y + 0.5) * def->voxel, point[2] = (z + 0.5) * def->voxel;
 }
 
-/* Returns whether the neighbour of a node along i belongs to the solid at rest; beyond walls and open faces there is none. */
+/* Returns whether the neighbour of a node along i belongs to the solid at rest; beyond walls and open faces there is
+   none. */
 static inline int filtration__meets_solid(const filtration__lattice *l, int x, int y, int z, int i) {
     int p[3] = {x + l->c[i][0], y + l->c[i][1], z + l->c[i][2]}, mirrored;
     return filtration__inside(l, p, &mirrored) && l->owner[filtration__node(l, p[0], p[1], p[2])] == FILTRATION__SOLID;
@@ -3308,28 +3369,29 @@ static inline void filtration__mark_solid(const filtration_fluid_def *def, filtr
 }
 
 /* -------------------------------------------------------------------------------------------------- >>fluid/near.h */
-/* Spheres so near to each other or to a wall that the lattice does not resolve how the liquid leaves the gap. There the
-   lattice's force along the line of centres gives way to lubrication; the force of the liquid around the gap stays. */
+/* Spheres so close to each other or to a wall that the lattice does not resolve how the liquid leaves the gap. There
+   lubrication replaces the lattice's force along the line of centres. The force of the liquid around the gap stays. */
 
 /* ==== >>near ==== */
 
-/* The gap between two spheres at some distance from their line is h + rho^2 / (2 r), r: reduced radius. Where it is
-   below `cap`, the pressure is that of lubrication: integrated, 6 pi mu r^2 v (1 / h - 1 / cap). 1.75 voxels: calibrated
-   (docs/filtration.md, two spheres). */
+/* The gap between two spheres at a distance rho from their line is h + rho^2 / (2 r), r: reduced radius. Where it is
+   below `cap`, the pressure is that of lubrication; integrated: 6 pi mu r^2 v (1 / h - 1 / cap). 1.75 voxels:
+   calibrated (docs/filtration.md, two spheres). */
 #define FILTRATION__CAP 1.75
 #define FILTRATION__WALL_CAP 1.0 /* at a wall, which lies between two nodes */
-/* The same force at this gap [voxel] acts below it, because a larger one would need an implicit step:
-   filtration_lubrication_force with this cutoff adds what is missing. */
+/* Below this gap [voxel] the force at this gap acts, because a larger one would need an implicit step.
+   filtration_lubrication_force with this cutoff adds the rest. */
 #define FILTRATION__FILM (2.0 / 3.0)
 
-/* Sets the cap of a gap, up to `most`, beside a sphere of that radius; share: of the gap's widening that the other surface does. */
+/* Sets the cap of a gap, up to `most`, beside a sphere of that radius. share: part of the gap's widening that is due to
+   the other surface. */
 static inline void filtration__set_cap(filtration__near *f, double radius, double gap, double most, double share) {
     f->gap = gap > 0.0 ? gap : 0.0;
     f->cap = radius - (most - f->gap) * (1.0 - share);
     if (!(f->cap > 0.0)) f->cap = 0.0;
 }
 
-/* Lists the spheres near sphere n, in their order, and the walls; at most FILTRATION__NEAR. */
+/* Lists the spheres near sphere n, in their order, and the walls: at most FILTRATION__NEAR. */
 static inline void filtration__find_near(const filtration__lattice *l, ptrdiff_t n, filtration__gaps *gaps) {
     const int nodes[3] = {l->nx, l->ny, l->nz};
     const filtration__ball *b = &l->balls[n];
@@ -3360,8 +3422,8 @@ static inline void filtration__find_near(const filtration__lattice *l, ptrdiff_t
     }
 }
 
-/* Adds for the links within the cap the force along the normal, and what a density of 1 and a slope of 1 along each axis would give.
-   along: of what a link brings, the part along the normal. */
+/* Adds, for the links within the cap, the force along the normal, and the forces that a density of 1 and a slope of 1
+   along each axis would give. along: the part along the normal of what a link carries. */
 FILTRATION__INLINE void filtration__push_lanes(const filtration__batch *s, int end, const double normal[3], double cap,
                                                double along, double part[FILTRATION__PUSHES][FILTRATION__LANES]) {
     const double nx = normal[0], ny = normal[1], nz = normal[2];
@@ -3390,8 +3452,8 @@ static inline int filtration__may_reach(const filtration__ball *b, const filtrat
              f->cap - 1e-6 * b->radius);
 }
 
-/* Returns the force along the normal that the lattice's links within the cap exert on the sphere, over that of the line fitted to its
-   density: a constant pressure has none. */
+/* Returns the force along the normal that the lattice's links within the cap exert on the sphere, beyond that of the
+   line fitted to its density, so that a constant pressure gives none. */
 static inline double filtration__cap_force(const filtration__ball *b, const filtration__near *f) {
     return f->push[0] - f->push[1] * b->density - f->push[2] * b->slope[0] - f->push[3] * b->slope[1] -
            f->push[4] * b->slope[2];
@@ -3403,8 +3465,8 @@ static inline double filtration__film_rate(double r, double gap, double most, do
     return 6.0 * RIDDLE_PI * viscosity * r * r * (1.0 / h - 1.0 / most);
 }
 
-/* Exchanges the lattice's force in the gaps beside sphere n for lubrication: between two spheres the mean of both forces, so that what each
-   gets is equal and opposite. */
+/* Replaces the lattice's force in the gaps beside sphere n by lubrication: between two spheres the mean of both forces,
+   so that they get equal and opposite ones. */
 static inline void filtration__lubricate(filtration__lattice *l, ptrdiff_t n, double viscosity) {
     filtration__ball *b = &l->balls[n];
     for (int m = 0; m < l->gaps[n].count; m++) {
@@ -3465,8 +3527,8 @@ static inline int32_t filtration__cover(const filtration__lattice *l, const int 
     return FILTRATION__FRESH;
 }
 
-/* Makes `index` the owner of nodes that are inside `now` and not inside `before` (NULL: nothing). With leave 1, and both exchanged, such
-   nodes are left. */
+/* Makes `index` the owner of nodes that are inside `now` and not inside `before` (NULL: nothing). With leave 1, and
+   both exchanged, the sphere leaves such nodes. */
 static inline void filtration__swap_nodes(filtration__lattice *l, ptrdiff_t index, const filtration__ball *now,
                                           const filtration__ball *before, int leave) {
     int y0, y1, z0, z1, mirrored;
@@ -3496,7 +3558,8 @@ static inline void filtration__surface_velocity(const filtration__ball *b, const
     u[2] = b->velocity[2] + b->spin[0] * d[1] - b->spin[1] * d[0];
 }
 
-/* Sums over the links of a sphere, weighted as the lattice is: of the density at its surface and of places, for a line fitted to it. */
+/* Sums over the links of a sphere, weighted as the lattice is: of the density at its surface and of places, for a line
+   fitted to it. */
 typedef struct filtration__surface {
     double weight, density, place[3], rise[3]; /* sums of w, w r, w d, w r d */
     double spread[6];                          /* of w d d: xx, yy, zz, yz, zx, xy */
@@ -3526,9 +3589,9 @@ FILTRATION__INLINE void filtration__cut_lanes(const filtration__ball *b, const d
     for (int k = 0; k < end; k++) {
         const double dx = s->d[0][k], dy = s->d[1][k], dz = s->d[2][k], cd = -(dx * cx) - dy * cy - dz * cz,
                      rest = cd * cd - cc * (dx * dx + dy * dy + dz * dz - rr);
-        along[k] = cd, root[k] = 0.5 * (rest + fabs(rest)); /* 0 where it would be below: a link that grazes */
+        along[k] = cd, root[k] = 0.5 * (rest + fabs(rest)); /* 0 where it would be negative: a link that grazes */
     }
-    for (int k = 0; k < end; k++) root[k] = sqrt(root[k]); /* alone: gcc takes errno for control flow */
+    for (int k = 0; k < end; k++) root[k] = sqrt(root[k]); /* a loop of its own: gcc takes errno for control flow */
     FILTRATION__INDEPENDENT
     for (int k = 0; k < end; k++) {
         const double q = half + share * (-along[k] - root[k]);
@@ -3543,7 +3606,8 @@ FILTRATION__CLONES(filtration__cut_batch,
                    (const filtration__ball *b, const double *c, filtration__batch *s, int end, int half_way),
                    (b, c, s, end, half_way), filtration__cut_lanes(b, c, s, end, half_way))
 
-/* Adds the momentum exchange of links, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the density there. */
+/* Adds the momentum exchange of links, Galilean invariant (Wen et al. 2014). Half of the sum of the outgoing and
+   returning population is w times the density there. */
 FILTRATION__INLINE void filtration__exchange_lanes(const filtration__ball *b, const double *c,
                                                    const filtration__batch *s, int end,
                                                    double part[FILTRATION__SUMS][FILTRATION__LANES]) {
@@ -3580,8 +3644,8 @@ static inline double filtration__add_lanes(const double part[FILTRATION__LANES])
     return sum;
 }
 
-/* Fits density + slope . d to the density at a sphere's links, by least squares; the more of the surface is hidden, the more the slope is
-   held down. A constant density is met exactly. */
+/* Fits density + slope . d to the density at a sphere's links, by least squares. The more of the surface is hidden, the
+   more the slope is reduced. A constant density is met exactly. */
 static inline void filtration__fit_density(filtration__ball *b, const filtration__surface *s) {
     double mean[3], m[6], right[3], minor[3];
     b->density = b->slope[0] = b->slope[1] = b->slope[2] = 0.0;
@@ -3620,7 +3684,7 @@ static inline void filtration__bounce_ball(filtration__lattice *l, ptrdiff_t n, 
     filtration__write_batch(l, s);
     filtration__exchange_batch(b, c, s, end, v->part);
     const double low = s->d[2][0] - 1.0,
-                 high = s->d[2][s->n - 1] + 1.0; /* links come in the order of z, and are shorter than that */
+                 high = s->d[2][s->n - 1] + 1.0; /* links are sorted by z, and shorter than that */
     for (int m = 0; m < gaps->count; m++)
         if (filtration__may_reach(b, &gaps->near[m], low, high))
             filtration__push_batch(s, end, gaps->near[m].normal, gaps->near[m].cap,
@@ -3629,7 +3693,8 @@ static inline void filtration__bounce_ball(filtration__lattice *l, ptrdiff_t n, 
     s->n = 0;
 }
 
-/* Returns whether node s of the sphere has along j a fluid node p, which then lies in the box; otherwise counts a film. */
+/* Returns whether node s of the sphere has a fluid neighbour p along j, which then lies in the box; otherwise counts a
+   film. */
 static inline int filtration__meets_fluid(const filtration__lattice *l, int32_t index, filtration__ball *b, int s[3],
                                           int p[3]) {
     int mirrored;
@@ -3648,8 +3713,8 @@ typedef struct filtration__run {
     ptrdiff_t place, node;    /* of x = 0 */
 } filtration__run;
 
-/* Gathers links from nodes first .. end of a row, fewer than FILTRATION__BATCH, whose neighbours have all neighbours in the box. Without
-   branches, because where links are follows no pattern. */
+/* Gathers links from nodes first .. end of a row, fewer than FILTRATION__BATCH, whose neighbours' neighbours all exist.
+   Without branches, because the places of links follow no pattern. */
 FILTRATION__INLINE void filtration__gather_row(const filtration__lattice *l, int32_t index, filtration__ball *b,
                                                filtration__visit *v, const filtration__run *r, int j, int first,
                                                int end) {
@@ -3674,8 +3739,8 @@ FILTRATION__INLINE void filtration__gather_row(const filtration__lattice *l, int
     s->n = k, b->films += films;
 }
 
-/* Gathers the links of nodes first .. end of a row along j; applies them where there is no more room. inner: the row of their neighbours
-   has all neighbours in the box, but for its ends. */
+/* Gathers the links of nodes first .. end of a row along j, and applies them when the batch is full. inner: all
+   neighbours of the row of their neighbours lie in the box, but for its ends. */
 FILTRATION__INLINE void filtration__gather_part(filtration__lattice *l, int32_t index, filtration__ball *b,
                                                 filtration__visit *v, const filtration__run *r, int j, int inner,
                                                 int first, int end) {
@@ -3704,7 +3769,7 @@ FILTRATION__INLINE void filtration__gather_part(filtration__lattice *l, int32_t 
 typedef void (*filtration__part_fn)(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__visit *v,
                                     const filtration__run *r, int j, int inner, int first, int end);
 
-/* A block of rows of a sphere, along y and z, that are visited together; with the rows beside it. */
+/* A block of rows of a sphere, along y and z, that are visited together with the rows beside it. */
 enum { FILTRATION__ROWS = 32, FILTRATION__SIZE = FILTRATION__ROWS + 2 };
 typedef struct filtration__block {
     int count, from[FILTRATION__SIZE * FILTRATION__SIZE],
@@ -3735,7 +3800,8 @@ static inline void filtration__list_rows(const filtration__lattice *l, const fil
         }
 }
 
-/* Visits the links of a block of rows, direction by direction: in every row those of nodes whose neighbour along j is outside. */
+/* Visits the links of a block of rows, direction by direction: in every row those of nodes whose neighbour along j is
+   outside. */
 FILTRATION__INLINE void filtration__block_links(filtration__lattice *l, int32_t index, filtration__ball *b,
                                                 filtration__visit *v, const filtration__block *rows,
                                                 const filtration__part_fn part) {
@@ -3809,7 +3875,8 @@ FILTRATION__STATIC void filtration__ball_task(void *context, int task) {
     }
 }
 
-/* Returns the deviation of density, and the velocity, of a node between steps, from the populations that the next step reads. */
+/* Returns the deviation of density, and the velocity, of a node between steps, from the populations that the next step
+   reads. */
 static inline double filtration__moments(const filtration__lattice *l, int x, int y, int z, double u[3]) {
     double r = 0.0;
     for (int a = 0; a < 3; a++) u[a] = 0.5 * l->rates.force[a];
@@ -3821,8 +3888,8 @@ static inline double filtration__moments(const filtration__lattice *l, int x, in
     return r;
 }
 
-/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. Without a fluid neighbour: the density at the
-   sphere's surface. */
+/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. Without a fluid neighbour: the
+   density at the sphere's surface. */
 static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z,
                                     const double d[3]) {
     double r = 0.0, u[3], near_u[3] = {0, 0, 0}, best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};
@@ -3881,12 +3948,13 @@ static inline void filtration__fill_left(filtration__lattice *l, const filtratio
 
 /* ------------------------------------------------------------------------------------------------- >>fluid/films.h */
 /* Pressure in films that are too thin for nodes, between spheres, at the solid and at faces; the force on the solid at
-   rest. A pressure has no level: a constant added to it changes no force. */
+   rest. A constant added to the pressure changes no force. */
 
 /* ==== >>films ==== */
 
-/* Adds the pressure on a link between two solids, or through a face, from node (x, y, z) of the sphere along j. There the mean of the
-   densities that the two spheres would have counts for both, so that the film pushes them apart with equal forces. */
+/* Adds the pressure on a link between two solids, or through a face, from node (x, y, z) of the sphere along j. Both
+   spheres get the mean of the densities that each would have there, so that the film pushes them apart with equal
+   forces. */
 static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b, int x, int y,
                                          int z, int j) {
     const int n[3] = {l->nx, l->ny, l->nz};
@@ -3923,8 +3991,8 @@ FILTRATION__INLINE void filtration__film_part(filtration__lattice *l, int32_t in
     for (int x = first; x <= end; x++) filtration__film_link(l, index, b, x, r->y, r->z, j);
 }
 
-/* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a
-   constant pressure moves no sphere. */
+/* Adds the pressure of films. Links that leave the surface open (mirrors, spheres that overlap) get the density at the
+   centre, so that a constant pressure moves no sphere. */
 FILTRATION__STATIC void filtration__film_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
@@ -3936,8 +4004,8 @@ FILTRATION__STATIC void filtration__film_task(void *context, int task) {
     }
 }
 
-/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links (Ladd 1994), and the
-   pressure of films under spheres. */
+/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links
+   (Ladd 1994), and the pressure of films under spheres. */
 static inline void filtration__solid_force(const filtration__lattice *l, double force[3]) {
     force[0] = force[1] = force[2] = 0.0;
     for (ptrdiff_t n = 0; n < l->link_count; n++) {
@@ -3968,7 +4036,8 @@ static inline void filtration__solid_force(const filtration__lattice *l, double 
 
 /* ==== >>shear ==== */
 
-/* Computes the velocity at a point between nodes, trilinearly. Solid nodes have the velocity of the sphere that owns them. */
+/* Computes the velocity at a point between nodes, trilinearly. Solid nodes have the velocity of the sphere that owns
+   them. */
 static inline void filtration__velocity_at(const filtration__lattice *l, const double at[3], double u[3]) {
     int base[3], mirrored;
     double part[3];
@@ -3996,7 +4065,7 @@ static inline void filtration__velocity_at(const filtration__lattice *l, const d
     }
 }
 
-/* Returns whether a point of a surface lies in the box; beyond a mirror it is the mirror's image that has the force. */
+/* Returns whether a point of a surface lies in the box; beyond a mirror the image carries the force. */
 static inline int filtration__in_box(const filtration__lattice *l, const double centre[3], const double d[3]) {
     const int n[3] = {l->nx, l->ny, l->nz};
     for (int a = 0; a < 3; a++) {
@@ -4006,8 +4075,8 @@ static inline int filtration__in_box(const filtration__lattice *l, const double 
     return 1;
 }
 
-/* (9) Computes F = mu / dx * integral of the tangential relative velocity one voxel from the surface, as far as it lies in the box. Points
-   are spread evenly by a golden spiral, about one on a voxel's face. */
+/* (9) Computes F = mu / dx * integral of the tangential relative velocity one voxel from the surface, as far as it lies
+   in the box. Points are spread evenly by a golden spiral, about one on a voxel's face. */
 static inline void filtration__shear_force(const filtration__lattice *l, double viscosity, filtration__ball *b) {
     int points = (int)(12.566370614359172 * b->radius * b->radius) + 64;
     double area = 12.566370614359172 * b->radius * b->radius / points, cosine = 1.0, sine = 0.0;
@@ -4091,8 +4160,8 @@ static inline double filtration__find_units(const filtration_fluid_def *d, filtr
 
 static inline void filtration__set_units(filtration_fluid *fluid) { fluid->dt = filtration__find_units(&fluid->def, fluid->lattice); }
 
-/* Largest population, and largest pressure, speed and force of a source, in lattice units [-]: no sum of a step or of a reader overflows,
-   and a step tells that the flow diverges. */
+/* Largest population, and largest pressure, speed and force of a source, in lattice units [-]. Below them no sum of a
+   step or of a reader overflows, and a step can tell that the flow diverges. */
 #define FILTRATION__LARGEST_POPULATION 1e25
 #define FILTRATION__LARGEST_SOURCE 1e3
 
@@ -4282,7 +4351,7 @@ static inline const char *filtration__read_ball(const filtration_fluid *fluid, c
         if (!(fabs(x) < 1e6)) return "centre: within 1e6 voxels";
         if (!(fabs(b->velocity[a]) < 0.5)) return "velocity: below half a voxel a step";
         if (!(fabs(b->spin[a]) * b->radius < 0.5)) return "spin: a surface below half a voxel a step";
-        if (filtration__repeats(l, a)) { /* the image nearest to its last place, or in the box */
+        if (filtration__repeats(l, a)) { /* the image nearest to its last position, or in the box */
             double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
             x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
             if (!(2.0 * b->radius <= nodes[a] * (1.0 + 1e-12))) return "radius: at most half a periodic box";
@@ -4320,7 +4389,8 @@ static inline double filtration__moved(const filtration__ball *now, const filtra
     return sqrt(dd);
 }
 
-/* Moves a sphere from its last place to the present one: nodes change owner. A radius of 0, before or now, is no sphere. */
+/* Moves a sphere from its last position to the present one: nodes change owner. A radius of 0, before or now, is no
+   sphere. */
 static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, const filtration__ball *now) {
     filtration__ball before = l->balls[n];
     int was = before.radius > 0.0, is = now->radius > 0.0;
@@ -4335,7 +4405,8 @@ static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, co
     }
 }
 
-/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST, and the rule that it breaks. */
+/* Reads sphere n of the caller; none beyond the last. Returns OK, BAD_ARGUMENT or TOO_FAST, and the rule that the
+   sphere breaks. */
 static inline filtration_status filtration__next_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
                                                       filtration__ball *now, const char **rule) {
     const filtration__ball *before = &fluid->lattice->balls[n];
@@ -4348,7 +4419,7 @@ static inline filtration_status filtration__next_ball(const filtration_fluid *fl
     return *rule ? FILTRATION_TOO_FAST : FILTRATION_OK;
 }
 
-/* Moves the spheres to their present places: all or, if one is refused, none. */
+/* Moves the spheres to their present positions: all of them or, if one is refused, none. */
 static inline filtration_status filtration__bring_balls(filtration_fluid *fluid, const filtration_spheres *s) {
     filtration__lattice *l = fluid->lattice;
     filtration__ball now;
@@ -4495,8 +4566,8 @@ FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float
             }
 }
 
-/* Sums over the fluid nodes of a part of the box, in lattice units: deviation of density, momentum, number of nodes, largest squared
-   speed. */
+/* Sums over the fluid nodes of a part of the box, in lattice units: deviation of density, momentum, number of nodes,
+   largest squared speed. */
 static inline void filtration__sum(const filtration__lattice *l, const int low[3], const int high[3], double sum[6]) {
     for (int k = 0; k < 6; k++) sum[k] = 0.0;
     for (int z = low[2]; z < high[2]; z++)
@@ -4571,7 +4642,7 @@ FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, 
 
 /* ---- changes ---- */
 
-/* Takes a definition over, unless it is out of range. */
+/* Adopts a definition, unless it is out of range. */
 static inline filtration_status filtration__change(filtration_fluid *fluid, const filtration_fluid_def *def) {
     if (filtration_fluid_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_ARGUMENT;
     fluid->def = *def;
@@ -4602,7 +4673,7 @@ FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_f
     return filtration__change(fluid, &def);
 }
 
-/* Computes the populations of a node that a change gives it. */
+/* Computes the new populations of a node. */
 typedef struct filtration__new_flow {
     void (*node)(const filtration_fluid *fluid, const struct filtration__new_flow *flow, int x, int y, int z, double h[FILTRATION__Q]);
     double speed, stress;                                                                /* factors of a rescaled flow [-] */
@@ -4628,8 +4699,8 @@ static inline int filtration__set_nodes(filtration_fluid *fluid, const filtratio
     return 1;
 }
 
-/* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part as stress: by s and the ratio of relaxation times.
-   Before a collision, half of the force is missing in the momentum. */
+/* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part like a stress: by s and the ratio
+   of relaxation times. Before a collision, the momentum lacks half of the force. */
 FILTRATION__STATIC void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
                                 double h[FILTRATION__Q]) {
     const filtration__lattice *l = fluid->lattice;
@@ -4662,8 +4733,8 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
     return filtration__change(fluid, &def);
 }
 
-/* Computes a node's equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first
-   order. */
+/* Computes a node's equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) :
+   grad u to first order. */
 FILTRATION__STATIC void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
                                    double h[FILTRATION__Q]) {
     const filtration__lattice *l = fluid->lattice;
@@ -4822,7 +4893,7 @@ static inline filtration_status filtration__read_arrays(filtration_fluid *fluid,
     return stored == sum ? FILTRATION_OK : FILTRATION_BAD_DATA;
 }
 
-/* Marks the solid's nodes again, because a damaged save may have changed the map. */
+/* Marks the solid's nodes again, because a damaged save may have changed them. */
 static inline void filtration__remark(filtration_fluid *fluid) {
     filtration__lattice *l = fluid->lattice;
     for (size_t k = 0; k < filtration__nodes(l); k++) l->owner[k] = FILTRATION__FLUID;
@@ -4860,8 +4931,8 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
 
 /* ==== >>solids ==== */
 
-/* Finds the sign change of the distance along a link by regula falsi, which halves the weight of an end that stays (Dowell and Jarratt
-   1971). */
+/* Finds the sign change of the distance along a link by regula falsi, which halves the weight of an end that stays
+   (Dowell and Jarratt 1971). */
 FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3],
                                            const double in_solid[3]) {
     double low = 0.0, high = 1.0, point[3];
@@ -4871,7 +4942,7 @@ FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const 
     int side = 0;
     for (int i = 0; i < 60 && high - low > 1e-9; i++) {
         double q = at_high < 0.0 ? low + (high - low) * at_low / (at_low - at_high) : high;
-        if (i % 3 == 2) q = 0.5 * (low + high); /* bisects every third time, for a guaranteed speed */
+        if (i % 3 == 2) q = 0.5 * (low + high); /* bisects every third time, which guarantees convergence */
         for (int a = 0; a < 3; a++) point[a] = fluid[a] + q * (in_solid[a] - fluid[a]);
         const double here = solid->distance(solid->self, point);
         if (here == 0.0) return q;
@@ -4907,7 +4978,7 @@ static inline double filtration__cloth_side(const filtration_cloth *cloth, int w
     return over == warp ? 1.0 : -1.0;
 }
 
-/* Returns the height of a wire's axis above the plane at the place s along it, and its first two derivatives. */
+/* Returns the height of a wire's axis above the plane at the position s along it, and its first two derivatives. */
 static inline double filtration__cloth_axis(const filtration_cloth *cloth, int warp, int own, double s, double *first,
                                             double *second) {
     const double pitch = cloth->wire + cloth->opening, place = s / pitch - 0.5, crossing = floor(place),
@@ -4923,8 +4994,8 @@ static inline double filtration__cloth_axis(const filtration_cloth *cloth, int w
     return height;
 }
 
-/* Returns the square of the distance from a point to the axis of a wire at the place s along it, and half of its first and second
-   derivatives by s. aside, along, z: the point relative to the wire's middle line. */
+/* Returns the square of the distance from a point to the axis of a wire at the position s along it, and half of its
+   first and second derivatives by s. aside, along, z: the point relative to the wire's middle line. */
 static inline double filtration__axis_distance(const filtration_cloth *cloth, int warp, int own, double aside,
                                                double along, double z, double s, double *slope, double *curve) {
     double first, second;
@@ -4934,7 +5005,7 @@ static inline double filtration__axis_distance(const filtration_cloth *cloth, in
     return way * way + aside * aside + away * away;
 }
 
-/* Moves a place s along a wire's axis, whose squared distance is `least`, to the nearest one by Newton's method. */
+/* Moves a position s along a wire's axis, whose squared distance is `least`, to the nearest one by Newton's method. */
 static inline void filtration__nearest_place(const filtration_cloth *cloth, int warp, int own, double aside,
                                              double along, double z, double *s, double *least) {
     double slope, curve, ignored[2];
@@ -4953,7 +5024,8 @@ static inline void filtration__nearest_place(const filtration_cloth *cloth, int 
     }
 }
 
-/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined. */
+/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several positions on its
+   axis, refined. */
 static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside,
                                                double along, double z) {
     double slope, curve, best = along;
@@ -4969,8 +5041,8 @@ static inline double filtration__wire_distance(const filtration_cloth *cloth, in
     return sqrt(least) - 0.5 * cloth->wire;
 }
 
-/* Returns the distance to the nearest wire of one direction. across: the place across the wires; along: along them. A wire is no nearer
-   than its axis is, seen from above. */
+/* Returns the distance to the nearest wire of one direction. across, along: position across and along the wires. A wire
+   is no closer than its axis in the plan view. */
 static inline double filtration__wires_distance(const filtration_cloth *cloth, int warp, double across, double along,
                                                 double z, double nearest) {
     const double pitch = cloth->wire + cloth->opening, radius = 0.5 * cloth->wire;
@@ -4993,7 +5065,7 @@ FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, c
     const double most = 1e9 * pitch;
     if (!(fabs(x) < most && fabs(y) < most && fabs(z) < 1e100 && pitch < 1e100) ||
         !(cloth->reach >= 0.0 && cloth->reach <= 4.0 * pitch))
-        return (double)NAN; /* more wires than integers count, or a cloth that filtration_cloth_make did not make */
+        return (double)NAN; /* more wires than integers can count, or a cloth that filtration_cloth_make did not make */
     if (above > cloth->reach) return above;
     const double nearest = filtration__wires_distance(cloth, 1, x, y, z, cloth->reach);
     return filtration__wires_distance(cloth, 0, y, x, z, nearest);
@@ -5003,8 +5075,8 @@ static inline double filtration__cloth_at(const void *self, const double point[3
     return filtration_cloth_distance((const filtration_cloth *)self, point);
 }
 
-/* Lists the places of a wire that are near to a sphere: at each place where its axis comes no nearer on either side. A wire in a bend may
-   touch a sphere twice. */
+/* Lists the places of a wire that are near a sphere: wherever its axis is locally nearest. A wire in a bend may touch a
+   sphere twice. */
 static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp, int own, const double centre[3],
                                          double radius, double reach, int most, filtration_near *near) {
     const double along = centre[warp ? 1 : 0] - cloth->offset[warp ? 1 : 0];
@@ -5063,7 +5135,8 @@ typedef struct filtration__bed_entry {
     int image[3]; /* in multiples of the box's edges */
 } filtration__bed_entry;
 
-/* Returns the distance from a point to the axis of a fibre, or to the centre of a sphere (b NULL), and the way there. */
+/* Returns the distance from a point to the axis of a fibre, or to the centre of a sphere (b NULL), and the way there.
+   */
 static inline double filtration__axis_way(const double point[3], const double *a, const double *b, double way[3]) {
     double along = 0.0, length = 0.0, square = 0.0;
     for (int k = 0; k < 3 && b; k++)
@@ -5079,7 +5152,7 @@ static inline double filtration__axis_way(const double point[3], const double *a
     return sqrt(square);
 }
 
-/* Finds the range of cells that object i, moved by an image, can be near to. Returns 0 if there are none. */
+/* Finds the range of cells near which object i, moved by an image, can be. Returns 0 if there are none. */
 static inline int filtration__bed_range(const filtration_bed *bed, ptrdiff_t i, const int image[3], int from[3],
                                         int to[3]) {
     for (int k = 0; k < 3; k++) {
@@ -5106,7 +5179,8 @@ static inline void filtration__bed_images(const filtration_bed *bed, ptrdiff_t i
     }
 }
 
-/* Counts the entries of each cell in start[cell + 1] (entry NULL), or stores them; start[cell] is then where the next one goes. */
+/* Counts the entries of each cell in start[cell + 1] (entry NULL), or stores them; start[cell] is then where the next
+   one goes. */
 static inline void filtration__bed_file(const filtration_bed *bed, size_t *start, filtration__bed_entry *entry) {
     int low[3], high[3], image[3], from[3], to[3];
     for (ptrdiff_t i = 0; i < bed->n; i++) {
@@ -5195,7 +5269,7 @@ FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdif
     return FILTRATION_OK;
 }
 
-/* Finds the cell of a point, which is moved into the box along periodic axes. */
+/* Finds the cell of a point, which is wrapped into the box along periodic axes. */
 static inline size_t filtration__bed_cell(const filtration_bed *bed, const double point[3], double inside[3]) {
     int cell[3];
     for (int k = 0; k < 3; k++) {
@@ -5393,8 +5467,9 @@ typedef struct filtration__touch {
     double force[3];                     /* on the first [N] */
 } filtration__touch;
 
-/* Computes the force along the normal: Hertz with Tsuji's damping, which pulls at the end of a contact (a push clipped at 0 would need
-   another damping for the same restitution). Returns it without lubrication, which is implicit in the closing velocity. */
+/* Computes the force along the normal: Hertz with Tsuji's damping, which pulls at the end of a contact (a force clipped
+   at 0 would need another damping for the same restitution). Returns it without lubrication, which is implicit in the
+   closing velocity. */
 static inline double filtration__touch_normal(const filtration_motion_def *def, const filtration_fluid *fluid, double h,
                                               double damping, double closing, filtration__touch *t) {
     double push = 0.0, film = 0.0;
@@ -5414,8 +5489,9 @@ static inline double filtration__touch_normal(const filtration_motion_def *def, 
     return push;
 }
 
-/* Computes the force of a contact: along the normal, or the friction (Coulomb's, which at most stops sliding within a sub-step). Friction
-   comes after all normal forces, so that it sees no velocity that another contact takes away: spheres come to rest. */
+/* Computes the force of a contact: along the normal, or the friction (Coulomb's, which at most stops sliding within a
+   sub-step). Friction comes after all normal forces, so that it does not act on a velocity that another contact
+   removes. Spheres can thus come to rest. */
 static inline void filtration__touch_force(const filtration_motion_def *def, const filtration_fluid *fluid, double h,
                                            double damping, int friction, filtration__touch *t) {
     const double closing = filtration__dot(t->velocity, t->normal),
@@ -5564,7 +5640,7 @@ static inline void filtration__push(const filtration_motion_def *def, const filt
     }
 }
 
-/* Returns whether the numbers of sphere n are in range, and with them the speed that weight, fluid and films give it. */
+/* Returns whether the numbers of sphere n are in range, and also the speed that weight, fluid and films give it. */
 static inline int filtration__can_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                        const filtration_spheres *s, ptrdiff_t n, double share) {
     const double r = s->radius[n], m = filtration__sphere_mass(def, r), light = 1.0 - fluid->def.density / def->density;
@@ -5628,11 +5704,12 @@ FILTRATION_API filtration_status filtration_move(const filtration_motion_def *de
 }
 
 /* ------------------------------------------------------------------------------------------ >>fluid/permeability.h */
-/* Steady flow through what stands in the box. */
+/* Steady flow through the solids in the box. */
 
 /* ==== >>permeability ==== */
 
-/* Returns the steps between two checks: the time in which momentum spreads over a sixteenth of the shortest side, at least 20. */
+/* Returns the steps between two checks: the time in which momentum spreads over a sixteenth of the shortest side, at
+   least 20. */
 static inline int64_t filtration__interval(const filtration_fluid *fluid) {
     double n = fluid->def.nodes[0];
     for (int a = 1; a < 3; a++)

@@ -70,7 +70,7 @@ extern "C" {
 
 /* Declarations, and the pure functions that laws of a user call. */
 #include "base/api.h"
-#include "base/measures.h"
+#include "base/measure_api.h"
 #include "base/polyhedron.h"
 #include "base/triangles.h"
 #include "contacts/laws.h"

@@ -18,8 +18,7 @@
 #include "filtration.h"
 
 enum { MOST_CLASSES = 64, MOST_SPHERES = 4096, MOST_SAMPLES = 2000, INSERT_TRIES = 50 };
-static const double pi = 3.14159265358979323846,
-                    touching = 0.02; /* gap over the diameter up to which two spheres touch */
+static const double touching = 0.02; /* gap over the diameter up to which two spheres touch */
 
 /* ---- what is simulated ---- */
 
@@ -153,7 +152,7 @@ static filtration_fluid_def fluid_def(run *r, int threads) {
     def.density = d->density, def.viscosity = d->viscosity;
     def.nodes[0] = def.nodes[1] = (int)floor(d->width / d->voxel + 0.5);
     def.nodes[2] = (int)floor(d->height / d->voxel + 0.5);
-    def.face[FILTRATION_LOW_Z] = def.face[FILTRATION_HIGH_Z] = FILTRATION_PRESSURE;
+    def.face[FILTRATION_LOW_Z] = FILTRATION_OUTLET, def.face[FILTRATION_HIGH_Z] = FILTRATION_PRESSURE;
     if (d->paper_force) def.force = FILTRATION_SHEAR_LAYER;
     if (d->half_way) def.boundary = FILTRATION_HALF_WAY;
     def.solid = filtration_cloth_solid(&r->cloth);
@@ -260,7 +259,7 @@ static cake_shape measure_cake(const run *r) {
     s.deposited = mark_cake(r, in_cake);
     for (int i = 0; i < c->n; i++) {
         if (!(c->radius[i] > 0.0)) continue;
-        const double R = c->radius[i], volume = 4.0 / 3.0 * pi * R * R * R, above = c->centre[3 * i + 2] - surface;
+        const double R = c->radius[i], volume = 4.0 / 3.0 * RIDDLE_PI * R * R * R, above = c->centre[3 * i + 2] - surface;
         if (!in_cake[i]) {
             s.settling++;
             continue;
@@ -467,7 +466,7 @@ static findings evaluate(const run *r) {
     f.product = f.evaluated == FILTRATION_OK ? f.curve.product.value : (double)NAN;
     double suspended = 0.0; /* share of solid in the suspension */
     for (int i = 0; i < r->d.classes; i++)
-        suspended += r->d.concentration * r->d.share[i] * pi / 6.0 * pow(r->d.diameter[i], 3.0);
+        suspended += r->d.concentration * r->d.share[i] * RIDDLE_PI / 6.0 * pow(r->d.diameter[i], 3.0);
     f.by_filtrate = filtration_cake_ratio(suspended, f.shape.porosity);
     f.by_height = filtration_cake_ratio_of_height(f.shape.height, area(r), c->filtrate);
     f.specific = f.product / f.by_height;

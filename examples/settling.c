@@ -20,8 +20,6 @@
 #include "filtration.h"
 
 enum { MOST_SPHERES = 3, SAMPLES = 1500, LONGEST_TRACK = SAMPLES + 700, MOST_BESIDE = 10, LAWS = 5 };
-static const double pi = 3.14159265358979323846;
-
 /* ---- cases ---- */
 
 typedef enum sides { SIDES_PERIODIC, SIDES_WALL } sides;
@@ -68,7 +66,7 @@ static const scene scenes[] = {
 };
 #define CASE_NAMES "A1|A2|A3|A4|A5|B1|C1|C2|C3|D1|E1|E2|E3|E4"
 
-static double volume(const scene *s) { return pi / 6.0 * s->diameter * s->diameter * s->diameter; }
+static double volume(const scene *s) { return RIDDLE_PI / 6.0 * s->diameter * s->diameter * s->diameter; }
 static double stokes(const scene *s) {
     return filtration_stokes_velocity(s->density - s->fluid_density, 9.81, s->diameter, s->viscosity);
 }
@@ -99,7 +97,7 @@ static double terminal(const scene *s, int k) {
 static void balance(const scene *s, int k, const double *time, int n, double *re) {
     const double mass = (s->density + 0.5 * s->fluid_density) * volume(s),
                  weight = (s->density - s->fluid_density) * volume(s) * 9.81;
-    const double stiff = 3.0 * pi * s->viscosity * s->diameter;
+    const double stiff = 3.0 * RIDDLE_PI * s->viscosity * s->diameter;
     double v = 0.0;
     re[0] = 0.0;
     for (int i = 1; i < n; i++) {

@@ -37,7 +37,6 @@
 
 enum { MODELS = 3, CLASSES = 8, SAMPLES = 1000, MAP = 25, AREAS = 25, MOST_STEPS = 4000 };
 
-static const double pi = 3.14159265358979323846;
 static const double deviation[MODELS] = {0.0593, 0.0387, 0.0417}; /* Elskamp & Kruggel-Emden (2019), section 5.3, one set for all cases */
 static const double study_area = 0.02835, study_feed = 1.41;      /* [m2] [kg], what the published parameters hold for */
 static const char *const model_names[MODELS] = {"Dong", "Subasinghe", "Soldinger"};
@@ -109,7 +108,7 @@ static double run(const plan *p, int model, const holes *h, double wanted, doubl
 
 /* ---- uncertainty ---- */
 
-static double normal(uint64_t *s) { return sqrt(-2.0 * log(random_inner(s))) * cos(2.0 * pi * random_inner(s)); }
+static double normal(uint64_t *s) { return sqrt(-2.0 * log(random_inner(s))) * cos(2.0 * RIDDLE_PI * random_inner(s)); }
 
 static int ascending(const void *a, const void *b) {
     return (*(const double *)a > *(const double *)b) - (*(const double *)a < *(const double *)b);
@@ -142,7 +141,7 @@ static answer ask(const plan *p, int model, const holes *h, const rates *r, int 
             drawn.f_inf = blocking_equilibrium(k1, k2);
         }
         /* a normal error whose mean size is the deviation has the spread deviation sqrt(pi/2) */
-        double error = deviation[model] * sqrt(0.5 * pi) * normal(&error_seed), wanted = p->recovery + error;
+        double error = deviation[model] * sqrt(0.5 * RIDDLE_PI) * normal(&error_seed), wanted = p->recovery + error;
         times[i] = wanted < 1.0 ? run(p, model, &drawn, wanted, NULL, NULL) : HUGE_VAL;
     }
     qsort(times, (size_t)samples, sizeof(double), ascending);
@@ -180,8 +179,8 @@ static void draw_retained(const program *self, const plan *p, const holes *h, bo
                 y[b][i] = 0.0; /* equal shares of all classes */
                 for (int c = 0; c < p->def.classes; c++) y[b][i] += curve[b][i * (1 + CLASSES) + 1 + c] / p->def.classes;
             }
-            low[i] = fmax(y[1][i] - 1.96 * sqrt(0.5 * pi) * deviation[m], 0.0);
-            high[i] = fmin(y[1][i] + 1.96 * sqrt(0.5 * pi) * deviation[m], 1.0);
+            low[i] = fmax(y[1][i] - 1.96 * sqrt(0.5 * RIDDLE_PI) * deviation[m], 0.0);
+            high[i] = fmin(y[1][i] + 1.96 * sqrt(0.5 * RIDDLE_PI) * deviation[m], 1.0);
             csv_line(file, "%s,%.17g,%.17g,%.17g", model_names[m], x[i], y[0][i], y[1][i]);
         }
         riddle_plot_panel(figure, 0, m, "time [s]", m ? "" : "undersize retained [-]");
@@ -221,7 +220,7 @@ static void draw_map(const program *self, const plan *p, int model, const holes 
                     highest = fmax(highest, t);
                 }
             }
-            double K = blocking_toss_indicator(q.operation.frequency, q.operation.amplitude, 0.5 * pi, 0.0, q.def.gravity);
+            double K = blocking_toss_indicator(q.operation.frequency, q.operation.amplitude, 0.5 * RIDDLE_PI, 0.0, q.def.gravity);
             double line[5] = {q.operation.amplitude, q.operation.frequency, K, time[0][j * MAP + i], time[1][j * MAP + i]};
             riddle_io_row(file, line, 5);
         }
@@ -463,7 +462,7 @@ static int plan_own(const program *self, const char *path, own *o) {
     static double low[OWN_CLASSES * OWN_TIMES], high[OWN_CLASSES * OWN_TIMES], mean[OWN_CLASSES * OWN_TIMES];
     double time[OWN_TIMES], y[OWN_TIMES], y_low[OWN_TIMES], y_high[OWN_TIMES];
     lab_read_fits(self, path, fits);
-    const double K = blocking_toss_indicator(o->operation.frequency, o->operation.amplitude, 0.5 * pi, 0.0, o->def.gravity);
+    const double K = blocking_toss_indicator(o->operation.frequency, o->operation.amplitude, 0.5 * RIDDLE_PI, 0.0, o->def.gravity);
     common_print("K %.2f: %s\n%d classes of equal mass, %.3g .. %.3g mm, %.3f of the feed below the aperture of %.3g mm\n", K,
                  blocking_toss_text(blocking_toss_range(K)), o->def.classes, 1e3 * o->diameters[0], 1e3 * o->diameters[o->def.classes - 1],
                  o->undersize, 1e3 * o->def.aperture);
@@ -789,7 +788,7 @@ int main(int argc, char **argv) {
     a.own_rates = is_given(&self, "k1") || a.tests;
     a.steady = is_given(&self, "feed-kg-s"), a.coarse_given = is_given(&self, "coarse-mm"),
     a.f0_given = is_given(&self, "f0");
-    rates r = {a.k1,  a.k2,      a.rate_error, NULL, blocking_toss_indicator(a.frequency, 1e-3 * a.amplitude, 0.5 * pi, 0.0, 9.81),
+    rates r = {a.k1,  a.k2,      a.rate_error, NULL, blocking_toss_indicator(a.frequency, 1e-3 * a.amplitude, 0.5 * RIDDLE_PI, 0.0, 9.81),
                a.x_h, a.moisture};
     blocking_law law;
     if (a.tests) read_rates(&self, &a, &law, &r);

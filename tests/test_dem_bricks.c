@@ -11,7 +11,6 @@
 
 #include "near.h"
 
-static const double pi = 3.14159265358979323846;
 static uint64_t seed = 1;
 /* A world of one material, 1000 kg/m3. */
 static void make(dem_world *w, double dt, double k, double e, double friction, double tangential_ratio, dem_vec gravity,
@@ -138,7 +137,7 @@ static int stands(double degrees, double q0, double q2, double q3, double height
     const int shape = brick(&w, 1.0, 1.0, 2.08, 0.002);
     put(&w, shape, 0, 0, height - 5e-5, q0, 0, q2, q3);
     for (int k = 1; k <= 60; k++) {
-        const double angle = (k < 40 ? k / 40.0 : 1.0) * degrees * pi / 180.0;
+        const double angle = (k < 40 ? k / 40.0 : 1.0) * degrees * RIDDLE_PI / 180.0;
         assert_int_equal(dem_set_gravity(&w, dem_vec3(9.81 * sin(angle), 0, -9.81 * cos(angle))), DEM_OK);
         RUN(&w, 0.05);
     }
@@ -219,7 +218,7 @@ static double hit_error(int hits, double steps, double friction, int law) {
     while (n < hits) {
         dem_world w;
         const double m = 2080.0, k = 0.5 * m / (0.025 * 0.025);
-        make(&w, pi * sqrt(0.5 * m / k) / steps, k, 1.0, friction, 0.8, dem_vec3(0, 0, 0), 1);
+        make(&w, RIDDLE_PI * sqrt(0.5 * m / k) / steps, k, 1.0, friction, 0.8, dem_vec3(0, 0, 0), 1);
         const int shape = brick(&w, 1.0, 1.0, 2.08, 0.05);
         for (int i = 0; i < 2; i++)
             put(&w, shape, 2.6 * i, 0.5 * i * random_bell(&seed), 0.5 * i * random_bell(&seed), random_bell(&seed), random_bell(&seed), random_bell(&seed), random_bell(&seed));
@@ -260,7 +259,7 @@ static void test_rebound(void **state) {
         seed = 3;
         for (int hit = 0; hit < n; hit++) {
             dem_world w;
-            make(&w, pi * sqrt(m / k) / 25, k, table[row][0], 0.8, 0.78, dem_vec3(0, 0, 0), 1);
+            make(&w, RIDDLE_PI * sqrt(m / k) / 25, k, table[row][0], 0.8, 0.78, dem_vec3(0, 0, 0), 1);
             ground(&w);
             const int shape = brick(&w, 1.0, 1.0, 2.08, 0.005); /* as the spec's, whose corners are points */
             put(&w, shape, 0, 0, 1.3, random_bell(&seed), random_bell(&seed), random_bell(&seed), random_bell(&seed));
@@ -268,7 +267,7 @@ static void test_rebound(void **state) {
             do RUN(&w, 0.1);
             while (dem_position(&w, 0).z < 1.25 && w.time < 10.0);
             const dem_vec v = dem_velocity(&w, 0);
-            const double angle = atan2(v.x, v.z) * 180 / pi;
+            const double angle = atan2(v.x, v.z) * 180 / RIDDLE_PI;
             sum += v.z / n, squares += v.z * v.z / n, angles += angle * angle / n;
             dem_free(&w);
         }
@@ -515,7 +514,7 @@ static void test_memory(void **state) {
 /* Corners of the core of body 0, where the engine has them, are where a rotation q from the given frame puts them. */
 static void lies_by(const dem_world *w, const dem_convex *s, dem_quaternion q) {
     const dem__rigid *r = dem__rigid_of(w, 0);
-    const dem__posture p = dem__posture_at(w, r, dem__now(w, 0));
+    const dem__pose p = dem__pose_at(w, r, dem__now(w, 0));
     const dem_quaternion own = dem__turns(p.turn, dem__opposite_turn(r->frame)), told = dem_orientation(w, 0);
     const dem_quaternion of = dem_get_body(w, 0).orientation;
     const dem_convex *kept = dem_get_shape(w, 0);
@@ -603,7 +602,7 @@ static int prism(dem_world *w, int sides) {
     double corner[32][3];
     dem_convex s;
     for (int k = 0; k < 2 * sides; k++) {
-        const double turn = 2.0 * pi * (k / 2) / sides + 0.1;
+        const double turn = 2.0 * RIDDLE_PI * (k / 2) / sides + 0.1;
         corner[k][0] = 5e-4 * cos(turn), corner[k][1] = 5e-4 * sin(turn), corner[k][2] = k % 2 ? 2.5e-4 : -2.5e-4;
     }
     assert_int_equal(dem_make_convex(&s, 2 * sides, corner[0], 0.03, NULL), DEM_OK);
@@ -628,7 +627,7 @@ static double landing(int sides, int where, int way, double e, double k, double 
     const int shape = prism(&w, sides);
     const dem_convex *s = dem_get_shape(&w, shape);
     if (way == ON_EDGE) { /* about an edge of the cap */
-        const double turn = 0.1 + pi / sides + pi / 2;
+        const double turn = 0.1 + RIDDLE_PI / sides + RIDDLE_PI / 2;
         q[0] = cos(0.3), q[1] = sin(0.3) * cos(turn), q[2] = sin(0.3) * sin(turn);
     }
     if (way == ON_CORNER) q[0] = 1.0, q[1] = 0.35, q[2] = 0.21, q[3] = 0.1;

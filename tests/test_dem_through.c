@@ -14,7 +14,6 @@
 #include "near.h"
 #include "../examples/common/random.h"
 
-static const double pi = 3.14159265358979323846;
 static uint64_t seed = 1;
 static double uniform(double low, double high) { return low + (high - low) * random_plain(&seed); }
 static int is_long(void) { return getenv("RIDDLE_LONG") != NULL; }
@@ -34,7 +33,7 @@ static dem_convex shape_of(int body) {
     int n = body == TABLET ? 16 : body == ROCK ? 8 : 4;
     dem_convex s;
     for (int k = 0; k < 3 * n; k++) {
-        const double at = 2.0 * pi * (k / 3 % 8) / 8.0;
+        const double at = 2.0 * RIDDLE_PI * (k / 3 % 8) / 8.0;
         corner[k] = body == TETRAHEDRON ? 0.012 * tetrahedron[k]
                     : body == ROCK      ? 0.02 * rock[k]
                     : k % 3 == 2        ? (k < 24 ? 5e-3 : -5e-3)
@@ -121,7 +120,7 @@ static void let_hit(int wall, int body, hit *h) {
     add_wall(&trial, wall);
     pair->stiffness = dem_advise(&trial, DEM_LINEAR | DEM_FRICTION, h->speed).stiffness / h->softness;
     near(pair->stiffness * h->softness * s.radius * s.radius / (dem_mass(&trial, 0) * h->speed * h->speed), s.springs, 1e-11);
-    def.dt = sqrt(dem_mass(&trial, 0) / pair->stiffness) * pi / (h->e < 1.0 ? 60.0 : 300.0);
+    def.dt = sqrt(dem_mass(&trial, 0) / pair->stiffness) * RIDDLE_PI / (h->e < 1.0 ? 60.0 : 300.0);
     dem_free(&trial);
     assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
     assert_int_equal(dem_add_convex(&w, dem_add_shape(&w, &s), 1, x, q, 0, 0), DEM_OK);
@@ -356,7 +355,7 @@ static void test_soft_pairs(void **state) {
                          stiffness = (k % 2 ? 0.1 : 0.02) * 0.5 * m * 9.0 / (4.0 * s.radius * s.radius);
             dem_pair_def *pair = dem_pair(&def, 0, 0);
             pair->restitution = 1.0, pair->friction = 0.0, pair->stiffness = stiffness;
-            def.gravity = dem_vec3(0, 0, 0), def.dt = pi * sqrt(m / stiffness) / 300.0;
+            def.gravity = dem_vec3(0, 0, 0), def.dt = RIDDLE_PI * sqrt(m / stiffness) / 300.0;
             assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
             double x[6] =
                 {0, 0, 1.05 * s.reach, uniform(-0.3, 0.3) * s.reach, uniform(-0.3, 0.3) * s.reach, -1.05 * s.reach},

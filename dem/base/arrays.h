@@ -22,8 +22,8 @@ static inline double dem__half_width(const dem_convex *s) {
     for (int f = 0; f < s->faces; f++) least = s->plane[f][3] < least ? s->plane[f][3] : least;
     return least;
 }
-/* Returns the longest way of particle i in a step [m]: half its radius, or less for a thin polyhedron, which could pass
-   a sheet without being cut by it. */
+/* Returns how far particle i may move in a step [m]: half its radius, or less for a thin polyhedron, which could
+   otherwise pass a sheet uncut. */
 DEM_INLINE double dem__longest_step(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     const double half = 0.5 * w->particle[i].radius, width = s ? 2.0 * dem__half_width(s) : half;
@@ -80,7 +80,7 @@ static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
 
 static inline int dem__may_postpone(const dem_world *w) { return w->engine->contacts.postponed || w->def.threads > 1; }
 
-/* Lists the arrays of contacts, ordered by how long their values are needed: from step to step, ... */
+/* Lists the arrays of contacts, sorted by how long their values are needed: from step to step, ... */
 static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
     dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
@@ -107,14 +107,13 @@ static inline int dem__contact_arrays(dem_world *w, dem__array *list) {
         list[n].address = &contacts->wrench[k], list[n].size = sizeof(double);
     /* ... within a step */
     list[n].address = &contacts->correction, list[n++].size = sizeof(dem__correction);
-    list[n].address = &contacts->edge, list[n++].size = 1;
+    list[n].address = &contacts->partial, list[n++].size = 1;
     list[n].address = &contacts->slots, list[n++].size = sizeof(int32_t);
     if (dem__may_postpone(w)) list[n].address = &contacts->postponed, list[n++].size = sizeof(dem__postponed);
     return n;
 }
 
-/* Lists the arrays of contacts, and returns the number of the first ones: those that move with a contact to another
-   slot. */
+/* Lists the arrays of contacts, and returns how many of them, from the first, move with a contact to another slot. */
 static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
     const int with_out = dem__contact_arrays(w, list) - dem__may_postpone(w) - DEM__STEP_ARRAYS,
               with_own = with_out - DEM__OUT_ARRAYS;
@@ -124,12 +123,12 @@ static inline int dem__kept_arrays(dem_world *w, dem__array *list) {
                : with_own - DEM__OWN_ARRAYS - w->engine->contacts.constants;
 }
 
-/* Grows a group of arrays. All lie in one block, so that growing works for all or changes nothing; each begins with a
-   cache line. Returns 0 when out of memory. */
+/* Grows a group of arrays. All lie in one block, so that growing succeeds for all or changes nothing. Each begins with
+   a cache line. Returns 0 when out of memory. */
 static inline int dem__grow_group(dem_world *w, const dem__array *list, int n, void **block, size_t *bytes,
                                   ptrdiff_t *capacity, ptrdiff_t wanted) {
     ptrdiff_t larger =
-        wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* more arrays alone need no more entries */
+        wanted > *capacity ? *capacity + *capacity / 2 + 64 : *capacity; /* additional arrays need no more entries */
     size_t total = 64;
     if (larger < wanted) larger = wanted;
     for (int k = 0; k < n; k++) {
@@ -187,7 +186,7 @@ static inline void dem__count_from(dem__timers *t, int64_t step) {
     t->from = step;
 }
 
-/* Makes room in a single array, whose values are lost. Returns 0 when out of memory. */
+/* Makes room in a single array and loses its values. Returns 0 when out of memory. */
 static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capacity, ptrdiff_t wanted) {
     if (wanted <= *capacity) return 1;
     ptrdiff_t larger = wanted + wanted / 4 + 64;
@@ -199,7 +198,7 @@ static inline int dem__grow_one(dem_world *w, int32_t **array, ptrdiff_t *capaci
     return 1;
 }
 
-/* Adds a feature to a world and makes room for its numbers of particles. DEM_BAD_ARGUMENT: another feature excludes it.
+/* Adds a feature to a world and makes room for its data of particles. DEM_BAD_ARGUMENT: another feature excludes it.
    After a failure nothing has changed. */
 static inline dem_status dem__take_feature(dem_world *w, dem__feature feature) {
     dem__bodies *bodies = &w->engine->bodies;

@@ -22,10 +22,10 @@
 #define DEM__BODIES
 #endif
 
-/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built
-   with. Clang fuses only if told to by -ffp-contract=fast. Without these options gcc leaves a loop scalar if a root in
-   it may set errno or arithmetic may trap, and most loops at -O2. The loops of a step (DEM__FAST) are compiled as with
-   -O3, all else as with -O2: that takes a quarter off the time of a compiler, and nothing off the speed. With the
+/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever the options of the
+   host. Clang fuses only if told to by -ffp-contract=fast. Without these options gcc does not vectorise most loops at
+   -O2, or a loop with a root that may set errno or with arithmetic that may trap. The loops of a step (DEM__FAST) are
+   compiled as with -O3, the rest as with -O2: that saves a quarter of the compile time and costs no speed. With the
    address sanitizer the command line decides. */
 #if defined(__GNUC__) && defined(__OPTIMIZE__) && !defined(__NO_MATH_ERRNO__)
 #pragma GCC diagnostic push
@@ -45,8 +45,9 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__FAST
 #endif
 
-/* Functions that are no part of their callers (DEM__NOINLINE), or of which the compiler decides (DEM__STATIC). Without
-   optimisation both are inline by name: gcc then emits every other static function, whether or not anything calls it. */
+/* Functions that are never inlined (DEM__NOINLINE), or for which the compiler decides (DEM__STATIC). Without
+   optimisation both are declared inline, because gcc then emits every other static function, whether or not anything
+   calls it. */
 #if !defined(__GNUC__)
 #define DEM__NOINLINE
 #define DEM__STATIC static
@@ -68,14 +69,14 @@ extern double sqrt(double) __attribute__((const));
 #define DEM_RESTRICT
 #endif
 
-/* dem_run is compiled where it is called: with constant features, only the kernel that they choose. */
+/* dem_run is compiled where it is called: constant features then leave only the kernel that they choose. */
 #if defined(__GNUC__) && !defined(DEM_IMPLEMENTATION)
 #define DEM__CHOICE static inline __attribute__((always_inline))
 #else
 #define DEM__CHOICE DEM_API
 #endif
 
-/* Particles are scattered in memory: those needed soon are prefetched into the second cache, because the first is full
+/* Particles are scattered in memory. Those needed soon are prefetched into the second cache, because the first is full
    of the current block. */
 #if defined(__GNUC__)
 #define DEM__PREFETCH(address) __builtin_prefetch(address, 0, 2)
@@ -83,10 +84,10 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__PREFETCH(address) ((void)(address))
 #endif
 
-/* gcc: the law's loop writes its results directly to the contacts; ivdep tells that no iteration reads what another one
-   writes. Clang's pragma would also promise that arrays do not alias within an iteration, which is wrong here. With
-   clang the loop writes to rows, which are copied afterwards. gcc unrolls a short loop before it tries to vectorise it;
-   `unroll 1` stops that. */
+/* gcc: the law's loop writes its results directly to the contacts; ivdep promises that no iteration reads what another
+   one writes. Clang's pragma would also promise that arrays do not alias within an iteration, which is wrong here, so
+   with clang the loop writes to rows, which are copied afterwards. gcc unrolls a short loop before it tries to
+   vectorise it; `unroll 1` prevents that. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define DEM__INDEPENDENT _Pragma("GCC ivdep")
 #define DEM__NO_UNROLL _Pragma("GCC unroll 1")
@@ -98,8 +99,8 @@ extern double sqrt(double) __attribute__((const));
 #endif
 
 /* x86-64: the loops that vectorise are compiled twice, with AVX2 and without. The bits are the same, because neither
-   fuses. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412): there -mavx2 for the
-   whole program gives the speed. */
+   version fuses. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412); there -mavx2 for
+   the whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
     __attribute__((target("avx2"))) DEM__FAST DEM__STATIC void name##_wide parameters { call; }                        \

@@ -65,7 +65,7 @@ static inline int dem__finite_vec(dem_vec v) { return dem__finite(v.x) && dem__f
 static inline int dem__positive(double v) { return v > 0.0 && v <= DBL_MAX; }
 static inline int dem__not_negative(double v) { return v >= 0.0 && v <= DBL_MAX; }
 
-/* Returns whether an acceleration, a velocity or a spin is small enough that products of three, as in energies, stay
+/* Returns whether an acceleration, a velocity or a spin is so small that products of three, as in energies, stay
    finite. False for NaN. */
 static inline int dem__moderate(double v) { return fabs(v) <= 1e80; }
 static inline int dem__moderate_vec(dem_vec v) {
@@ -74,18 +74,18 @@ static inline int dem__moderate_vec(dem_vec v) {
 /* Returns whether squares of distances to a place stay finite. */
 static inline int dem__is_place(dem_vec v) { return fabs(v.x) <= 1e150 && fabs(v.y) <= 1e150 && fabs(v.z) <= 1e150; }
 
-/* Returns whether the squares of a time step, and what is divided by them, stay normal numbers. */
+/* Returns whether the squares of a time step, and quotients by them, stay normal numbers. */
 static inline int dem__is_time_step(double dt) { return dt >= 1e-60 && dt < 1e6; }
 
-/* Returns whether a world has room for the numbers of a law. */
+/* Returns whether a world has room for the data of a law. */
 static inline int dem__is_law(const dem_law *law) {
     return law && law->force && law->states >= 0 && law->states <= DEM_STATE_MAX && law->vectors >= 0 &&
            law->history <= law->states && law->vectors <= law->history / 3 && law->constants >= 0 &&
            law->constants <= DEM_CONSTANTS_MAX;
 }
 
-/* Returns a number that stands for the meaning of a law's states: FNV-1a of its name up to a comma and its version; 0
-   without a name. Worlds keep and save it, so that names may be of any length. */
+/* Returns a number that identifies the meaning of a law's states: FNV-1a of its name up to a comma, and its version; 0
+   without a name. Worlds keep and save it instead of the name, which may have any length. */
 static inline uint64_t dem__law_mark(const dem_law *law) {
     uint64_t mark = 0xcbf29ce484222325u;
     const char *c = law->name;
@@ -95,7 +95,7 @@ static inline uint64_t dem__law_mark(const dem_law *law) {
     return mark;
 }
 
-/* Returns whether states with a mark can be those of a law. */
+/* Returns whether states with a mark can belong to a law. */
 static inline int dem__is_of_law(uint64_t mark, const dem_law *law) {
     const uint64_t own = dem__law_mark(law);
     return mark == 0 || own == 0 || mark == own;
@@ -150,7 +150,7 @@ DEM_API dem_status dem_check_def(const dem_def *def, const char **field) {
     return bad ? DEM_BAD_DEFINITION : DEM_OK;
 }
 
-/* Makes room for the forces of chunks on walls; they are found anew in each step. Returns 0 when out of memory. */
+/* Makes room for the forces of chunks on walls, which each step computes again. Returns 0 when out of memory. */
 static inline int dem__fit_wall_forces(dem_world *w, int chunks) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem_allocator *a = &w->def.allocator;
@@ -192,8 +192,8 @@ static inline int dem__grow_walls(dem_world *w, ptrdiff_t wanted) {
     return 1;
 }
 
-/* Makes the private state of an empty world, with room for the first walls, so that the array moves in few scenes.
-   Returns 0 when out of memory. */
+/* Makes the private state of an empty world, with room for the first walls, so that the array rarely moves. Returns 0
+   when out of memory. */
 static inline int dem__make_engine(dem_world *w) {
     dem__engine *e = (dem__engine *)w->def.allocator.fn(w->def.allocator.user, NULL, 0, sizeof *e);
     if (!e) return 0;
@@ -223,7 +223,7 @@ DEM_API dem_status dem_init(dem_world *world, const dem_def *def, const char **f
     return DEM_OK;
 }
 
-/* Returns whether a run of the world is in progress, so that the caller is a law's hook. */
+/* Returns whether a run of the world is in progress: the caller is then a law's hook. */
 static inline int dem__is_running(const dem_world *w) { return w && w->engine && w->engine->run.running; }
 
 static inline void dem__release(const dem_allocator *a, void *block, size_t bytes) {

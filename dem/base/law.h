@@ -1,4 +1,4 @@
-/* What a law of contact gets and returns, and the kernels that are made of it: public types. */
+/* What a law of contact gets and returns, and the kernels made from it: public types. */
 #pragma once
 #include "types.h"
 
@@ -11,7 +11,7 @@ typedef struct dem_contact {
     double spin[3];          /* w_i - w_j [rad/s] */
     double normal[3];        /* n */
     double mass;             /* m_eff = m_i m_j/(m_i + m_j); wall: m_i [kg] */
-    double dt;               /* time by which the history advances [s]; 0 when only the force is wanted */
+    double dt;               /* time by which the history advances [s]; 0 when only the force is needed */
     double rate;             /* 1 / time step of the world [1/s] */
     double share;            /* 1 / number of contacts of the partner that has more [-] */
     const double *constants; /* as the law's prepare function set them */
@@ -20,10 +20,10 @@ typedef struct dem_contact {
 
 /* Output of a law: forces on i. A law sets normal, contact and ended; with DEM_FRICTION tangential, and remaining if
    there is any; with DEM_ROLLING rolling; with DEM_ENERGY the rest. A law of links sets normal, tangential and ended.
-   What a law does not set is 0. */
+   Members that a law does not set are 0. */
 typedef struct dem_response {
     double normal;        /* along n; positive repels [N] */
-    double contact;       /* the part of normal that the overlap makes; 0 without overlap [N] */
+    double contact;       /* the part of normal that stems from the overlap; 0 without overlap [N] */
     double tangential[3]; /* perpendicular to n [N]; acts at the point that divides the distance of the centres as the
                              radii do */
     double remaining[3];  /* the part of tangential that stays however small `contact` is: lubrication, adhesion [N];
@@ -33,7 +33,7 @@ typedef struct dem_response {
     double normal_power;  /* dissipated by the normal dashpot [W] */
     double slide_loss;    /* dissipated by sliding in this step [J] */
     double rolling_power; /* dissipated by rolling and tangential dashpot [W] */
-    double ended; /* 1: the contact has ended, its state may be dropped and its forces end with this step; otherwise 0
+    double ended; /* 1: the contact has ended; its state may be dropped, and its forces end with this step. Otherwise 0
                      (a double, so that all vectors have one type) */
 } dem_response;
 
@@ -51,26 +51,26 @@ typedef struct dem_birth {
     void *user;                /* world->user */
 } dem_birth;
 
-/* A law. It is a constant, so that the loop that DEM_KERNEL makes of it has no indirect call. */
+/* A law. It is a constant, so that the loop that DEM_KERNEL makes from it has no indirect call. */
 typedef struct dem_law {
-    /* Name and version say what the states mean. Contacts and links go on, in a run and from a save, only under a law
-       of the same name, up to a comma if there is one, the same version and the same number of states: "linear,
-       friction" and "linear, with attraction" understand each other, "linear" and "Luding" do not
-       (DEM_LAW_MISMATCH). Give a law that means something else by its states a name or a version of its own. NULL: only
-       the number of states is compared. */
+    /* Name and version identify the meaning of the states. Contacts and links go on, in a run and from a save, only
+       under a law with the same name (up to a comma), the same version and the same number of states. "linear,
+       friction" and "linear, with attraction" understand each other; "linear" and "Luding" do not
+       (DEM_LAW_MISMATCH). Give a law whose states mean something else another name or version. NULL: only the number
+       of states is compared. */
     const char *name;
     int version;
     int states;    /* doubles for each contact, 0 when it begins, <= DEM_STATE_MAX */
-    int history;   /* the first of them, which force may change; only dem_set_contact_state() changes the rest */
+    int history;   /* the first of them, which force may change; the rest changes only by dem_set_contact_state() */
     int vectors;   /* the first 3 * vectors are tangential vectors, which the kernel turns with the contact */
     int constants; /* doubles that prepare sets, <= DEM_CONSTANTS_MAX */
-    /* Sets the constants. Returns the k_n of a linear law with the pair's damping ratio [N/m], which makes its
-       restitution accurate to third order; otherwise 0. */
+    /* Sets the constants. Returns the k_n of a linear law with the pair's damping ratio [N/m], with which the
+       restitution is accurate to third order; otherwise 0. */
     double (*prepare)(const dem_birth *birth, double *constants);
     void (*force)(const dem_contact *contact, double *state,
                   dem_response *response); /* always inline, no calls, few branches */
     /* Both may be NULL; they get world->user. born: for the contacts that begin in a step, before their first force,
-       sorted by partners. ended: for a contact that has ended: by itself, or because a particle was removed (its
+       sorted by partners. ended: for a contact that has ended, by itself, or because a particle was removed (its
        world->alive is not DEM_PRESENT) or a wall no longer acts (dem_wall_acts). dem_get_contact() (for a link
        dem_get_link()) and dem_set_contact_state() take their numbers. */
     void (*born)(struct dem_world *world, const int32_t *numbers, ptrdiff_t n, void *user);

@@ -8,10 +8,10 @@ static inline void dem__run_alone(int tasks, void (*task)(void *context, int ind
 }
 
 #ifdef _OPENMP
-/* Decides whether loops run on one thread. Beside another program that takes a core, threads wait for each other longer
-   than the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times; a task
-   that was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2
-   ms, loops run on one thread for 20 ms, and for twice as long each time that threads lose again soon after. */
+/* Decides whether loops run on one thread. If another program occupies a core, threads wait for each other longer than
+   the work takes. Compares the duration of a loop, from start to end [s], with the sum of its tasks' times. A task that
+   was interrupted counts as at most three times the first, which the waiting thread ran itself. After a loss of 2 ms,
+   loops run on one thread for 20 ms, and twice as long each time that threads soon lose again. */
 static inline void dem__judge_threads(dem__pace *pace, double start, double end, const double *spent, int tasks) {
     double alone = 0.0;
     for (int q = 0; q < tasks; q++) alone += spent[q] < 3.0 * spent[0] ? spent[q] : 3.0 * spent[0];
@@ -57,8 +57,8 @@ static inline void dem__parallel(dem_world *w, int tasks, void (*task)(void *con
     }
 }
 
-/* Returns the number of threads that a run may use. More of OpenMP's than there are processors would wait for each
-   other; a host knows what its threads are. */
+/* Returns the number of threads that a run may use. More OpenMP threads than processors would wait for each other; a
+   host knows what its threads are. */
 static inline int dem__usable_threads(const dem_world *w) {
     int threads = w->def.threads < DEM__PARTS_MAX ? w->def.threads : DEM__PARTS_MAX;
     if (w->def.parallel) return threads;
@@ -69,7 +69,7 @@ static inline int dem__usable_threads(const dem_world *w) {
 #endif
 }
 
-/* Returns the number of parts to split n items into: as many as there are threads, or as pay for waking them. */
+/* Returns into how many parts to split n items: as many as there are threads, or as pay for waking them. */
 DEM_INLINE int dem__parts(const dem_world *w, ptrdiff_t n) {
     const int threads = w->engine->scratch.threads;
     if (threads <= 1 || n < 2 * DEM__SHARE) return 1;
@@ -87,7 +87,7 @@ DEM_INLINE ptrdiff_t dem__part(ptrdiff_t n, int part, int parts) {
     return n / parts * part + (n % parts < part ? n % parts : part);
 }
 
-/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them: few entries need no
+/* Returns where a loop over n entries begins that prefetches `ahead` entries before it uses them. A few entries need no
    long lead. */
 DEM_INLINE ptrdiff_t dem__prefetch_from(ptrdiff_t n, ptrdiff_t ahead) { return n < ahead ? -n : -ahead; }
 

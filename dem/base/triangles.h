@@ -28,7 +28,7 @@ typedef struct dem__mesh_edges {
 } dem__mesh_edges;
 
 /* A mesh's triangles in the wall's own frame, in the order of the leaves of a tree of boxes. Its nodes are in
-   depth-first order; `skip` is the next node that is not below this one. */
+   depth-first order; `skip` is the next node outside this subtree. */
 typedef struct dem__tree {
     size_t bytes;
     dem__mesh_edges *edges; /* sharp edges and corners; NULL until there are polyhedra */

@@ -38,8 +38,8 @@ DEM_INLINE dem_vec dem_vec3(double x, double y, double z) {
     return v;
 }
 
-/* Returns component 0, 1 or 2. By name, because a compiler may assume that an access beyond the address of x is not to
-   the vector. */
+/* Returns component 0, 1 or 2. Named members, because a compiler may assume that an access beyond the address of x does
+   not reach y. */
 DEM_INLINE double dem_axis(dem_vec v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 DEM_INLINE double *dem_axis_of(dem_vec *v, int axis) { return axis == 0 ? &v->x : axis == 1 ? &v->y : &v->z; }
 
@@ -57,7 +57,7 @@ enum {
     DEM_ENERGY = 16   /* energy ledger, dem_energy() */
 };
 
-/* Layers of skipping; all are on by default. They change no bit of a result, only the time that a run takes. */
+/* Layers of skipping, all on by default. They change no bit of a result, only the time that a run takes. */
 enum {
     DEM_SKIP_PAIRS = 1, /* pairs are not tested before they can touch */
     DEM_SKIP_SPACE = 2, /* particles are not tested with walls that they cannot reach */
@@ -73,8 +73,8 @@ typedef enum dem_restitution {
 struct dem_world;
 #define DEM_CLUMP_MAX 64 /* spheres of a clump, at most */
 
-/* A shape of spheres that are fixed to each other, overlapping or not. Made by dem_make_clump(). Volume, moments and
-   axes may be replaced by better ones; the centres are then from the true centre of mass. */
+/* A shape of spheres fixed to each other, overlapping or not. Made by dem_make_clump(). Volume, moments and axes may be
+   replaced by better ones; then make the centres relative to the true centre of mass. */
 typedef struct dem_clump {
     int spheres;                   /* 1 .. DEM_CLUMP_MAX; only those that can touch something */
     dem_vec centre[DEM_CLUMP_MAX]; /* from the centre of mass, in the frame in which the shape was given [m] */
@@ -83,8 +83,7 @@ typedef struct dem_clump {
     double volume;                 /* of the union [m3] */
     dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
     dem_quaternion axes; /* from the principal axes to the frame in which the shape was given */
-    /* private: dem_add_clumps, which feeds call through it, so that a program without clumps does not compile rigid
-       bodies */
+    /* private: dem_add_clumps. Feeds call through it, so that a program without clumps does not compile rigid bodies */
     dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_clump *clump, const double *centres,
                         const double *diameters, const double *orientations, int material, int group);
 } dem_clump;
@@ -95,14 +94,14 @@ typedef struct dem_material {
     double poisson_ratio; /* [-] 0 .. 0.5 */
 } dem_material;
 
-/* Parameters of contacts between two materials. For two different materials no defaults would suit: if they touch and
-   their pair was never set, the run gives DEM_PAIR_NOT_SET. */
+/* Parameters of contacts between two materials. No defaults would suit two different materials: if they touch and their
+   pair was never set, the run gives DEM_PAIR_NOT_SET. */
 typedef struct dem_pair_def {
     double stiffness;        /* k_n [N/m] > 0; DEM_LINEAR only; default 1e5 */
     double tangential_ratio; /* k_t / k_n [-] 0 .. 1; DEM_LINEAR only; default 2/7 */
     double restitution;      /* coefficient of restitution e [-] 0 < e <= 1; default 0.8 */
     double friction;         /* Coulomb coefficient [-] >= 0; default 0.3 */
-    double rolling; /* lever arm of rolling resistance [m] >= 0; default 0. On a slope below this limit a ball creeps at
+    double rolling; /* lever arm of rolling resistance [m] >= 0; default 0. On a slope below its limit a ball creeps at
                        5 g sin(slope) dt; the law contact_epsd in dem_laws.h holds it by a spring */
     double tangential_damping; /* tangential dashpot over the normal one [-] >= 0; default 0 */
     dem_restitution mode;      /* DEM_LINEAR only; default DEM_CLIPPED */
@@ -123,21 +122,21 @@ typedef struct dem_def {
     int threads;     /* number of threads >= 1; default 1; world->def.threads may be changed between runs */
     int skip;        /* DEM_SKIP_*; default DEM_SKIP_ALL */
     double dt;       /* time step [s] 1e-60 .. 1e6; default 1e-6; dem_advise() gives a good one */
-    double skin;     /* margin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. Where lists last
-                        under 100 steps (400 where pairs are few) the engine takes up to three times as much, in a narrow
-                        periodic box less */
+    double skin;     /* skin of the neighbour list, over the smallest diameter [-] > 0; default 0.35. If lists last less
+                        than 100 steps (400 where pairs are few), the engine takes up to three times as much; in a
+                        narrow periodic box, less */
     dem_vec gravity; /* [m/s2]; default (0, 0, -9.81) */
-    int periodic[3]; /* 1: the axis is periodic from low to high, over more than 2.2 of the largest diameters; default
-                        0. Walls are not repeated: extend them a diameter past the box */
+    int periodic[3]; /* 1: the axis is periodic from low to high, a length of more than 2.2 times the largest diameter;
+                        default 0. Walls are not repeated: extend them a diameter past the box */
     dem_vec low, high;       /* [m]; used on periodic axes only; default 0 and 1 */
     dem_allocator allocator; /* default: realloc and free */
     /* Runs task(context, index) for every index below tasks, in any order and on any thread, and returns when all are
-       done. At most `threads` tasks run at a time. Default NULL: OpenMP where the compiler has it, otherwise one after
-       the other. Not saved. */
+       done. At most `threads` tasks run at a time. Default NULL: OpenMP if the compiler has it, otherwise one after the
+       other. Not saved. */
     void (*parallel)(void *user, int tasks, void (*task)(void *context, int index), void *context);
     void *parallel_user;
-    /* Asked now and then, on the calling thread, while dem_fill, dem_fill_mass and the feeds look for places: other
-       than 0 ends the call with DEM_STOPPED, and nothing has changed. It may read the world. Default NULL: never asked.
+    /* Called now and then, on the calling thread, while dem_fill, dem_fill_mass and the feeds look for places. A result
+       other than 0 ends the call with DEM_STOPPED, and nothing has changed. It may read the world. Default NULL.
        dem_run needs none: call it with short durations. Not saved. */
     int (*stop)(void *user);
     void *stop_user;
@@ -149,7 +148,7 @@ typedef struct dem_def {
 
 typedef enum dem_profile {
     DEM_ROUND,     /* full round wires */
-    DEM_SEMICIRCLE /* round above, flat below: the section is the upper half of a circle */
+    DEM_SEMICIRCLE /* round above, flat below: the cross-section is the upper half of a circle */
 } dem_profile;
 
 /* A woven screen: two crossing families of bars in one plane, with square apertures. Made by dem_default_screen(). */
@@ -158,13 +157,13 @@ typedef struct dem_screen {
     double wire;         /* width of a bar [m] > 0; default 2e-3 */
     dem_profile profile; /* default DEM_SEMICIRCLE */
     int circular;        /* 1: disc of radius half_x; 0: rectangle; default 1 */
-    double half_x; /* radius, or half length along x [m] > 0; default 0.095. With (n + 1/2) pitches a bar runs along the
+    double half_x; /* radius, or half length along x [m] > 0; default 0.095. With (n + 1/2) pitches a bar lies along the
                       edge */
     double half_y; /* half length along y [m] > 0 if rectangular */
     dem_vec
-        centre; /* centre of the deck, in the plane of the wire axes and at the centre of an aperture [m]; default 0 */
+        centre; /* centre of the deck, in the plane of the wire axes and in the middle of an aperture [m]; default 0 */
     dem_vec normal;    /* up; default (0, 0, 1) */
-    dem_vec direction; /* along one family of bars, made perpendicular to the normal; default (1, 0, 0) */
+    dem_vec direction; /* along one family of bars; made perpendicular to the normal; default (1, 0, 0) */
 } dem_screen;
 
 /* The lateral surface of a frustum or, with equal radii, a tube of finite length: a thin sheet, touched from inside,
@@ -175,8 +174,8 @@ typedef struct dem_cone {
     double high_radius; /* at high [m] >= 0, not both 0; default 0.1 */
 } dem_cone;
 
-/* A flat disc, with or without a round hole in its middle: a thin sheet, touched from both sides and at its rims. Made by
-   dem_default_disc(). */
+/* A flat disc, with or without a round hole in its middle: a thin sheet, touched from both sides and at its rims. Made
+   by dem_default_disc(). */
 typedef struct dem_disc {
     dem_vec centre;     /* [m]; default 0 */
     dem_vec normal;     /* of any length but 0; default (0, 0, 1) */
@@ -195,7 +194,7 @@ typedef enum dem_wall_kind {
     DEM_DISC
 } dem_wall_kind;
 
-/* Triangles, your own or read by dem_read_stl(). For your own arrays, set the first four fields; the rest is 0. */
+/* Triangles, your own or read by dem_read_stl(). For your own arrays, set the first four fields; the others are 0. */
 typedef struct dem_mesh {
     ptrdiff_t vertices, triangles; /* at most INT32_MAX / 4 */
     double *vertex;                /* shape [vertices][3] [m] */
@@ -212,10 +211,10 @@ typedef struct dem_stl_report {
     ptrdiff_t facets;   /* whole triangles in the file; a facet of n corners counts as the n - 2 triangles into which it
                            is cut */
     ptrdiff_t polygons; /* facets of more than three corners */
-    ptrdiff_t missing;  /* facets that a binary file announces and does not contain, that a text breaks off or garbles,
-                           or whose  corners no fan of triangles covers; 1 more if a text that begins with "solid" ends
-                           without "endsolid" */
-    ptrdiff_t unannounced;   /* facets of a binary file beyond its count; read, because they end with the file */
+    ptrdiff_t missing;  /* facets that are announced by a binary file and absent, cut off or garbled in a text, or not
+                           covered by a fan of triangles; 1 more if a text that begins with "solid" lacks "endsolid" */
+    ptrdiff_t unannounced;   /* facets of a binary file beyond its count; read, because the file ends with a whole
+                                one */
     ptrdiff_t surplus;       /* bytes of a binary file after its facets; not read */
     ptrdiff_t not_finite;    /* left out: a coordinate is NaN or infinite */
     ptrdiff_t degenerate;    /* left out: no area after welding; where one closes a T-junction there is no hole */
@@ -230,13 +229,14 @@ typedef struct dem_stl_report {
     dem_vec low, high;       /* corners of its bounding box [m] */
 } dem_stl_report;
 
-/* Place of a wall in a prescribed motion: turned about the centre given to dem_prescribe(), then shifted. */
+/* Pose of a wall in a prescribed motion: turned about the centre given to dem_prescribe(), then shifted. */
 typedef struct dem_pose {
     dem_vec shift; /* [m] */
     dem_vec turn;  /* axis times angle [rad] */
 } dem_pose;
 /* Motion of a wall: a pure function of time [s] (and of *user, which must not change), as smooth as the motion of a
-   body is. It is called for times in any order, also one time step before and after the run. *pose is zero at entry. */
+   body is. It is called for times in any order, including one time step before and after the run. *pose is zero at
+   entry. */
 typedef void (*dem_motion_fn)(void *user, double time, dem_pose *pose);
 
 typedef enum dem_drive {
@@ -260,45 +260,46 @@ typedef struct dem_wall_motion {
     dem_vec drift;       /* constant velocity [m/s] */
     dem_vec spin_centre; /* centre of a rotation [m] */
     dem_vec belt;        /* velocity of its surface within itself [m/s] */
-    dem_vec belt_turn;   /* the same around pulleys: axis times speed; along its product with the normal [m/s] */
+    dem_vec belt_turn;   /* the same around pulleys: axis times speed; the surface moves along its cross product with
+                            the normal [m/s] */
     double inertia, load, damping; /* controlled: [kg], [N], [N s/m] or [kg m2], [N m], [N m s/rad] */
     dem_motion_fn motion;          /* prescribed */
     void *motion_user;
     double interval; /* prescribed: interval of the finite differences [s] */
 } dem_wall_motion;
 
-/* A wall: its shape, the motion that was set, and its state now. Read only; functions change it. */
+/* A wall: its shape, the motion that was set, and its present state. Read only; functions change it. */
 typedef struct dem_wall {
     int kind, material, enabled;
     double radius;              /* cylinder, sphere; cone: at its low end, which is the origin; disc: of its hole [m] */
-    double high_radius, length; /* cone: radius at the other end; distance of the ends; disc: radius; 0 [m] */
+    double high_radius, length; /* cone: radius at the other end, distance of the ends; disc: radius, 0 [m] */
     int inside;                 /* cylinder, sphere: 1 if particles are inside, 0 if outside */
     double aperture, wire;      /* screen [m] */
     int profile, circular;      /* screen */
     double half_x, half_y;      /* screen [m] */
     struct dem__tree *tree;     /* mesh: the triangles, owned */
-    int solid;                  /* mesh: 1: a closed body, whose inside is occupied; 0: a sheet */
+    int solid;                  /* mesh: 1: a closed body with an occupied inside; 0: a sheet */
     uint32_t groups;            /* bit g: acts on particles of group g; bit 31: on those of all other groups; set by
                                    dem_set_wall_groups */
 
     dem_wall_motion asked;
 
-    dem_vec axis[3]; /* its own frame, in the world's; axis[2] is the normal or the cylinder's axis */
+    dem_vec axis[3]; /* axes of its own frame in the world's; axis[2] is the normal or the cylinder's axis */
     dem_vec position, velocity, acceleration; /* of its origin */
     dem_vec spin_axis;                        /* axis of its rotation; controlled: of the motion */
     double spin, spin_rate;                   /* [rad/s], [rad/s2] */
     double coordinate, rate,
         rate_change;         /* controlled: distance [m] or angle [rad] since control began, and its derivatives */
-    dem_vec force, torque;   /* on the wall in this step [N], about its origin [N m]; for means use the impulse */
+    dem_vec force, torque;   /* on the wall in this step [N], about its origin [N m]; use the impulse for means */
     dem_vec impulse;         /* time integral of the force [N s] */
     dem_vec angular_impulse; /* time integral of the torque about the world's origin [N m s]; see
                                 dem_wall_angular_impulse */
     double work;             /* done on the particles by its motion and its belt [J] */
 
     const struct dem__wall_kind *kind__; /* private: the functions of its kind */
-    int slides;                          /* private: 1 if its surface moves otherwise than its origin */
+    int slides;                          /* private: 1 if its surface moves unlike its origin */
     double speed_bound, spin_bound;      /* private: limits of its origin's speed, apart from rotation, and of its spin,
-                                       until timers are reset */
+                                            until timers are reset */
     double acceleration_bound; /* private: kinematic: limit of the acceleration of its origin, apart from rotation
                                        [m/s2] */
     double side_bound;         /* private: the same perpendicular to axis[2] */
@@ -316,9 +317,9 @@ typedef struct dem_passed {
 
 /* ---- laws ---- */
 
-/* To build upon: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling (states,
-   history, vectors: 0, 0, 0; with friction 3, 3, 1); the same for hertz (0, 0, 0; 4, 4, 1). Their constants come first;
-   yours follow (docs/dem.md). */
+/* For laws of your own: dem_prepare_linear and dem_force_linear, dem_force_linear_friction, dem_force_linear_rolling
+   (states, history, vectors: 0, 0, 0; with friction 3, 3, 1); the same for hertz (0, 0, 0; 4, 4, 1). Their constants
+   come first; yours follow (docs/dem.md). */
 enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
 
 /* ---- force fields ---- */
@@ -343,8 +344,9 @@ typedef struct dem_force_field {
     dem_field_fn
         kernel; /* made from a law by DEM_FORCE_FIELD(name, law); the law: dem_vec law(const dem_force_point *at) [N] */
     const void *user; /* passed to the law; default NULL */
-    double length; /* longest way of one step in flight [m] > 0: half the size of the finest detail; default HUGE_VAL */
-    double interval; /* longest time of one step in flight [s] > 0: a tenth of that in which the field changes there;
+    double length; /* longest distance of one step in flight [m] > 0: half the size of the finest detail; default
+                      HUGE_VAL */
+    double interval; /* longest time of one step in flight [s] > 0: a tenth of the time in which the field changes;
                         default HUGE_VAL */
     double accuracy; /* largest error of position in one step in flight, over the particle's radius [-] 1e-12 .. 1e-4;
                         default 1e-6 */
@@ -373,16 +375,17 @@ typedef struct dem_gas {
 
 /* ---- the world ---- */
 
-/* Energies now, and where energy went [J]; sums since the first run with DEM_ENERGY. */
+/* Present energies, and where energy went [J]; sums since the first run with DEM_ENERGY. */
 typedef struct dem_energy_ledger {
-    double kinetic, rotational, elastic, potential; /* now; the potential energy is that of gravity, 0 at the origin */
+    double kinetic, rotational, elastic, potential; /* at present; the potential energy is that of gravity, 0 at the
+                                                       origin */
     double normal_loss, sliding_loss, rolling_loss; /* dissipated, as the laws compute it */
-    double wall_work, external_work; /* done on the particles by moving walls; by loads and moving fixed particles */
+    double wall_work, external_work; /* done on the particles: by moving walls; by loads and moving fixed particles */
     double field_work;               /* done on the particles by a force field */
-    double link_work; /* done on the particles by links: minus what links store and lost, apart from walls' work through
-                         them */
-    double added, removed; /* carried in and out by particles, and by what the caller changes between runs: contacts
-                              that begin, end or get other constants, gravity */
+    double link_work; /* done on the particles by links: minus what links store and lost, apart from the work of walls
+                         through them */
+    double added, removed; /* carried in and out by particles, and by changes of the caller between runs: contacts that
+                              begin, end or get other constants, gravity */
     double start, start_potential, added_potential,
         removed_potential; /* energy when the ledger began; the potential parts */
     double released;       /* potential energy released so far, at least 0 */
@@ -390,7 +393,7 @@ typedef struct dem_energy_ledger {
 } dem_energy_ledger;
 
 /* A body: a sphere, or several particles that move as one. The particles of a body are consecutive in the arrays of the
-   world; the mass of each (dem_particle.mass) is the body's. */
+   world; each has the mass of the body (dem_particle.mass). */
 typedef struct dem_body {
     ptrdiff_t first, pieces;    /* its particles */
     double mass;                /* [kg] */
@@ -402,9 +405,9 @@ typedef struct dem_body {
     dem_quaternion axes;        /* from the principal axes to the world's */
 } dem_body;
 
-/* A sphere as the engine keeps it: radius, mass, and the state at its own origin step, which may be long past; from
-   there it moves by x + v t + a t^2/2. dem_position(), dem_velocity() and dem_spin() return the state now. In a law's
-   hooks v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
+/* A sphere as the engine keeps it: radius, mass, and the state at its own origin step, which may be long past. From
+   there it moves by x + v t + a t^2/2. dem_position(), dem_velocity() and dem_spin() return the present state. In a
+   law's hooks v and spin are those in the middle of the step. Two cache lines, which are what contacts read. */
 typedef struct dem_particle {
     dem_vec x;               /* [m] */
     double radius;           /* [m] */
@@ -413,24 +416,24 @@ typedef struct dem_particle {
     dem_vec a;               /* [m/s2] */
     int64_t origin;          /* step of the state */
     dem_vec spin;            /* [rad/s] */
-    double tolerance_left__; /* private: by how much its velocity can change before it may leave its bound, at least
+    double tolerance_left__; /* private: by how much its velocity can change at least before it may leave its bound
                                 [m/s] */
 } dem_particle;
 
 enum { DEM_LEAVING = -1, DEM_GONE = 0, DEM_PRESENT = 1 };
 
 /* Spheres, walls and contacts at one time. Owned by the caller, filled by dem_init. Fields are read only unless a
-   function says otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or runs.
-   */
+   function says otherwise; arrays have `count` entries and stay valid until the next call that adds, removes or
+   runs. */
 typedef struct dem_world {
     dem_def def;
-    void *user;      /* yours: passed to the law's hooks; not saved */
+    void *user;      /* the caller's: passed to the law's hooks; not saved */
     int64_t step;    /* steps done */
     double time;     /* [s] */
     double owed;     /* time requested and not yet run, at most half a step [s]; the next run makes up for it. 0 after a
-                        failed run:     request the rest again */
-    ptrdiff_t count; /* entries of the arrays; one that left or was removed stays, with alive = DEM_GONE, until the gaps
-                        are closed */
+                        failed run: then request the rest again */
+    ptrdiff_t count; /* entries of the arrays; a particle that left stays, with alive = DEM_GONE, until the gaps are
+                        closed */
     dem_status status; /* first failure of a run; failed_id and step then name the particle and the step */
     uint64_t failed_id;
     int failed_pair[2]; /* with DEM_PAIR_NOT_SET: the two materials, the smaller index first */
@@ -443,16 +446,16 @@ typedef struct dem_world {
     int64_t contact_steps;  /* sum over steps of contacts present */
     int64_t looks;          /* tests of pairs and of particles with walls */
     int64_t rebuilds;       /* of the neighbour list */
-    double step_ratio; /* time step over the largest that is stable; 0 before the first run. Computed when a run begins
-                          after a change, for the smallest and stiffest pair present (for a particle of a body, with its
-                          least effective mass). Contacts that begin later raise it if their law's prepare function
-                          returns a stiffness. Above 1 contacts create energy. dem_advise() advises 0.08 or less. With
-                          DEM_HERTZ, whose contacts stiffen in an impact, from the time of Rayleigh waves alone. Links
+    double step_ratio; /* time step over the largest stable one; 0 before the first run. Computed when a run begins
+                          after a change, for the smallest and stiffest present pair (a particle of a body has its least
+                          effective mass). Contacts that begin later raise it if their law's prepare function returns a
+                          stiffness. Above 1 contacts create energy; dem_advise() advises 0.08 or less. With DEM_HERTZ,
+                          whose contacts stiffen in an impact, it follows from the time of Rayleigh waves alone. Links
                           are not included: the caller chooses their interval */
 
-    dem_particle *particle; /* states at origin steps, not now: dem_position() and its like return these */
+    dem_particle *particle; /* states at origin steps; dem_position() and the like return present ones */
     dem_vec *spin_rate;     /* since the origin step [rad/s2] */
-    uint64_t *id;           /* stable; counts up from 0 in the order of adding */
+    uint64_t *id;           /* never changes; counts up from 0 in the order of adding */
     int32_t *material, *group;
     int32_t *alive;    /* DEM_PRESENT, DEM_GONE; within a step DEM_LEAVING */
     int32_t *touching; /* number of its contacts */

@@ -3,9 +3,9 @@
 #include "api.h"
 #include "../../base/portable_math.h"
 
-/* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0; neither they
-   nor their squares become subnormal numbers, which make a processor slow. Two additions cost less than a comparison.
-   */
+/* Rounds to multiples of 2e-100, which changes only numbers below 1e-68. Speeds that decay thus end at 0. Neither
+   they nor their squares become subnormal numbers, which slow a processor down. Two additions cost less than a
+   comparison. */
 DEM_INLINE double dem__flushed(double v) { return (v + DEM__LEAST) - DEM__LEAST; }
 DEM_INLINE dem_vec dem__flushed_vec(dem_vec v) {
     return dem_vec3(dem__flushed(v.x), dem__flushed(v.y), dem__flushed(v.z));

@@ -1,4 +1,4 @@
-/* Rigid bodies as a feature of a world, and adding one. */
+/* Rigid bodies as a feature of a world, and how to add one. */
 #pragma once
 #include "save.h"
 
@@ -41,7 +41,7 @@ static inline dem__feature dem__feature_bodies(void) {
     f.release = dem__release_bodies;
     f.add_particle = dem__add_unattached;
     f.renumber = dem__renumber_bodies;
-    f.keep_up = dem__note_strides;
+    f.keep_up = dem__keep_rotations;
     f.particle_fields = dem__particle_fields_of_bodies;
     f.save = dem__save_bodies;
     f.is_used = dem__has_bodies;
@@ -57,7 +57,7 @@ typedef struct dem__body_def {
     dem_vec moments;       /* about the principal axes [kg m2] */
     dem_quaternion frame;  /* from the principal axes to the frame in which the shape is given */
     dem_quaternion turn;   /* from that frame to the lab's axes */
-    ptrdiff_t pieces;      /* number of its particles */
+    ptrdiff_t pieces;      /* of each particle, from the centre of mass along the principal axes [m] */
     const dem_vec *offset; /* of each from the centre of mass, along the principal axes [m] */
     const double *radius;  /* [m] */
     int material, group;
@@ -65,7 +65,7 @@ typedef struct dem__body_def {
 
 /* Makes room for n more bodies with `pieces` particles in all. Returns 0 when out of memory. */
 static inline int dem__reserve_bodies(dem_world *w, ptrdiff_t n, ptrdiff_t pieces) {
-    return dem__take_feature(w, dem__feature_bodies()) == DEM_OK && /* first: it frees the bodies */
+    return dem__take_feature(w, dem__feature_bodies()) == DEM_OK && /* comes first: it frees the bodies */
            dem__grow_bodies(w, n) && dem__reserve_particles(w, pieces);
 }
 

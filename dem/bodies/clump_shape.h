@@ -1,4 +1,4 @@
-/* Mass properties of bodies made of spheres. Promises: what dem_make_clump says. */
+/* Mass properties of bodies made of spheres, as dem_make_clump promises them. */
 #pragma once
 #include "rigid.h"
 #include "union.h"
@@ -12,13 +12,13 @@ static inline void dem__add_content(dem__content *c, double weight, double volum
     c->second[3] += v * at.x * at.y, c->second[4] += v * at.y * at.z, c->second[5] += v * at.z * at.x;
 }
 
-/* Adds a sphere, exactly: r^2/5 is its mean square along an axis. */
+/* Adds a sphere, exactly: its mean square along an axis is r^2/5. */
 static inline void dem__add_ball(dem__content *c, double weight, dem_vec at, double r) {
     const double spread = 0.2 * r * r;
     dem__add_content(c, weight, 4.0 / 3.0 * RIDDLE_PI * r * r * r, at, dem_vec3(spread, spread, spread));
 }
 
-/* Returns the first place on a line beyond x at which a sphere begins or ends, or the surfaces of two meet; HUGE_VAL if
+/* Returns the first position on a line beyond x at which a sphere begins or ends, or two surfaces meet; HUGE_VAL if
    there is none. */
 static inline double dem__next_end(int n, const double *at, const double *radius, double x) {
     double next = HUGE_VAL;
@@ -36,8 +36,8 @@ static inline double dem__next_end(int n, const double *at, const double *radius
 }
 
 /* Adds spheres whose centres lie on a line from `from` along the unit vector u: a body of revolution. Its squared
-   radius is the greatest of parabolas in x. Between the places where another one becomes the greatest, the integrands
-   are polynomials, which Gauss's rule with five points integrates exactly. */
+   radius is the greatest of several parabolas in x. Between the positions where another one becomes the greatest, the
+   integrands are polynomials, which Gauss's rule with five points integrates exactly. */
 static inline void dem__add_revolution(dem__content *c, int n, const double *at, const double *radius, dem_vec from,
                                        dem_vec u) {
     static const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309,
@@ -79,7 +79,7 @@ static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
                      apo = a[p][o], aro = a[r][o];
         a[p][p] = app - tangent * a[p][r], a[r][r] = arr + tangent * a[p][r], a[p][r] = a[r][p] = 0.0;
         a[p][o] = a[o][p] = c * apo - s * aro, a[r][o] = a[o][r] = s * apo + c * aro;
-        /* new axes: e_p' = c e_p - s e_r, e_r' = s e_p + c e_r: a turn about e_o by -angle */
+        /* new axes: e_p' = c e_p - s e_r, e_r' = s e_p + c e_r: a rotation about e_o by -angle */
         const double half_c = sqrt(0.5 * (1.0 + c)), half_s = -0.5 * s / half_c;
         q = dem__turns(
             q, dem__quaternion(half_c, dem_vec3(o == 0 ? half_s : 0.0, o == 1 ? half_s : 0.0, o == 2 ? half_s : 0.0)));
@@ -88,7 +88,7 @@ static inline dem_vec dem__clump_axes(const double *t, dem_quaternion *axes) {
     return dem_vec3(a[0][0], a[1][1], a[2][2]);
 }
 
-/* Makes moments equal that differ by less than their accuracy: then free rotation is exact. */
+/* Makes moments equal that differ by less than their accuracy, because free rotation is then exact. */
 static inline void dem__merge_moments(dem_vec *moments, double known) {
     double *m[3] = {&moments->x, &moments->y, &moments->z};
     for (int k = 0; k < 3; k++) {
@@ -99,7 +99,7 @@ static inline void dem__merge_moments(dem_vec *moments, double known) {
         moments->x = moments->y = moments->z = (moments->x + moments->y + moments->z) / 3.0;
 }
 
-/* Returns whether all centres lie on a line; u: its direction; at: where they are on it, from the first centre. */
+/* Returns whether all centres lie on a line. u: its direction; at: their positions on it, from the first centre. */
 static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, dem_vec *u, double *at) {
     double most = 0.0;
     *u = dem_vec3(1.0, 0.0, 0.0);
@@ -116,7 +116,7 @@ static inline int dem__are_on_a_line(int n, const dem_vec *centre, double size, 
     return 1;
 }
 
-/* Removes spheres that lie within another, which touch nothing. Returns the number of the rest, in their order. */
+/* Removes spheres inside another one, which touch nothing. Returns how many remain, in their order. */
 static inline int dem__drop_inner(int n, dem_vec *centre, double *radius) {
     int kept = 0;
     for (int k = 0; k < n; k++) {
@@ -148,7 +148,7 @@ DEM_API dem_status dem_make_clump(int n, const double *centres, const double *di
         size = extent > size ? extent : size;
     }
     const dem_vec from =
-        c.centre[0]; /* moments about a point inside, with lengths over the size: no number is too large */
+        c.centre[0]; /* moments about a point inside, with lengths over the size, so that no number overflows */
     for (int k = 0; k < n; k++) c.centre[k] = dem__scale(1.0 / size, dem__sub(c.centre[k], from)), c.radius[k] /= size;
     c.spheres = dem__drop_inner(n, c.centre, c.radius);
     const int line = dem__are_on_a_line(c.spheres, c.centre, 1.0, &u, at);

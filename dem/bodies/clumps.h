@@ -31,7 +31,7 @@ static inline double dem__clump_reach(const dem_clump *c) {
     return reach;
 }
 
-/* Returns the definition of a body with a clump's shape, `scale` times as large, of a material. offset and radius:
+/* Returns the definition of a body with a clump's shape, `scale` times as large, made of a material. offset and radius:
    [spheres], filled here. */
 static inline dem__body_def dem__clump_body(const dem_world *w, const dem_clump *c, double scale, int material,
                                             dem_vec *offset, double *radius) {

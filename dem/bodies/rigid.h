@@ -1,68 +1,68 @@
-/* Motion of rigid bodies, adding them, and the table of functions that the engine calls for them (dem__body_calls in
-   base/engine.h). Reads the sums of forces on their particles; writes bodies and their particles. Promises: a sphere's
-   motion is untouched; each body is moved by one thread, so that bits do not depend on threads.
+/* Motion of rigid bodies, and the table of functions that the engine calls for them (dem__body_calls in base/engine.h).
+   Reads the sums of forces on their particles; writes bodies and their particles. Promises: a sphere's motion is
+   untouched; each body is moved by one thread, so bits do not depend on threads.
 
-   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. The only particle
-   of a body that has one lies at its centre of mass; its radius is that of the sphere that the search for contacts
-   uses. The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about
-   the particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present
-   step is in `turn`; in the search for contacts, in dem__posture_at(w, r, tau). */
+   To add a body of a new kind (a clump, a polyhedron), fill a dem__body_def and call dem__add_body. If a body has a
+   single particle, that lies at the centre of mass; its radius is that of the sphere that the search for contacts uses.
+   The forces on a body are those added to the sums of its particles, bodies.sum[i].load: force, and torque about the
+   particle's centre. dem__rigid_of(w, i) returns the body of particle i. Its orientation at the end of the present step
+   is in `turn`; during the search for contacts, in dem__pose_at(w, r, tau). */
 #pragma once
 #include "../step/detect.h"
 #include "../step/integrate.h"
 
-/* Returns whether a body rotates freely with three moments: such a rotation is integrated in strides, of a quarter
-   radian at most. */
-DEM_INLINE int dem__strides(const dem__rigid *r) {
+/* Returns whether a body rotates freely with three different moments. Such a rotation is integrated in rotation steps,
+   of a quarter radian at most. */
+DEM_INLINE int dem__rotates_in_steps(const dem__rigid *r) {
     return r->moments.x != r->moments.y && r->torque.x == 0.0 && r->torque.y == 0.0 && r->torque.z == 0.0;
 }
 
-#define DEM__STRIDES_MAX 1e7 /* of a flight between two lists */
-/* Returns the orientation of such a body at tau: whole strides from the origin, then the rest. Begins with the strides
-   that are known. */
+#define DEM__ROTATION_STEPS_MAX 1e7 /* of a flight between two lists */
+/* Returns the orientation of such a body at tau: whole rotation steps from the origin, then the rest. Starts from the
+   rotation steps that are stored. */
 static inline dem_quaternion dem__turn_of_flight(const dem__rigid *r, double tau) {
-    const double stride = dem__turn_stride(r->momentum, r->moments), whole = floor(tau / stride);
+    const double rotation_step = dem__rotation_step(r->momentum, r->moments), whole = floor(tau / rotation_step);
     dem_quaternion q = r->turn;
     double n = 0.0;
-    if (!(stride < HUGE_VAL)) return q;
-    if (r->strides > 0.0 && r->strides <= whole) n = r->strides, q = r->ahead;
-    if (!(whole - n < DEM__STRIDES_MAX)) return q; /* only in a world that no run has accepted */
-    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, stride);
-    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * stride);
+    if (!(rotation_step < HUGE_VAL)) return q;
+    if (r->rotation_steps > 0.0 && r->rotation_steps <= whole) n = r->rotation_steps, q = r->ahead;
+    if (!(whole - n < DEM__ROTATION_STEPS_MAX)) return q; /* only in a world that no run has accepted */
+    for (; n < whole; n += 1.0) q = dem__turn_nine(q, r->momentum, r->moments, rotation_step);
+    return dem__turn_nine(q, r->momentum, r->moments, tau - whole * rotation_step);
 }
 
-/* Stores how far the rotations of flights are integrated, so that later calls need not begin at their origins.
+/* Stores how far the rotations of flights are integrated, so that later calls need not start at their origins.
    DEM_TOO_FAST: a body turns by a hundred radians in a step. */
-static inline void dem__note_strides(dem_world *w) {
+static inline void dem__keep_rotations(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->rigid_count; k++) {
         dem__rigid *r = &bodies->rigid[k];
         if (!w->alive[r->first] || bodies->activity[r->first]) continue;
-        const double stride = dem__turn_stride(r->momentum, r->moments);
-        const double whole = dem__strides(r) ? floor(dem__now(w, r->first) / stride) : 0.0;
-        if (!(400.0 * stride > w->engine->run.dt) || !(whole - r->strides < DEM__STRIDES_MAX)) {
+        const double rotation_step = dem__rotation_step(r->momentum, r->moments);
+        const double whole = dem__rotates_in_steps(r) ? floor(dem__now(w, r->first) / rotation_step) : 0.0;
+        if (!(400.0 * rotation_step > w->engine->run.dt) || !(whole - r->rotation_steps < DEM__ROTATION_STEPS_MAX)) {
             w->status = DEM_TOO_FAST;
             w->failed_id = w->id[r->first];
             return;
         }
-        if (!(whole > r->strides)) continue;
-        if (r->strides == 0.0) r->ahead = r->turn;
-        for (; r->strides < whole; r->strides += 1.0)
-            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, stride);
+        if (!(whole > r->rotation_steps)) continue;
+        if (r->rotation_steps == 0.0) r->ahead = r->turn;
+        for (; r->rotation_steps < whole; r->rotation_steps += 1.0)
+            r->ahead = dem__turn_nine(r->ahead, r->momentum, r->moments, rotation_step);
     }
 }
 
-/* Returns the orientation of a rigid body at tau after its origin step [s]. */
+/* Returns the orientation of a rigid body, tau after its origin step [s]. */
 DEM_INLINE dem_quaternion dem__turn_at(const dem_world *w, const dem__rigid *r, double tau) {
     const int single = tau <= 1.5 * w->engine->run.dt;
     if (tau == 0.0) return r->turn;
-    if (!single && dem__strides(r)) return dem__turn_of_flight(r, tau);
+    if (!single && dem__rotates_in_steps(r)) return dem__turn_of_flight(r, tau);
     return dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, single);
 }
 
-/* Returns the state of a rigid body at tau after its origin step [s]. */
-static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigid *r, double tau) {
-    dem__posture p;
+/* Returns the state of a rigid body, tau after its origin step [s]. */
+static inline dem__pose dem__find_pose(const dem_world *w, const dem__rigid *r, double tau) {
+    dem__pose p;
     p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
     p.momentum = dem__plus(r->momentum, tau, r->torque);
     p.turn = dem__turn_at(w, r, tau);
@@ -70,12 +70,12 @@ static inline dem__posture dem__find_posture(const dem_world *w, const dem__rigi
     return p;
 }
 
-/* Places the particles of a body by its state at the origin step, with velocity, spin and acceleration as parts of it.
- */
+/* Places the particles of a body from its state at the origin step, with their velocity, spin and acceleration as parts
+   of it. */
 static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__axes axes = dem__axes_of(r->turn);
-    r->strides = 0.0;
+    r->rotation_steps = 0.0;
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const dem_vec rate = dem__spin_of(r->turn, r->moments, dem__sub(r->torque, dem__cross(spin, r->momentum)));
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
@@ -90,7 +90,7 @@ static inline void dem__place_pieces(dem_world *w, dem__rigid *r) {
 
 /* Makes the present step the origin of a body. */
 static inline void dem__set_body_origin(dem_world *w, dem__rigid *r) {
-    const dem__posture p = dem__find_posture(w, r, dem__now(w, r->first));
+    const dem__pose p = dem__find_pose(w, r, dem__now(w, r->first));
     r->x = p.x, r->v = p.v, r->momentum = p.momentum, r->turn = p.turn;
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) w->particle[i].origin = w->step;
     dem__place_pieces(w, r);
@@ -102,7 +102,7 @@ static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec vel
     dem__place_pieces(w, r);
 }
 
-/* Puts a body back into the periodic box. Where gravity has a component along the box, it gains potential energy, which
+/* Wraps a body around the periodic box. Where gravity has a component along the box, it gains potential energy, which
    is booked. */
 DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
     const dem_vec x = dem__in_box(w, r->x);
@@ -112,11 +112,11 @@ DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
 }
 
 /* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle.
-   Those of its particles, which kernels read, are computed with the mean of the arms at both ends. */
+   The velocities of its particles, which kernels read, follow from the mean of the arms at both ends. */
 DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
     dem__bodies *bodies = &w->engine->bodies;
     const double middle = tau - 0.5 * h;
-    const int steps = tau <= h; /* else its flight ends in this step */
+    const int steps = tau <= h; /* otherwise its flight ends in this step */
     const dem_quaternion end = dem__turn_at(w, r, tau);
     const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__turn_at(w, r, tau - h);
     const dem__axes axes = dem__axes_of(end);
@@ -126,7 +126,7 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     r->x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), r->v = dem__plus(r->v, middle, r->a),
     r->momentum = momentum;
     r->turn = dem__kept_unit(end);
-    r->strides = 0.0;
+    r->rotation_steps = 0.0;
     if (w->engine->run.has_periodic) dem__wrap_body(w, r);
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
         const dem_vec arm = dem__out_of(&axes, bodies->offset[i]);
@@ -139,7 +139,7 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     }
 }
 
-/* Sums the force and the torque about its centre that act on a body's particles: by contacts, by loads, or both. */
+/* Sums the force on a body's particles and the torque about its centre: by contacts, by loads, or both. */
 DEM_INLINE void dem__sum_on_body(const dem_world *w, const dem__rigid *r, int contacts, int loads, dem_vec *force,
                                  dem_vec *torque) {
     const dem__bodies *bodies = &w->engine->bodies;
@@ -172,7 +172,7 @@ DEM_INLINE void dem__kick_body(dem_world *w, dem__rigid *r, double half) {
     const int loads = bodies->adds_loads;
     dem_vec force;
     if (dem__is_fixed(w, r->first)) return; /* dem__kick_all records the forces on its particles */
-    r->strides = 0.0;
+    r->rotation_steps = 0.0;
     dem__sum_on_body(w, r, 1, loads, &force, &r->torque);
     if (w->engine->field.on) force = dem__add(force, w->engine->field.force[r->first]);
     const dem_vec pulled = dem__scale(1.0 / r->mass, force);
@@ -216,14 +216,15 @@ static inline void dem__push_body(dem_world *w, dem__rigid *r, ptrdiff_t i, dem_
         bodies->shifted[k] += fabs(shift) / r->mass + dem__length(angle) * dem__length(bodies->offset[k]);
 }
 
-/* Returns the greatest speed in flight of what is an arm [m] from a body's centre, relative to it [m/s]. */
-static inline double dem__swing(const dem__rigid *r, double arm) {
+/* Returns the greatest speed in flight of a point that is an arm [m] away from a body's centre, relative to it
+   [m/s]. */
+static inline double dem__turning_speed(const dem__rigid *r, double arm) {
     const dem_vec spin = dem__spin_of(r->turn, r->moments, r->momentum);
     const double i_min = r->moments.x < r->moments.z ? r->moments.x : r->moments.z,
                  least = i_min < r->moments.y ? i_min : r->moments.y;
     if (r->moments.x == r->moments.y) return (1.0 + 1e-9) * arm * dem__length(spin);
-    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least); /* all of the rotational energy about the
-                                                                              axis of least inertia */
+    /* with all of the rotational energy about the axis of least inertia */
+    return (1.0 + 1e-6) * arm * sqrt(dem__dot(spin, r->momentum) / least);
 }
 
 /* Moves the bodies whose first particles are among the active ones first .. end-1. */
@@ -237,7 +238,7 @@ DEM_INLINE void dem__advance_some_bodies(dem_world *w, double h, ptrdiff_t first
 }
 DEM__AVX2_CLONE(dem__advance_bodies, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
                 dem__advance_some_bodies(w, h, first, end))
-/* Moves their velocities to the end of the step. */
+/* Moves the velocities of these bodies to the end of the step. */
 DEM_INLINE void dem__kick_some_bodies(dem_world *w, double half, ptrdiff_t first, ptrdiff_t end) {
     for (ptrdiff_t k = first; k < end; k++) {
         const int32_t i = w->engine->bodies.active[k];
@@ -288,7 +289,7 @@ DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
     return r ? r->v : w->particle[i].v;
 }
 
-/* Applies the impulses of a correction where a rigid body takes part. */
+/* Applies the impulses of a correction in which a rigid body takes part. */
 static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -303,8 +304,8 @@ static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_fric
 }
 
 /* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
-   angular momentum about the common centre, which comes from the velocities of the centres of mass; two opposite
-   impulses at the particles restore it. */
+   angular momentum of the centres of mass about the common centre. Two opposite impulses at the particles restore
+   it. */
 static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -327,9 +328,9 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
 
 static inline const dem__body_calls *dem__rigid_bodies(void) {
     static const dem__body_calls row = {
-        dem__find_posture,      dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
+        dem__find_pose,         dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
         dem__place_pieces,      dem__free_body,       dem__test_due_with_bodies, dem__advance_with_bodies,
-        dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__swing};
+        dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__turning_speed};
     return &row;
 }
 
@@ -346,8 +347,8 @@ static inline int dem__grow_bodies(dem_world *w, ptrdiff_t n) {
     return 1;
 }
 
-/* Sorts moments as the exact rotation needs: the two that differ least come first, and are made equal if they differ by
-   rounding. Turns the frame accordingly; order: the old axis of each new one. */
+/* Sorts moments as the exact rotation needs: the two that differ least come first, and become equal if they differ only
+   by rounding. Turns the frame accordingly. order: the old axis of each new one. */
 static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, int *order) {
     const double m[3] = {moments->x, moments->y, moments->z};
     int third = 2;
@@ -355,7 +356,7 @@ static inline void dem__order_moments(dem_vec *moments, dem_quaternion *frame, i
         if (fabs(m[(k + 1) % 3] - m[(k + 2) % 3]) < fabs(m[(third + 1) % 3] - m[(third + 2) % 3])) third = k;
     }
     for (int k = 0; k < 3; k++)
-        order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a turn about (1, 1, 1) */
+        order[k] = (third + 1 + k) % 3; /* a cyclic exchange of axes is a rotation about (1, 1, 1) */
     const double turns = (double)((third + 1) % 3);
     if (turns > 0.0) {
         const double c = 0.5, s = (turns == 1.0 ? 0.5 : -0.5);

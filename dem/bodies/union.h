@@ -1,8 +1,8 @@
 /* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is
-   cut along latitudes about z. On a latitude other balls cover arcs; between them the integrals of products of the
-   normal's components are closed forms. Between the latitudes at which an arc begins or ends they are smooth but for
-   square roots at both ends, which a substitution takes away, so that Gauss's rule with 16 points finds them to
-   rounding. */
+   cut along latitudes about z. On a latitude other balls cover arcs. Between the arcs, the integrals of products of the
+   normal's components are closed forms. Between latitudes at which an arc begins or ends, they are smooth functions of
+   the latitude but for square roots at both ends. A substitution removes these, so that Gauss's rule with 16 points is
+   exact to rounding. */
 #pragma once
 #include "../motion/rotation.h"
 #include "../../base/portable_math.h"
@@ -25,11 +25,11 @@ typedef struct dem__cover {
     double h, across, angle; /* across, angle: length and angle of d about z */
 } dem__cover;
 
-/* Rims of m caps meet in at most 6 m - 12 exposed places, each cap has two ends; where many meet in one place, rounding
-   may find some more. A latitude that finds no room is only a kink, which zones that are halved find, too. */
+/* Rims of m caps meet in at most 6 m - 12 exposed places, and each cap has two ends. Where many meet in one place,
+   rounding may find some more. A latitude that does not fit is only a kink, which halving a zone resolves, too. */
 enum { DEM__CAPS = DEM_CLUMP_MAX, DEM__LATITUDES = 10 * DEM__CAPS };
 
-/* Lists what others cover of ball i. Returns their number. */
+/* Lists what others cover of ball i. Returns how many do. */
 static inline int dem__find_caps(int n, const dem_vec *centre, const double *radius, int i, dem__cover *cap) {
     int m = 0;
     for (int j = 0; j < n; j++) {
@@ -43,7 +43,7 @@ static inline int dem__find_caps(int n, const dem_vec *centre, const double *rad
     return m;
 }
 
-/* Returns whether a direction is covered by another cap than a and b, by more than rounding. */
+/* Returns whether a cap other than a and b covers a direction, by more than rounding. */
 static inline int dem__is_covered(int m, const dem__cover *cap, dem_vec n, int a, int b) {
     for (int k = 0; k < m; k++) {
         if (k != a && k != b && dem__dot(n, cap[k].d) > cap[k].h + 1e-11 * dem__length(cap[k].d)) return 1;
@@ -61,8 +61,8 @@ static inline int dem__insert_latitude(double *t, int count, double z) {
     return count + 1;
 }
 
-/* Lists the latitudes, from -1 to 1, at which the exposed part changes its kind: where the rim of a cap is highest and
-   lowest, and where two rims meet. */
+/* Lists the latitudes, from -1 to 1, at which the exposed arcs change their number: where the rim of a cap is highest
+   or lowest, and where two rims meet. */
 static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
     int count = 2;
     t[0] = -1.0, t[1] = 1.0;
@@ -156,7 +156,7 @@ static inline void dem__add_latitude(dem__exposed *e, double weight, double t, i
     }
 }
 
-/* A part of the latitudes t = middle + half sin(pi/2 s) between two of them, from one s to another. */
+/* A range of the latitudes t = middle + half sin(pi/2 s) between two of them, from one s to another. */
 typedef struct dem__zone {
     double middle, half, from, to;
 } dem__zone;
@@ -186,10 +186,10 @@ static inline void dem__add_exposed(dem__exposed *e, const dem__exposed *of) {
     }
 }
 
-/* Integrates over a zone; halves it where its integrals change by that: a rim ends close beyond it. */
+/* Integrates over a zone. Halves it if that changes its integrals, because a rim then ends just beyond it. */
 enum { DEM__HALVINGS = 12 };
 static inline void dem__expose_zone(dem__exposed *e, dem__zone z, int m, const dem__cover *cap) {
-    dem__zone left[DEM__HALVINGS + 1]; /* to be done, each half as wide as the one before */
+    dem__zone left[DEM__HALVINGS + 1]; /* zones left, each half as wide as the one before */
     int todo = 0;
     left[todo++] = z;
     while (todo > 0) {
@@ -206,7 +206,7 @@ static inline void dem__expose_zone(dem__exposed *e, dem__zone z, int m, const d
     }
 }
 
-/* Integrates over what is exposed of a ball. */
+/* Integrates over the exposed part of a ball. */
 static inline void dem__expose(int m, const dem__cover *cap, dem__exposed *e) {
     double t[DEM__LATITUDES];
     const int count = dem__find_latitudes(m, cap, t);
@@ -217,7 +217,7 @@ static inline void dem__expose(int m, const dem__cover *cap, dem__exposed *e) {
     }
 }
 
-/* Adds what the exposed surface of a ball at c encloses with the origin. */
+/* Adds the content that the exposed surface of a ball at c encloses with the origin. */
 static inline void dem__add_enclosed(dem__content *to, const dem__exposed *e, dem_vec c, double r) {
     const double centre[3] = {c.x, c.y, c.z};
     double zero = r * e->zero, one[3], first[3], second[3][3]; /* of (x n) times 1, n, n n; then of x, x x */
@@ -241,7 +241,7 @@ static inline void dem__add_enclosed(dem__content *to, const dem__exposed *e, de
         to->second[p] += 0.2 * area * second[p][p], to->second[3 + p] += 0.2 * area * second[p][(p + 1) % 3];
 }
 
-/* Adds a content that was found about another origin. */
+/* Adds a content that was computed about another origin. */
 static inline void dem__add_shifted(dem__content *to, const dem__content *of, dem_vec origin) {
     const double o[3] = {origin.x, origin.y, origin.z}, f[3] = {of->first.x, of->first.y, of->first.z};
     to->volume += of->volume;
@@ -253,10 +253,10 @@ static inline void dem__add_shifted(dem__content *to, const dem__content *of, de
     }
 }
 
-/* Adds the union of balls. Those that hang together are integrated about one of them, so that nothing is lost however
-   far apart others are. */
+/* Adds the union of balls. Connected balls are integrated about one of them, so that no digits are lost however far
+   apart others are. */
 static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
-    int of[DEM_CLUMP_MAX]; /* the first ball of those that hang together */
+    int of[DEM_CLUMP_MAX]; /* the first of the balls connected with it */
     dem__cover cap[DEM__CAPS];
     dem__exposed e;
     dem__content own;

@@ -1,12 +1,12 @@
 /* A block of contacts as rows of numbers: gathered from bodies, walls and contact types, completed, and stored. Reads
-   bodies, walls and contacts; writes contacts through columns. Promises: what it writes of a contact depends on that
-   contact and its bodies alone. */
+   bodies, walls and contacts; writes contacts through columns. Promises: what it writes of a contact depends only on
+   that contact and its bodies. */
 #pragma once
 #include "../search/neighbour_list.h"
 
 /* Geometry and motion of a block of contacts, before the law is called. */
 typedef struct dem__rows {
-    dem__row dx, dy, dz;             /* to the centre of i, from that of j or from the axis of a round wall */
+    dem__row dx, dy, dz;             /* from the centre of j, or from the axis of a round wall, to the centre of i */
     dem__row vx, vy, vz, ax, ay, az; /* relative velocity in the middle of the step, relative acceleration */
     dem__row wi[3], wj[3];           /* spins */
     dem__row nx, ny, nz, gap, inverse;
@@ -15,12 +15,12 @@ typedef struct dem__rows {
 
 /* Constants of a block of contacts. Kept from block to block, because most contacts are of the same types. */
 typedef struct dem__type_rows {
-    int32_t kind[DEM__BLOCK]; /* contact type of the row; -1: constants of its own; -2: not filled yet */
+    int32_t kind[DEM__BLOCK]; /* contact type of the row; -1: constants of its own; -2: empty */
     dem__row mass, predict, sum, part, constant[DEM_CONSTANTS_MAX];
 } dem__type_rows;
 
-/* Computes the geometry of contact k for the law. half: half of the step [s]; lag: a constant, 0 where velocities and
-   spins are those of the rows' positions (links). */
+/* Computes the geometry of contact k for the law. half: half of the step [s]. lag: a constant, 0 for links, whose
+   velocities and spins belong to the same time as the rows' positions. */
 DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *t, int k, double half, double lag,
                                       int has_friction, dem_contact *q, double *arm_i, double *arm_j) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
@@ -29,14 +29,14 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     q->gap = b->gap[k];
     q->closing = -along - half * (b->ax[k] * nx + b->ay[k] * ny + b->az[k] * nz);
     if (!has_friction) return;
-    /* arms D r_i/(r_i + r_j) add up to the distance, which conserves angular momentum */
+    /* the arms D r_i/(r_i + r_j) add up to the distance D, which conserves angular momentum */
     const double distance = t->sum[k] + b->gap[k], ai = t->part[k] * distance, aj = (1.0 - t->part[k]) * distance;
     const double sx = ai * b->wi[0][k] + aj * b->wj[0][k], sy = ai * b->wi[1][k] + aj * b->wj[1][k],
                  sz = ai * b->wi[2][k] + aj * b->wj[2][k];
     *arm_i = ai, *arm_j = aj;
-    /* velocities and spins are those of the middle of the step, so the slip is computed with the normal of that time, n
-       - t; otherwise a rolling contact whose normal turns would gain energy. Terms of second order in t are left out.
-       */
+    /* velocities and spins are those of the middle of the step, so the slip is computed with the normal at that
+       time, n - t; otherwise a rolling contact whose normal turns would gain energy. Terms of second order in t are
+       left out. */
     const double tx = lag * b->tx[k], ty = lag * b->ty[k], tz = lag * b->tz[k];
     const double sn = sx * nx + sy * ny + sz * nz, lx = sx + sn * tx, ly = sy + sn * ty, lz = sz + sn * tz;
     q->translation[0] = b->vx[k] - along * (nx - tx), q->translation[1] = b->vy[k] - along * (ny - ty);
@@ -48,8 +48,8 @@ DEM_INLINE void dem__contact_geometry(const dem__rows *b, const dem__type_rows *
     q->spin[2] = b->wi[2][k] - b->wj[2][k];
 }
 
-/* Turns a tangential vector of the history with the contact: from the old normal to the new one, which differ by the
-   tangential motion, to second order and without a root; and about the normal with the mean spin. */
+/* Turns a tangential vector of the history with the contact: from the old normal to the new one, to second order and
+   without a root, and about the normal with the mean spin. */
 DEM_INLINE void dem__turn(const dem__rows *b, int k, double h, double *s) {
     const double nx = b->nx[k], ny = b->ny[k], nz = b->nz[k];
     const double bx = nx - b->tx[k], by = ny - b->ty[k],
@@ -83,8 +83,8 @@ DEM_INLINE void dem__columns_of(const dem_world *w, ptrdiff_t c, const dem_law *
     at->elastic = features & DEM_ENERGY ? contacts->elastic + c : NULL;
 }
 
-/* Sets where the results of a block go: forces into the block's rows, because few runs keep them; the rest directly to
-   the contacts or, with `copies`, into rows. */
+/* Sets where the results of a block go. Forces go into the block's rows, because few runs keep them. The rest goes
+   directly to the contacts or, with `copies`, into rows. */
 DEM_INLINE void dem__new_columns(const dem_world *w, ptrdiff_t c, const dem_law *law, int features, int copies,
                                  dem__block_rows *b, dem__columns *at) {
     dem__columns_of(w, c, law, features, at);
@@ -115,7 +115,7 @@ DEM_INLINE void dem__store(const dem__columns *to, const dem__columns *from, int
     if (features & DEM_ENERGY) dem__store_ledger(to, from, n);
 }
 
-/* Copies the constants of a block whose contacts have constants of their own. */
+/* Copies the constants of a block of contacts that have constants of their own. */
 static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, int constants, dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
     const size_t bytes = (size_t)n * sizeof(double);
@@ -125,7 +125,7 @@ static inline void dem__copy_types(const dem_world *w, ptrdiff_t base, int n, in
     for (int k = 0; k < n; k++) t->kind[k] = -1;
 }
 
-/* Loads the constants of those rows whose contact type is not that of the block before. */
+/* Loads the constants of those rows whose contact type differs from that of the block before. */
 DEM__FAST static DEM__NOINLINE void dem__renew_types(const dem_world *w, ptrdiff_t base, int n, int constants,
                                                      dem__type_rows *t) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -188,7 +188,7 @@ DEM_INLINE void dem__put_losses(const dem__columns *at, const dem__columns *old,
     at->elastic[c] = r->elastic;
 }
 
-/* Finds the place where a wall is touched by the contact in a slot, or by a link (slot -1). */
+/* Finds where a wall is touched by the contact in a slot, or by a link (slot -1). */
 DEM_INLINE void dem__touch_place(const dem_world *w, ptrdiff_t slot, const dem_wall *wall, dem_vec x, double radius,
                                  int32_t element, dem__touch *touch) {
     if (dem__has(wall, DEM__HALF_SPACE)) dem__touch_flat(wall, dem__sub(x, wall->position), radius, touch);
@@ -203,16 +203,16 @@ typedef struct dem__wall_row {
     const dem_particle *particle;
     const dem_wall *wall;
     int row;
-    dem_vec from, velocity; /* round wall: the centre from its axis [m]; velocity of the wall at the contact [m/s] */
+    dem_vec from, velocity; /* round wall: from its axis to the centre [m]; velocity of the wall at the contact [m/s] */
     ptrdiff_t slot;         /* of the contact; -1: of a link */
     int32_t element;
     double outside,
-        inner; /* round wall: 1, or -1 from inside, and its radius [m]; otherwise outside is 0, and touch is known */
+        inner; /* round wall: 1, or -1 from inside, and its radius [m]; other walls: 0, and touch is known */
     dem__touch touch;
 } dem__wall_row;
 
 /* Gathers row k: particle i at an element of a wall, for the contact in a slot or a link (-1). A round wall is treated
-   like another sphere: dem__complete_rows computes root and quotient. */
+   like another sphere: dem__complete_rows computes its root and quotient. */
 static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrdiff_t number, int32_t element,
                                            ptrdiff_t slot, dem__rows *b, int k, double half, dem__wall_row *at) {
     const dem_wall *wall = &w->wall[number];
@@ -235,8 +235,8 @@ static DEM__NOINLINE void dem__gather_wall(const dem_world *w, ptrdiff_t i, ptrd
     b->wj[0][k] = b->wj[1][k] = b->wj[2][k] = 0.0;
 }
 
-/* Replaces a row's velocities by those relative to the wall's surface at the contact, where the surface does not move
-   as a whole. */
+/* Replaces the velocities of a row by those relative to the wall's surface at the contact, where the surface does not
+   move as a whole. */
 static DEM__NOINLINE void dem__slide(dem__rows *b, double half, dem__wall_row *at) {
     const int k = at->row;
     const dem_wall *wall = at->wall;
@@ -286,7 +286,7 @@ DEM_INLINE void dem__complete_wall(dem__rows *b, double half, dem__wall_row *at)
     if (at->wall->slides) dem__slide(b, half, at);
 }
 
-/* Computes the change of the normal at a wall: the sphere moves over the wall's shape, and the wall turns. */
+/* Computes the change of the normal at a wall: the sphere moves over the wall, and the wall turns. */
 static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, double half, double turn,
                                             const dem__wall_row *at) {
     const int k = at->row;
@@ -299,7 +299,7 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
         t = dem__scale(half > 0.0 ? 0.5 : 0.0, dem__sub(n, dem__place_before(w, at->slot)));
     } else {
         dem_vec u = dem_vec3(b->vx[k], b->vy[k], b->vz[k]);
-        if (wall->slides) { /* u is relative to its surface, not to its frame */
+        if (wall->slides) { /* u is relative to the wall's surface, not to its frame */
             dem_vec carried = dem__plus(wall->velocity, -half, wall->acceleration);
             const dem_vec spin = dem__scale(wall->spin, wall->spin_axis);
             if (wall->spin != 0.0) carried = dem__add(carried, dem__cross(spin, dem__sub(s->x, wall->position)));
@@ -312,8 +312,9 @@ static DEM__NOINLINE void dem__turn_at_wall(const dem_world *w, dem__rows *b, do
     b->tx[k] = t.x, b->ty[k] = t.y, b->tz[k] = t.z;
 }
 
-/* Computes nearest images, normals and gaps of a block, and with friction the changes of the normals in the time `turn`
-   before the end of the step (links: half the time since their last evaluation). `walls` of the rows are at walls. */
+/* Computes nearest images, normals and gaps of a block. With friction, also the changes of the normals in the time
+   `turn` before the end of the step (links: half the time since their last evaluation). `walls` of the rows are at
+   walls. */
 DEM_INLINE void dem__complete_rows(const dem_world *w, dem__rows *b, const dem__type_rows *t, int n, double half,
                                    double turn, dem__wall_row *wall, int walls, int has_friction) {
     if (w->def.periodic[0]) dem__wrap_row(b->dx, n, w->def.high.x - w->def.low.x);

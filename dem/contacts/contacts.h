@@ -31,8 +31,8 @@ DEM_INLINE int64_t dem__other_rank(const dem_world *w, int32_t i, int32_t j) {
     return rank[i] < rank[j] ? rank[j] : rank[i];
 }
 
-/* Returns whether contact a comes before b: by the lower rank of its particles, the last first, then by the other one
-   (walls last), then by element. */
+/* Returns whether contact a comes before b. The last lower rank of the two particles comes first, then the other rank
+   counts (walls last), then the element. */
 DEM_INLINE int dem__before(const dem_world *w, int32_t a, int32_t b) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int32_t low_a = dem__rank_in_slot(w, a), low_b = dem__rank_in_slot(w, b);
@@ -64,7 +64,7 @@ static inline void dem__sort(const dem_world *w, int32_t *slots, ptrdiff_t n) {
     }
 }
 
-/* Lists the slots of contacts that have ended: of those that the last step marked, or of all. Returns their number. */
+/* Lists the slots of contacts that have ended: those that the last step marked, or all. Returns how many. */
 static inline ptrdiff_t dem__list_ended(dem_world *w, int all) {
     dem__contacts *contacts = &w->engine->contacts;
     ptrdiff_t n = 0;
@@ -94,8 +94,8 @@ typedef struct dem__run_of_slots {
     ptrdiff_t first, count;
 } dem__run_of_slots;
 
-/* Moves the contacts in the listed slots, in that order, into runs of slots. This thread moves the arrays first,
-   first + parts, ... */
+/* Moves the contacts in the listed slots, in that order, into runs of slots. This thread moves the arrays first, first
+   + parts, ... */
 static inline void dem__arrange_part(dem_world *w, const dem__run_of_slots *chunk, int chunks, const dem__array *list,
                                      int arrays, int first, int parts) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -130,7 +130,7 @@ static inline void dem__arrange(dem_world *w, ptrdiff_t n, const dem__run_of_slo
     dem__arrangement a;
     a.chunk = chunk, a.list = list, a.chunks = chunks, a.arrays = arrays;
     a.parts = dem__parts_of(
-        w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* each needs an array of scratch memory */
+        w, n, (int)(sizeof(dem__correction) / sizeof(double))); /* each thread needs scratch memory for an array */
     dem__in_parts(w, a.parts, a.parts, dem__arrange_range, &a);
 }
 
@@ -148,8 +148,8 @@ DEM_INLINE void dem__activate(dem_world *w, ptrdiff_t i) {
     dem__wake(w, i);
 }
 
-/* Returns the curvature of a wall where a sphere touches it, in slot c, or touched it as the contact
-   began. */
+/* Returns the curvature of the wall where the sphere of the contact in slot c touches it, or touched it when the
+   contact began. */
 static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_wall *wall = &w->wall[-1 - contacts->j[c]];
@@ -160,7 +160,8 @@ static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     return touch.curvature;
 }
 
-/* Returns how much stiffer a contact of polyhedra may be than its spring and masses tell: a body turns. */
+/* Returns by what factor a contact of polyhedra may be stiffer than its spring and masses tell, because a body
+   turns. */
 DEM_INLINE double dem__rate_of(const dem_world *w, ptrdiff_t c) {
     const ptrdiff_t j = w->engine->contacts.j[c];
     const dem_convex *s = dem__shape_of(w, w->engine->contacts.i[c]), *other = j >= 0 ? dem__shape_of(w, j) : NULL;
@@ -168,7 +169,8 @@ DEM_INLINE double dem__rate_of(const dem_world *w, ptrdiff_t c) {
     return other && other->rate > own ? other->rate : own;
 }
 
-/* Computes the constants of the contact in slot c; shares those of a contact type that has the same. */
+/* Computes the constants of the contact in slot c. Contacts with the same sizes and materials share those of a contact
+   type. */
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
     const dem__run *run = &w->engine->run;
     dem__contacts *contacts = &w->engine->contacts;
@@ -177,7 +179,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     const double inertia = dem__inertia(w, i);
     int same =
-        contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* more types than fit: none is searched */
+        contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* too many types: none is searched */
     memset(&b, 0, sizeof b);
     memset(&kind, 0, sizeof kind);
     b.def = &w->def;
@@ -220,7 +222,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     }
     contacts->type_count =
         DEM__TYPES_MAX +
-        1; /* from now on each contact has its own: to search the types would cost more than it saves */
+        1; /* from here on each contact has its own: a search would cost more than it saves */
     contacts->type[c] = -1;
     for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
     contacts->mass[c] = kind.mass;
@@ -236,11 +238,11 @@ DEM_INLINE int dem__ascends(const int32_t *list, ptrdiff_t n) {
     return 1;
 }
 
-/* Moves the contacts that began since the last call, listed by partners, from the end of the last chunk into their
-   chunks, and lists their slots there. */
+/* Moves the contacts that began since the last call from the end of the last chunk into their chunks, and lists their
+   slots there. contacts.slots lists them, sorted by partners. */
 static inline void dem__distribute_begun(dem_world *w, const dem__array *list, int arrays) {
     dem__contacts *contacts = &w->engine->contacts;
-    dem__run_of_slots born[DEM__CHUNKS]; /* of chunks that get any */
+    dem__run_of_slots born[DEM__CHUNKS]; /* for chunks that get any */
     int32_t to[DEM__CHUNKS];
     const int last = contacts->chunk_count - 1;
     ptrdiff_t n = 0;
@@ -251,7 +253,7 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
         while (low < contacts->chunk[q].first_rank) q++;
         const ptrdiff_t waiting = runs > 0 && to[runs - 1] == (int32_t)q ? born[runs - 1].count : 0;
         if (q < last && contacts->chunk[q].count + waiting == contacts->chunk[q].capacity)
-            q = last; /* and so are all after it */
+            q = last; /* so do all that follow */
         if (runs == 0 || to[runs - 1] != (int32_t)q) {
             to[runs] = (int32_t)q;
             born[runs].first = contacts->chunk[q].first + contacts->chunk[q].count, born[runs++].count = 0;
@@ -268,7 +270,7 @@ static inline void dem__distribute_begun(dem_world *w, const dem__array *list, i
     }
 }
 
-/* Orders the listed slots of n contacts that begin: by their chunks first, of which each gets few. */
+/* Sorts the listed slots of n contacts that begin: first by chunk, because each chunk gets few. */
 static inline void dem__sort_begun(dem_world *w, ptrdiff_t n) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *chunk = w->engine->pairs.timers.list, *slot = chunk + n, start[DEM__CHUNKS + 1];
@@ -290,7 +292,8 @@ static inline void dem__sort_begun(dem_world *w, ptrdiff_t n) {
         start[from + 1]++;
     }
     for (int q = 0; q < chunks; q++) start[q + 1] += start[q];
-    for (ptrdiff_t k = 0; k < n; k++) contacts->slots[start[chunk[k]]++] = slot[k]; /* start: then where a chunk ends */
+    /* start: from here on the end of each chunk */
+    for (ptrdiff_t k = 0; k < n; k++) contacts->slots[start[chunk[k]]++] = slot[k];
     for (int q = 0, from = 0; q < chunks; from = start[q++]) dem__sort(w, contacts->slots + from, start[q] - from);
 }
 
@@ -321,7 +324,7 @@ static inline void dem__commit_begun(dem_world *w, double gap) {
         for (int a = 0; a < contacts->states; a++) contacts->state[a][c] = 0.0;
         contacts->gap[c] = gap;
         contacts->force[c] = 0.0;
-        contacts->edge[c] = contacts->ended[c] = 0;
+        contacts->partial[c] = contacts->ended[c] = 0;
     }
     contacts->begun = 0;
 }
@@ -354,7 +357,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     DEM__PREFETCH(&w->touching[i]);
     DEM__PREFETCH(&w->engine->bodies.mass_share[i]);
     DEM__PREFETCH(&w->engine->bodies.activity[i]);
-    if (p < 0 || p >= w->engine->pairs.count) return; /* its list may be gone */
+    if (p < 0 || p >= w->engine->pairs.count) return; /* the list of pairs may be gone */
     dem__prefetch_flight(w, j);
     DEM__PREFETCH(&w->touching[j]);
     DEM__PREFETCH(&w->engine->bodies.mass_share[j]);
@@ -363,7 +366,7 @@ DEM_INLINE void dem__prefetch_end(const dem_world *w, ptrdiff_t c) {
     DEM__PREFETCH(&w->engine->pairs.timers.due[p]);
 }
 
-/* Ends the contact in slot c. Returns its near pair if its timer is to be set anew, otherwise -1. */
+/* Ends the contact in slot c. Returns its near pair if that needs a new timer, otherwise -1. */
 static inline int32_t dem__end_contact(dem_world *w, int32_t c, int64_t step) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const int32_t near_pair = w->engine->contacts.near[c];
@@ -380,14 +383,14 @@ static inline int32_t dem__end_contact(dem_world *w, int32_t c, int64_t step) {
         return w->def.skip & DEM_SKIP_PAIRS ? near_pair : -1;
     }
     dem__unlink_wall_contact(w, i, c, -1);
-    /* a screen's timer was running for its other bars, but not for this one */
+    /* a screen's timer ran for its other bars, but not for this one */
     if (!w->engine->run.needs_lists && w->alive[i] > 0 && (w->def.skip & DEM_SKIP_SPACE) &&
         dem__needs_test(w, i, -1 - (int)j))
         dem__set_timer(&w->engine->walls.timers, (int32_t)i * w->walls - 1 - (int32_t)j, step + 1);
     return -1;
 }
 
-/* Near pairs whose contacts have ended, and the step at which they are apart. */
+/* Near pairs whose contacts have ended, and the step from which they are apart. */
 typedef struct dem__parted {
     const int32_t *pair;
     int32_t *list; /* pairs and steps */
@@ -439,13 +442,13 @@ static inline void dem__move_contact(dem_world *w, int32_t from, int32_t to, con
     }
 }
 
-/* Slots of contacts that have ended, listed in contacts.slots; the number of the first one of each chunk. */
+/* The listed slots of contacts that have ended; for each chunk, where its slots begin in the list. */
 typedef struct dem__gaps {
     int32_t first[DEM__CHUNKS + 1];
     dem__array list[DEM__ARRAYS_MAX];
     int arrays;
 } dem__gaps;
-/* Fills the gaps in chunks first .. end-1 with contacts from their ends. */
+/* Fills the gaps in chunks first .. end-1 with contacts from the ends of the chunks. */
 static inline void dem__fill_gaps(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__contacts *contacts = &w->engine->contacts;
     const dem__gaps *gaps = (const dem__gaps *)context;
@@ -470,7 +473,7 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     ptrdiff_t next = 0, parted = 0;
     const ptrdiff_t dead = dem__list_ended(w, all);
     if (dead == 0) return;
-    int32_t *pair = w->engine->pairs.cell_of; /* free but for a rebuild */
+    int32_t *pair = w->engine->pairs.cell_of; /* used only by a rebuild */
     for (ptrdiff_t k = dem__prefetch_from(dead, DEM__AHEAD); k < dead; k++) {
         if (k + DEM__AHEAD < dead) dem__prefetch_end(w, contacts->slots[k + DEM__AHEAD]);
         if (k < 0) continue;
@@ -490,7 +493,8 @@ static inline void dem__remove_ended(dem_world *w, int64_t step, int all) {
     }
     gaps.first[contacts->chunk_count] = (int32_t)dead;
     gaps.arrays = dem__kept_arrays(w, gaps.list);
-    /* the last chunk may hold contacts of a particle whose others are in another one: it comes afterwards */
+    /* the last chunk may hold contacts of a particle whose other contacts lie in another chunk, so it follows
+       afterwards */
     const int chunks = contacts->chunk_count - 1;
     if (chunks > 0) dem__in_parts(w, dem__parts_of(w, 8 * dead, chunks), chunks, dem__fill_gaps, &gaps);
     dem__fill_gaps(w, chunks, chunks + 1, 0, &gaps);

@@ -1,11 +1,11 @@
-/* Edge steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction,
-   history and losses. Promises: an impulse and a shift that make the motion of the two bodies as accurate as in the
+/* Partial steps: the first and the last step of a contact. Reads a contact's rows and its law; writes its correction,
+   history and losses. Promises: with the impulse and the shift, the motion of the two bodies is as accurate as in the
    steps between. */
 #pragma once
 #include "block.h"
 
-/* Returns the part of the law's normal force that the overlap makes [N], at a gap [m] and a closing speed [m/s]. Leaves
-   the history unchanged. */
+/* Returns the part of the law's normal force that stems from the overlap [N], at a gap [m] and a closing speed [m/s].
+   Leaves the history unchanged. */
 DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *state, double gap, double closing,
                                    double *elastic, const dem_law *law) {
     dem_contact c = *contact;
@@ -21,8 +21,8 @@ DEM_INLINE double dem__force_alone(const dem_contact *contact, const double *sta
     return r.contact;
 }
 
-/* Moves the two bodies along the normal over a time t [s], by their contact force alone, in one Runge-Kutta step of
-   fourth order. Returns the force at the end [N]. */
+/* Moves the two bodies along the normal for a time t [s] under their contact force alone, in one fourth-order
+   Runge-Kutta step. Returns the force at the end [N]. */
 DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *gap, double *closing, double t,
                             const dem_law *law) {
     double g = *gap, u = *closing, m = 1.0 / c->mass, elastic;
@@ -35,20 +35,20 @@ DEM_INLINE double dem__flow(const dem_contact *c, const double *state, double *g
     return dem__force_alone(c, state, *gap, *closing, &elastic, law);
 }
 
-/* A contact begins and ends within a step. Verlet would give that step the whole force or none. Therefore the normal
-   motion of the two bodies through it is integrated by itself; the difference from Verlet's motion is applied as an
-   impulse and a shift along the normal. Verlet's velocity is a central difference, (x(t+h) - x(t-h)) / 2h, which
-   differs from the true velocity by h^2/6 x'''. */
-typedef struct dem__edge_motion {
+/* A contact begins and ends within a step. Verlet's scheme would apply the force for the whole step or not at all.
+   Therefore the normal motion of the two bodies in that step is integrated separately, and the difference from Verlet's
+   motion is applied as an impulse and a shift along the normal. Verlet's velocity is a central difference, (x(t+h) -
+   x(t-h)) / 2h, which differs from the true velocity by h^2/6 x'''. */
+typedef struct dem__partial_motion {
     double impulse, shift; /* [N s], [kg m]: divided by a mass, changes of velocity and of position along n */
     double gap, closing;   /* at the end of the step */
-    double duration;       /* of contact within the step [s] */
+    double duration;       /* how long the contact lasts within the step [s] */
     double loss, elastic;  /* dissipated by the normal dashpot in the step; stored at its end [J] */
     double before;         /* last step only: closing speed at the start of the step [m/s] */
-} dem__edge_motion;
+} dem__partial_motion;
 
 /* Integrates the normal motion through the first step of a contact. Returns 0 if the bodies do not approach. */
-DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__edge_motion *e,
+DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state, dem__partial_motion *e,
                                       const dem_law *law) {
     double h = 1.0 / c->rate, t = -c->gap / c->closing, elastic;
     if (!(c->closing > 0.0)) return 0;
@@ -59,7 +59,8 @@ DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state,
     const double force = dem__force_alone(c, state, e->gap, e->closing, &elastic, law);
     double next = e->gap, then = e->closing;
     dem__flow(c, state, &next, &then, h, law);
-    const double handed = (e->gap - next) * c->rate + 0.5 * h * force / c->mass; /* leads to `next` by Verlet */
+    /* Verlet's scheme leads from it to `next` */
+    const double handed = (e->gap - next) * c->rate + 0.5 * h * force / c->mass;
     e->impulse = c->mass * (c->closing - handed);
     e->shift = c->mass * (e->gap - c->gap);
     e->elastic = elastic;
@@ -68,15 +69,16 @@ DEM_INLINE int dem__follow_first_step(const dem_contact *c, const double *state,
 }
 
 /* Integrates the normal motion through the last step of a contact. gap, force: of the step before. Returns 0 if
-   Verlet's step stands. `verlet` is the closing speed from which Verlet, for the two bodies alone, leads to the present
-   gap. */
+   Verlet's step stands. `verlet` is the closing speed from which Verlet's scheme, for the two bodies alone, leads to
+   the present gap. */
 DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, double gap, double force,
-                                     dem__edge_motion *e, const dem_law *law) {
+                                     dem__partial_motion *e, const dem_law *law) {
     const double h = 1.0 / c->rate, half_kick = 0.5 * h * force / c->mass,
                  verlet = (gap - c->gap) * c->rate + half_kick;
     const double speed =
-        c->closing + 2.0 * half_kick; /* nearly `verlet`, but from velocities: right if a wall has jumped, too */
-    double own = speed;               /* true closing speed: integrated one step back, it gives the last mean one */
+        c->closing + 2.0 * half_kick; /* nearly `verlet`, but computed from velocities, so that it holds if a wall has
+                                         jumped, too */
+    double own = speed;               /* true closing speed: one step back it gives the last mean speed */
     if (!(verlet < 0.0 && gap < 0.0)) return 0;
     for (int k = 0; k < 2; k++) {
         double back = gap, then = own;
@@ -89,9 +91,9 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
     dem__force_alone(c, state, gap, u, &before, law);
     for (int k = 0; k < 3; k++) {
         double rest, last = h - t;
-        if (pulls) rest = v < 0.0 ? g / v : 0.0; /* the dashpot may pull: contact ends where the overlap is zero */
-        else { /* the force is clipped at zero: contact ends where it is zero, found with its slope over a
-                                                    short time */
+        if (pulls) rest = v < 0.0 ? g / v : 0.0; /* the dashpot may pull: the contact ends where the overlap is zero */
+        else { /* the force is clipped at zero: the contact ends where it reaches zero, found from its slope over a
+                  short time */
             const double moment = h / 64.0,
                          fp = dem__force_alone(c, state, g - moment * v, v - moment * f / c->mass, &after, law);
             rest = fp < f ? moment * f / (f - fp) : last;
@@ -114,14 +116,14 @@ DEM_INLINE int dem__follow_last_step(const dem_contact *c, const double *state, 
 
 /* A contact that begins or ends within a step: its state at the start, where its force at the end is written, and the
    wall's velocity. */
-typedef struct dem__edge {
+typedef struct dem__partial_step {
     double gap, force, state[DEM_STATE_MAX], *out[9], arm_i, arm_j;
     dem_vec wall_speed;
-} dem__edge;
+} dem__partial_step;
 
-/* Adds friction and rolling, as they are in r, to an impulse: over `time` [s], and over `scaled` [s], a normal impulse
-   divided by the normal force of r. That force may be tiny: friction that remains without it (r->remaining) is left out
-   of the scaled part. */
+/* Adds friction and rolling, as they are in r, to an impulse: over `time` [s], and in proportion to the normal impulse
+   over `scaled` [s], which is that impulse divided by the normal force of r. That force may be tiny, so friction that
+   remains without it (r->remaining) is left out of the scaled part. */
 DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_response *r, double time, double scaled,
                                           int features) {
     for (int a = 0; a < 3; a++) {
@@ -131,16 +133,16 @@ DEM_INLINE void dem__add_friction_impulse(dem_response *impulse, const dem_respo
 }
 
 /* Adds friction in the step in which a contact begins, by a Radau rule: after a third of the time t in contact, and at
-   its end, r. The normal impulse exceeds that of t because Verlet's velocities are central differences; friction
-   exceeds in proportion. */
-DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_motion *e, double *s,
+   its end, r. The normal impulse exceeds that over t because Verlet's velocities are central differences. Friction
+   exceeds its own in proportion. */
+DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__partial_motion *e, double *s,
                                     const dem_response *r, dem_response *impulse, const dem_law *law, int features) {
     const double t = e->duration, beyond = e->impulse - touch->mass * (touch->closing - e->closing);
     dem_response third;
     memset(&third, 0, sizeof third);
     dem_contact q = *touch;
     q.gap = (7.0 * e->gap - t * (4.0 * touch->closing - 2.0 * e->closing)) /
-            27.0; /* of the cubic through the motion's ends */
+            27.0; /* from the cubic through both ends of the motion */
     q.closing = t > 0.0 ? -4.0 / 3.0 * e->gap / t - e->closing / 3.0 : touch->closing;
     q.dt = t / 3.0;
     law->force(&q, s, &third);
@@ -148,18 +150,18 @@ DEM_INLINE void dem__begin_friction(const dem_contact *touch, const dem__edge_mo
     dem__add_friction_impulse(impulse, r, 0.25 * t, r->contact > 0.0 ? beyond / r->contact : 0.0, features);
 }
 
-/* Result of an edge step: impulses, the normal force that the next step starts from [N], the work of the wall by
+/* Result of a partial step: impulses, the normal force that the next step starts from [N], the work of the wall by
    friction [J]. */
-typedef struct dem__edge_result {
-    dem__edge_motion e;
-    dem_response impulse; /* at the end without Verlet's own half kicks */
+typedef struct dem__partial_result {
+    dem__partial_motion e;
+    dem_response impulse; /* at the end, without Verlet's own half kicks */
     double start, driven;
-} dem__edge_result;
+} dem__partial_result;
 
-/* Corrects the step in which a contact begins, from history s: force, history and losses. Returns 0 if it does not
-   begin. */
-DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was,
-                                       const dem_law *law, int features, dem__edge_result *m) {
+/* Corrects the step in which a contact begins, from history s: force, history and losses. Returns 0 if the contact does
+   not begin. */
+DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__columns *at, const dem__partial_step *was,
+                                       const dem_law *law, int features, dem__partial_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
@@ -190,8 +192,8 @@ DEM_INLINE int dem__correct_first_step(dem_contact *q, double *s, const dem__col
 }
 
 /* Corrects the step in which a contact ends: force, history and losses. Returns 0 if Verlet's step stands. */
-DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__edge *was,
-                                      const dem_law *law, int features, dem__edge_result *m) {
+DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__columns *at, const dem__partial_step *was,
+                                      const dem_law *law, int features, dem__partial_result *m) {
     const double half = 0.5 / q->rate;
     dem_response r;
     memset(&r, 0, sizeof r);
@@ -220,13 +222,13 @@ DEM_INLINE int dem__correct_last_step(dem_contact *q, double *s, const dem__colu
     return 1;
 }
 
-/* Corrects an edge step of the contact in slot c; stores impulses and shift for the end of the step. */
-DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was, const dem_law *law,
-                                  int features) {
+/* Corrects a partial step of the contact in slot c. Stores impulse and shift for the end of the step. */
+DEM_INLINE void dem__correct_partial_step(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__partial_step *was,
+                                          const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     const int first = was->force == 0.0;
     dem__columns at;
-    dem__edge_result m;
+    dem__partial_result m;
     double s[DEM_STATE_MAX], *impulse[9];
     dem__correction *handed = &contacts->correction[c];
     memset(&m, 0, sizeof m);
@@ -234,7 +236,7 @@ DEM_INLINE void dem__correct_edge(dem_world *w, ptrdiff_t c, dem_contact *q, con
     for (int a = 0; a < law->states; a++) s[a] = first && a < law->history ? 0.0 : at.state[a][0];
     const int mended = first ? dem__correct_first_step(q, s, &at, was, law, features, &m)
                              : dem__correct_last_step(q, s, &at, was, law, features, &m);
-    contacts->edge[c] = mended != 0;
+    contacts->partial[c] = mended != 0;
     if (!mended) return;
     if (!first && m.start != 0.0) contacts->ended[c] = 0;
     at.gap[0] = m.e.gap;

@@ -9,8 +9,8 @@ typedef struct dem__evaluation {
     int has_friction;
 } dem__evaluation;
 
-/* Adds the postponed forces on the particles of shares first .. end-1 to their sums: those of later shares, in their
-   order. */
+/* Adds the postponed forces on the particles of shares first .. end-1 to their sums. They come from later shares, in
+   their order. */
 static inline void dem__add_postponed_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__postponed *all = w->engine->contacts.postponed;
     const int has_friction = ((const dem__evaluation *)context)->has_friction, shares = w->engine->contacts.shares;
@@ -37,8 +37,8 @@ static inline void dem__add_postponed(dem_world *w, dem__evaluation *e) {
     dem__in_parts(w, dem__parts_of(w, n / 2, contacts->shares), contacts->shares, dem__add_postponed_range, e);
 }
 
-/* Evaluates the chunks of a share. Its thread may add to particles whose contacts are all in this share or in later
-   ones; the forces on others are postponed. */
+/* Evaluates the chunks of a share. Its thread may add forces to particles whose contacts are all in this share or in
+   later ones. It postpones the forces on others. */
 static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     ((const dem__evaluation *)context)->loop(w, first, end, part);
 }
@@ -53,7 +53,7 @@ static inline void dem__make_shares(dem_world *w) {
         contacts->share_from[k] = contacts->chunk[dem__part(chunks, k + 1, contacts->shares) - 1].first_rank;
 }
 
-/* Computes what the contacts present store and dissipate now, for a ledger that begins. */
+/* Computes what the present contacts store and dissipate, for a ledger that begins. */
 static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
     dem__run *run = &w->engine->run;
     run->kernel_dt = 0.0;
@@ -63,7 +63,7 @@ static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
     run->only_ledger = 0;
 }
 
-/* Computes the forces of all contacts and their sums. keep: keeps the wrench of each for readers. */
+/* Computes the forces of all contacts and their sums. keep: keeps the force and torque of each for readers. */
 static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int has_friction, int keep) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;

@@ -1,23 +1,25 @@
-/* Forces of contacts and links, block by block: rows, law, edges, sums. Reads bodies, walls, contacts, links; writes
-   contacts, the sums of bodies and the forces on walls. Promises: the same bits for any division among threads. */
+/* Forces of contacts and links, block by block: rows, law, partial steps, sums. Reads bodies, walls, contacts,
+   links; writes contacts, the sums of bodies and the forces on walls. Promises: the same bits for any division among
+   threads. */
 #pragma once
 #include "first_and_last_step.h"
 
-/* What one thread needs for a block. It lies in the engine, because a stack may be small (64 kB in WebAssembly). */
+/* The working memory of a thread for a block. It lies in the engine, because a stack may be small (64 kB in
+   WebAssembly). */
 struct dem__work {
     dem__rows rows;
     dem__type_rows types;
     dem__block_rows block;
     dem__row before, was, ended,
-        past[DEM_STATE_MAX]; /* of the step before: force, gap; whether it ended; history at the start */
+        past[DEM_STATE_MAX]; /* of the step before: force, gap, whether the contact ended; history at the start */
     dem__wall_row wall[DEM__BLOCK];
     int walls;
     dem__timer_batch batch;                       /* for tests of pairs */
     int32_t head[DEM__CHUNKS], tail[DEM__CHUNKS]; /* lists of postponed forces for each share: see dem__postponed */
 };
 
-/* Returns the working memory of a thread. It begins with a cache line: otherwise every second vector of a row would lie
-   in two, which costs 4 % of the time of a bed. */
+/* Returns the working memory of a thread. It begins with a cache line. Otherwise every second vector of a row would lie
+   in two lines, which costs 4 % of the time of a bed. */
 enum { DEM__WORK_BYTES = (int)((sizeof(dem__work) + 63) / 64 * 64) };
 DEM_INLINE dem__work *dem__work_of(const dem_world *w, int part) {
     return (dem__work *)(void *)(w->engine->scratch.work + (size_t)part * DEM__WORK_BYTES);
@@ -40,9 +42,9 @@ static inline int dem__make_work(dem_world *w) {
     return 1;
 }
 
-typedef void dem__edge_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__edge *was);
+typedef void dem__partial_step_fn(dem_world *w, ptrdiff_t c, dem_contact *q, const dem__partial_step *was);
 
-/* Returns whether a contact began or ended in this step, from its forces and the gap before. Computed with bits:
+/* Returns whether a contact began or ended in this step, from its forces and the gap before. It works on bits, because
    branches would keep the loop scalar. */
 DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_before) {
     const int64_t idle = before == 0.0;
@@ -50,7 +52,7 @@ DEM_INLINE int64_t dem__began_or_ended(double before, double now, double gap_bef
 }
 
 /* Marks and lists the contacts that began or ended, or that their law has ended, in the block from slot base on.
-   Returns their number. */
+   Returns how many. */
 DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t base, int n, const double *before,
                                      const double *was, const double *ended, const double *force) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -62,7 +64,7 @@ DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t bas
     }
     for (int k = 0; k < n && any; k++) {
         if (!mark[k]) continue;
-        contacts->edge[base + k] = (uint8_t)(mark[k] & 1);
+        contacts->partial[base + k] = (uint8_t)(mark[k] & 1);
         contacts->ended[base + k] = (uint8_t)(mark[k] >> 1);
         contacts->slots[in->first + in->marked++] = (int32_t)(base + k);
     }
@@ -74,7 +76,7 @@ DEM_INLINE ptrdiff_t dem__mark_edges(dem_world *w, dem__chunk *in, ptrdiff_t bas
 DEM_INLINE void dem__add_forces(dem_world *w, ptrdiff_t q, int32_t i, int32_t j, double *const *out, ptrdiff_t k,
                                 int has_friction, int to_i, int to_j) {
     const double fx = out[0][k], fy = out[1][k], fz = out[2][k];
-    double turn_i[3], turn_j[3]; /* all is read before the sums are written, so that they are added as vectors */
+    double turn_i[3], turn_j[3]; /* all sums are read before they are written, so that they are added as vectors */
     for (int a = 0; a < 3; a++)
         turn_i[a] = has_friction ? out[3 + a][k] : 0.0, turn_j[a] = has_friction ? out[6 + a][k] : 0.0;
     if (to_i) {
@@ -121,8 +123,8 @@ DEM_INLINE void dem__postpone(dem_world *w, dem__work *x, int32_t entry, int sid
 }
 
 /* Adds the forces of n contacts of chunk q slot by slot, which fixes the order of sums. postpone_from: INT32_MAX, or
-   ranks from it on belong to earlier shares, whose threads must add first; what they get is postponed for
-   dem__add_postponed. */
+   the rank from which on particles belong to earlier shares, whose threads must add first. Forces on these are
+   postponed for dem__add_postponed. */
 DEM_INLINE void dem__gather_forces(dem_world *w, dem__work *x, ptrdiff_t q, ptrdiff_t base, int n, double *const *out,
                                    int has_friction, int32_t postpone_from) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -153,7 +155,7 @@ DEM_INLINE void dem__prefetch_particle(const dem_world *w, ptrdiff_t j) {
     DEM__PREFETCH(&p->x);
     DEM__PREFETCH(&p->a);
 }
-/* Prefetches what the kernel reads and sums of body j. For a wall (j < 0) the address is one before the arrays: a
+/* Prefetches what the kernel reads and adds up of body j. For a wall (j < 0) the address lies one before the arrays: a
    prefetch cannot fail. */
 DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum *sum, ptrdiff_t j) {
     const uintptr_t p = (uintptr_t)particle + (uintptr_t)j * sizeof *particle;
@@ -162,8 +164,8 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
     DEM__PREFETCH((const void *)((uintptr_t)sum + (uintptr_t)j * sizeof *sum));
 }
 
-/* Call the functions for polyhedra on a block. They are functions of their own because a call through a pointer would
-   slow the kernel. */
+/* These call the functions for polyhedra on a block. They stand apart because a call through a pointer would slow the
+   kernel down. */
 static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
     w->engine->convex.calls->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
@@ -171,12 +173,12 @@ static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *
                                                  const dem__columns *at, double half, int features) {
     w->engine->convex.calls->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
-static DEM__NOINLINE void dem__leave_other_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
+static DEM__NOINLINE void dem__exclude_other(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     w->engine->convex.calls->leave_edges(w, in, marked);
 }
 
-/* Gathers the block of n contacts from slot base on, and prefetches the next one, of this chunk or of the one after it.
- */
+/* Gathers the block of n contacts from slot base on, and prefetches the next block, of this chunk or of the one after
+   it. */
 DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t chunk, ptrdiff_t base, int n,
                                   const dem_law *law, double half, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -204,32 +206,32 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     if (w->engine->convex.calls) dem__fill_other_rows(w, x, base, n, half);
 }
 
-/* Calls the law for n contacts of a block, or for n links, and stores its results. Of a contact type links have the
-   sizes only. Conditions on features are constant where the loop is compiled. */
+/* Calls the law for n contacts of a block, or for n links, and stores its results. Links use only the sizes of a
+   contact type. Conditions on features are constants where the loop is compiled. */
 #define DEM__OF_LINKS (1 << 20) /* no enum: C++20 warns where numbers of two enums are combined */
 DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *i, const int32_t *j, int n,
                                const dem__columns *old, const dem__columns *at, const dem_law *law, double h,
                                double rate, int features) {
     const void *user = w->user;
     const int has_friction = (features & DEM_FRICTION) != 0, is_link = (features & DEM__OF_LINKS) != 0;
-    dem__row share; /* in a loop of its own, which is left out for a law that does not use it */
+    dem__row share; /* a loop of its own, which compilers leave out if the law does not use it */
     for (int k = 0; k < n; k++) share[k] = dem__mass_share(w, i[k], j[k]);
     DEM__INDEPENDENT
     for (int k = 0; k < n; k++) {
         dem_contact q;
         dem_response r;
         double s[DEM_STATE_MAX], p[DEM_CONSTANTS_MAX], arm_i = 0.0, arm_j = 0.0;
-        memset(&r, 0, sizeof r); /* what a law leaves out is 0 */
+        memset(&r, 0, sizeof r); /* quantities that a law does not set are 0 */
         for (int a = 0; a < law->constants && !is_link; a++) p[a] = x->types.constant[a][k];
         for (int a = 0; a < law->states; a++) s[a] = old->state[a][k];
         if (law->vectors > 0)
-            dem__turn(&x->rows, k, h, s); /* by itself: clang does not unroll so long a loop, even for one turn */
+            dem__turn(&x->rows, k, h, s); /* a function: clang does not unroll so long a loop, even for one turn */
         for (int a = 1; a < law->vectors; a++) dem__turn(&x->rows, k, h, s + 3 * a);
         for (int a = 0; a < law->history && has_friction && !is_link; a++) x->past[a][k] = s[a];
         dem__contact_geometry(&x->rows, &x->types, k, is_link ? 0.0 : 0.5 * h, is_link ? 0.0 : 1.0, has_friction, &q,
                               &arm_i, &arm_j);
         const double predict =
-            is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop does not vectorise */
+            is_link ? 1.0 : x->types.predict[k]; /* read outside the condition, or the loop would not be vectorised */
         q.closing *= x->rows.gap[k] < 0.0 ? predict : 1.0;
         q.mass = is_link ? 0.0 : x->types.mass[k];
         q.share = share[k];
@@ -247,7 +249,8 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
         }
         dem__put_force(at->out, k, &q, &r, arm_i, arm_j, features);
         if (features & DEM_ENERGY) {
-            r.normal_power *= 1.0 - (1.0 - predict) / 11.0; /* mean along a step: k/24 less; predict is 1 - 11 k/24 */
+            /* the mean along a step has k/24 less, and predict is 1 - 11 k/24 */
+            r.normal_power *= 1.0 - (1.0 - predict) / 11.0;
             dem__put_losses(at, old, k, &r, h, x->before[k]);
         }
     }
@@ -266,10 +269,10 @@ DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns
     }
 }
 
-/* Corrects the edge steps of a block: those of the last `marked` contacts that its chunk has listed. */
-DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base, ptrdiff_t marked,
-                                   const dem__columns *old, const dem__columns *at, const dem_law *law,
-                                   dem__edge_fn *correct, int features) {
+/* Corrects the partial steps of a block: those of the last `marked` contacts in its chunk's list. */
+DEM_INLINE void dem__correct_partial_steps(dem_world *w, dem__work *x, const dem__chunk *in, ptrdiff_t base,
+                                           ptrdiff_t marked, const dem__columns *old, const dem__columns *at,
+                                           const dem_law *law, dem__partial_step_fn *correct, int features) {
     const dem__run *run = &w->engine->run;
     const dem__contacts *contacts = &w->engine->contacts;
     const int has_friction = (features & DEM_FRICTION) != 0;
@@ -277,31 +280,31 @@ DEM_INLINE void dem__correct_edges(dem_world *w, dem__work *x, const dem__chunk 
         const ptrdiff_t c = contacts->slots[in->first + m];
         const int k = (int)(c - base);
         dem_contact view;
-        dem__edge edge;
+        dem__partial_step partial;
         double p[DEM_CONSTANTS_MAX];
-        if (!contacts->edge[c]) continue;
+        if (!contacts->partial[c]) continue;
         while (q < x->walls && x->wall[q].row < k) q++;
         for (int a = 0; a < law->constants; a++) p[a] = x->types.constant[a][k];
-        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &edge.arm_i,
-                              &edge.arm_j);
+        dem__contact_geometry(&x->rows, &x->types, k, 0.5 * run->kernel_dt, 1.0, has_friction, &view, &partial.arm_i,
+                              &partial.arm_j);
         view.mass = x->types.mass[k];
         view.share =
-            dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law may leave uncomputed */
+            dem__mass_share(w, contacts->i[c], contacts->j[c]); /* not from the row, which a law need not compute */
         view.dt = 0.0;
         view.rate = 1.0 / run->dt;
         view.constants = p;
         view.user = w->user;
-        edge.gap = x->was[k], edge.force = x->before[k];
+        partial.gap = x->was[k], partial.force = x->before[k];
         for (int a = 0; a < law->states && has_friction; a++)
-            edge.state[a] = a < law->history ? x->past[a][k] : old->state[a][k];
-        for (int a = 0; a < 9; a++) edge.out[a] = at->out[a] + k;
-        edge.wall_speed = contacts->j[c] < 0 ? x->wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
-        correct(w, c, &view, &edge);
+            partial.state[a] = a < law->history ? x->past[a][k] : old->state[a][k];
+        for (int a = 0; a < 9; a++) partial.out[a] = at->out[a] + k;
+        partial.wall_speed = contacts->j[c] < 0 ? x->wall[q].velocity : dem_vec3(0.0, 0.0, 0.0);
+        correct(w, c, &view, &partial);
         for (int a = 0; a < (has_friction ? 9 : 3) && run->keeps_wrenches; a++) old->out[a][k] = at->out[a][k];
     }
 }
 
-/* Adds up the power of belts: that of the rest of a wall's motion follows from the sums of its forces. */
+/* Adds up the power of belts. The power of the rest of a wall's motion follows from the sums of its forces. */
 static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdiff_t chunk, const double *fx,
                                          const double *fy, const double *fz) {
     for (int q = 0; q < x->walls; q++) {
@@ -315,10 +318,10 @@ static DEM__NOINLINE void dem__add_belts(dem_world *w, const dem__work *x, ptrdi
 }
 
 /* Evaluates the contacts of a chunk. A contact reads its own slot, particles and walls, which do not change meanwhile,
-   and writes its own slot; therefore any division among threads gives the same bits. Each block is summed while it is
-   in the cache. */
+   and writes only its own slot. Therefore any division among threads gives the same bits. Each block is summed while it
+   is in the cache. */
 DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk, const dem_law *law,
-                                    dem__edge_fn *correct, int features, int32_t postpone_from) {
+                                    dem__partial_step_fn *correct, int features, int32_t postpone_from) {
     const dem__run *run = &w->engine->run;
     const int has_friction = (features & DEM_FRICTION) != 0;
     const int only_ledger = (features & DEM_ENERGY) && run->only_ledger;
@@ -333,7 +336,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate,
                        features);
         if (w->engine->convex.calls) {
-            const dem__columns same = at; /* the address of `at` itself would keep clang from vectorising the law */
+            const dem__columns same = at; /* with the address of `at` itself, clang would not vectorise the law */
             dem__finish_other_rows(w, x, base, n, &same, 0.5 * h, features);
         }
         if (features & DEM_ENERGY) dem__put_wall_work(x, n, &old, &at, 0.5 * h);
@@ -342,9 +345,9 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
             continue;
         }
         const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
-        if (w->engine->convex.calls) dem__leave_other_edges(w, in, marked);
+        if (w->engine->convex.calls) dem__exclude_other(w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
-        if (h > 0.0) dem__correct_edges(w, x, in, base, marked, &old, &at, law, correct, features);
+        if (h > 0.0) dem__correct_partial_steps(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, x, chunk, base, n, at.out, has_friction, postpone_from);
         if (x->walls > 0) dem__add_belts(w, x, chunk, at.out[0], at.out[1], at.out[2]);
     }
@@ -352,7 +355,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
 
 /* Evaluates the contacts of chunks first .. end-1 on one thread. */
 DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, const dem_law *law,
-                            dem__edge_fn *correct, int features) {
+                            dem__partial_step_fn *correct, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__work *work = dem__work_of(w, part);
     const int32_t postpone_from = part > 0 && contacts->shares > 1 ? contacts->share_from[part - 1] : INT32_MAX;
@@ -373,15 +376,15 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
                     call)
 #define DEM__KERNEL_LOOPS(name, law, features)                                                                         \
     DEM__FAST static DEM__NOINLINE void name##_edge(dem_world *world, ptrdiff_t c, dem_contact *q,                     \
-                                                    const dem__edge *was) {                                            \
-        dem__correct_edge(world, c, q, was, &(law), features);                                                         \
+                                                    const dem__partial_step *was) {                                    \
+        dem__correct_partial_step(world, c, q, was, &(law), features);                                                 \
     }                                                                                                                  \
     DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))
 #define DEM_KERNEL(name, law, features)                                                                                \
     DEM__KERNEL_LOOPS(name, law, features)                                                                             \
     static const dem_kernel name = {&(law), features, name##_loop};
-/* A kernel that compilers leave out where nothing calls name(), gcc at -O0 too: it keeps constants that nobody reads,
-   and what they point to, but not those in an inline function. Tables of functions are written so as well. */
+/* A kernel that compilers leave out where nothing calls name(). gcc at -O0 keeps constants that nobody reads, and what
+   they point to, but not those in an inline function. Tables of functions are written in the same way. */
 #define DEM__KERNEL_OF(name, law, features)                                                                            \
     DEM__KERNEL_LOOPS(name, law, features)                                                                             \
     static inline const dem_kernel *name(void) {                                                                       \

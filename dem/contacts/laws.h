@@ -18,14 +18,14 @@ enum {
 enum { DEM__XI };
 
 /* Returns the factor of the dashpot's velocity, which is predicted over a step h. With it, an oscillation of two bodies
-   on a linear spring of k m/h^2 and a dashpot of c m/h decays as it should, to third order. It follows from the
+   with a linear spring of k m/h^2 and a dashpot of c m/h decays correctly to third order. It follows from the
    characteristic equation of the scheme for positions proportional to z^n: 2 z (z - 1)^2 + 2 k z^2 + c (z - 1)(3 z - 1)
    = 0. */
 DEM_INLINE double dem__prediction(double k, double c) {
     return 1.0 - (11.0 * k - 5.0 * c * c + 9.0 * c * k - 3.0 * c * c * c) / 24.0;
 }
 
-/* Computes rolling resistance against the relative spin: at most the torque that stops it in two steps. */
+/* Computes rolling resistance against the relative spin: at most the torque that stops the spin in two steps. */
 DEM_INLINE void dem__roll(const dem_contact *c, double normal, double arm, double cap, dem_response *r) {
     const double *n = c->normal, *w = c->spin;
     double along = w[0] * n[0] + w[1] * n[1] + w[2] * n[2];
@@ -55,17 +55,17 @@ DEM_INLINE void dem__linear(const dem_contact *c, double *state, dem_response *r
 
     double push = force > 0.0 ? force : 0.0, limit = p[DEM__MU] * push;
     double relax = p[DEM__GAMMA_T] / (p[DEM__KT] > 0.0 ? p[DEM__KT] : 1.0), xi[3],
-           t[3]; /* [s]; arbitrary without a spring */
+           t[3]; /* [s]; any value if there is no spring */
     for (int a = 0; a < 3; a++) {
         xi[a] = state[DEM__XI + a] + c->slip[a] * c->dt;
         t[a] = p[DEM__KT] * xi[a] + p[DEM__GAMMA_T] * c->slip[a];
     }
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), most = size + 1e-300;
     double scale =
-        (limit < most ? limit : most) / most; /* a choice of 1 would make gcc compute both cases of all that follows */
+        (limit < most ? limit : most) / most; /* with 1 here gcc would compute both cases below */
     for (int a = 0; a < 3; a++) {
         double kept = size > limit ? scale * (xi[a] + relax * c->slip[a])
-                                   : xi[a]; /* sliding: the spring carries the whole force */
+                                   : xi[a]; /* when it slides, the spring carries the whole force */
         r->slide_loss += 0.5 * p[DEM__KT] * (state[DEM__XI + a] + kept) * (xi[a] - kept); /* work of the mean force over
                                                                                              the distance slid */
         r->elastic += 0.5 * p[DEM__KT] * kept * kept;
@@ -91,8 +91,8 @@ static inline double dem_prepare_linear(const dem_birth *b, double *constants) {
     return k;
 }
 
-/* Hertz-Mindlin: normal force 4/3 E* sqrt(R*) delta^1.5, dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992;
-   gives e exactly: Antypov & Elliott 2011), tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949,
+/* Hertz-Mindlin. Normal force 4/3 E* sqrt(R*) delta^1.5; dashpot sqrt(5) beta sqrt(m k) delta^0.25 (Tsuji et al. 1992;
+   gives e exactly: Antypov & Elliott 2011); tangential force 8 G* sqrt(R* delta) times the displacement (Mindlin 1949,
    without microslip). A stored tangential force follows the contact radius when it grows and when it shrinks, as in
    Chung & Ooi's impact tests and in the common codes. The energy that a change of the radius adds or takes counts as
    sliding loss, with its sign. */
@@ -114,7 +114,7 @@ DEM_INLINE void dem__hertz(const dem_contact *c, double *state, dem_response *r,
     double overlap = c->gap < 0.0 ? -c->gap : 0.0, area = sqrt(p[DEM__HERTZ_RADIUS] * overlap);
     double spring = p[DEM__HERTZ_K] * area * overlap, damping = p[DEM__HERTZ_GAMMA] * sqrt(area);
     double step = c->dt / c->mass,
-           k = 1.5 * p[DEM__HERTZ_K] * area * c->dt * step; /* of a spring as stiff as it is now */
+           k = 1.5 * p[DEM__HERTZ_K] * area * c->dt * step; /* of a spring that is as stiff as the contact now */
     double closing = dem__prediction(k, damping * step) * c->closing, force = spring + damping * closing;
     r->normal = r->contact = force;
     r->ended = c->gap < 0.0 ? 0.0 : 1.0;

@@ -9,7 +9,7 @@ static inline int dem__chunks_for(ptrdiff_t n) {
     return n / DEM__OF_CHUNK < DEM__CHUNKS ? (int)(n / DEM__OF_CHUNK) : DEM__CHUNKS;
 }
 
-/* Returns whether contacts lie by rank, the last first. */
+/* Returns whether contacts lie in the order of ranks, the last rank first. */
 static inline int dem__are_in_order(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     int32_t before = INT32_MAX;
@@ -22,7 +22,8 @@ static inline int dem__are_in_order(const dem_world *w) {
     return in_order;
 }
 
-/* Lists the slots of contacts by rank, the last first, otherwise as they were. */
+/* Lists the slots of contacts in the order of ranks, the last rank first; contacts of the same rank keep their
+   order. */
 static inline void dem__list_by_rank(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *place = w->engine->scratch.index, sum = 0;
@@ -56,7 +57,7 @@ static inline void dem__cut_chunks(dem_world *w, int chunks, dem__run_of_slots *
     contacts->chunk_count = chunks;
 }
 
-/* Returns whether contacts are to be ordered anew: few always, many seldom, or when chunks have run full. */
+/* Returns whether contacts must be ordered again: a few contacts always, many seldom or when chunks are full. */
 static inline int dem__is_order_due(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int chunks = contacts->chunk_count;
@@ -64,9 +65,9 @@ static inline int dem__is_order_due(const dem_world *w) {
            contacts->chunk[chunks - 1].count > 2 * (contacts->count / chunks) + DEM__BLOCK;
 }
 
-/* Orders all contacts by their particles' ranks, the last first, otherwise as they were: neighbours in space are then
-   read one after the other. Many contacts are in chunks of equal size, with room to grow; then ranks are renewed, too.
-   Returns 0 when out of memory. */
+/* Orders all contacts by the ranks of their particles, the last rank first, so that neighbours in space are read one
+   after the other; contacts of the same rank keep their order. Many contacts lie in chunks of equal size, with room to
+   grow; then ranks are renewed, too. Returns 0 when out of memory. */
 static inline int dem__reorder_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t n = contacts->count;

@@ -1,19 +1,18 @@
-/* Advice on the stiffness: how deep bodies get into each other at a speed, and how stiff contacts must be for it. A
-   reader. */
+/* Advice on the stiffness: how deep bodies penetrate each other at a speed, and how stiff contacts must be for it. */
 #pragma once
 #include "laws.h"
 #include "../motion/motion.h"
 #include "../walls/kind.h"
 
-#define DEM__DEEP_SPHERE 0.1 /* overlap of a sphere over its radius that is deep */
+#define DEM__DEEP_SPHERE 0.1 /* overlap of a sphere, over its radius, that counts as deep */
 
-/* Returns the overlap from which on a contact of particle i is deep [m]. */
+/* Returns the overlap from which on a contact of particle i counts as deep [m]. */
 DEM_INLINE double dem__deep_overlap(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     return s ? s->radius : DEM__DEEP_SPHERE * w->particle[i].radius;
 }
 
-/* Returns the overlap at which particle i comes to rest that hits, with all of its mass, what has a material [m]. */
+/* Returns the overlap at which particle i comes to rest if its whole mass hits something of a material [m]. */
 static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int material, int features, double speed) {
     const int m = w->material[i];
     const dem_convex *s = dem__shape_of(w, i);
@@ -22,7 +21,7 @@ static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int materi
     memset(&b, 0, sizeof b);
     b.def = &w->def, b.features = features, b.material_i = m, b.material_j = material;
     b.pair = m < material ? &w->def.pair[m][material] : &w->def.pair[material][m];
-    const double springs = s ? (double)s->springs : 1.0; /* of which a corner has one */
+    const double springs = s ? (double)s->springs : 1.0; /* a corner has one of them */
     b.radius_i = s ? s->radius : w->particle[i].radius, b.mass = w->particle[i].mass;
     if (!(features & DEM_HERTZ)) return speed * sqrt(springs * b.mass / b.pair->stiffness);
     dem_prepare_hertz(&b, constants);
@@ -31,8 +30,8 @@ static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int materi
                                   speed);
 }
 
-/* Sets the advised stiffness, and how deep bodies get with the present one. A pair of bodies, whose mass is less and
-   whose roundings are more, needs no more than the one of them that needs more. */
+/* Sets the advised stiffness, and how deep bodies penetrate with the present one. A pair of bodies has less mass and
+   more rounding, so it needs no more stiffness than the more demanding of the two. */
 static inline void dem__advise_stiffness(const dem_world *w, int features, double speed, dem_advice *a) {
     int present[DEM_MATERIALS_MAX] = {0};
     a->stiffness = a->depth = 0.0;

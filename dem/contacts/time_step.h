@@ -1,4 +1,4 @@
-/* Damping ratio, restitution, duration of a contact, advice on the time step: pure functions, and a reader. */
+/* Damping ratio, restitution, duration of a contact, advice on the time step. */
 #pragma once
 #include "stiffness.h"
 #include "laws.h"
@@ -53,8 +53,8 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
     return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
 }
 
-/* Returns the least effective mass of particle i in a contact [kg]. That of a particle of a body is less than the
-   body's mass, because the body turns. */
+/* Returns the least effective mass of particle i in a contact [kg]. For a particle of a body it is less than the body's
+   mass, because the body turns. */
 static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (!r) return w->particle[i].mass;
@@ -113,7 +113,7 @@ static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice
     if (damping > 0.0 && b->mass / damping < a->dashpot) a->dashpot = b->mass / damping;
 }
 
-/* Takes the smallest step over all pairs of materials that are present, each with its smallest sphere. */
+/* The smallest step over all pairs of materials that are present, each with its smallest sphere. */
 DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed) {
     dem_advice a = {HUGE_VAL, HUGE_VAL, HUGE_VAL, (double)NAN, 0.0, 0.0};
     dem__present of[DEM_MATERIALS_MAX];
@@ -148,6 +148,6 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
     a.advised = a.contact / 20.0;
     if (0.5 * a.dashpot < a.advised) a.advised = 0.5 * a.dashpot;
     if ((features & DEM_HERTZ) && 0.2 * a.rayleigh < a.advised) a.advised = 0.2 * a.rayleigh;
-    if (w->engine->convex.shapes > 0) a.advised *= 0.4; /* first and last steps of their contacts are not corrected */
+    if (w->engine->convex.shapes > 0) a.advised *= 0.4; /* partial steps of their contacts are not corrected */
     return a;
 }

@@ -1,6 +1,5 @@
 /* Bodies of a source: drawn class by class, placed without overlap, added. Owns nothing; writes a world through its
-   public functions.
- */
+   public functions. */
 #pragma once
 #include "places.h"
 
@@ -31,13 +30,13 @@ static inline void dem__sort_sizes(double *radius, int32_t *line, ptrdiff_t n) {
 }
 
 /* A class of a source while bodies are drawn and placed. */
-typedef struct dem__line {
+typedef struct dem__queue {
     dem_feed feed;
-    double share, given;  /* of what all classes have been given: [kg] or number */
-    ptrdiff_t now, first; /* placed by this call; the first of them in the list */
-} dem__line;
+    double share, given;  /* share that the class has been given of what all have: [kg] or number */
+    ptrdiff_t now, first; /* placed by this call; position of the first of them in the list */
+} dem__queue;
 
-/* Returns a number that differs for distributions that differ, not 0: a diameter drawn ahead belongs to one. */
+/* Returns a number, not 0, that differs for different distributions: a diameter drawn ahead belongs to one of them. */
 static inline uint64_t dem__mark_of(const dem_sizes *s, int polyhedron) {
     const double of[4] = {s->scale, s->spread, s->smallest, s->largest};
     uint64_t mark = (uint64_t)s->kind * 64u + (uint64_t)(s->by_mass != 0) * 32u + (uint64_t)polyhedron * 1024u;
@@ -62,8 +61,8 @@ static inline void dem__draw_ahead(dem_feed *feed, uint64_t *random) {
     feed->waiting_of = mark;
 }
 
-/* Returns the class whose turn it is: the one that comes nearest to its share if it gets its next body (Webster). */
-static inline int dem__next_line(const dem_world *w, dem__line *line, int classes, int by_number) {
+/* Returns the class whose turn it is: the one that comes closest to its share with its next body (Webster). */
+static inline int dem__next_line(const dem_world *w, dem__queue *line, int classes, int by_number) {
     double earliest = HUGE_VAL;
     int next = 0;
     for (int k = 0; k < classes && classes > 1; k++) {
@@ -76,10 +75,10 @@ static inline int dem__next_line(const dem_world *w, dem__line *line, int classe
     return next;
 }
 
-/* Draws the bodies that are due one after the other, at most `most`. Returns their number; radius, of: their radii and
-   classes, or NULL. The first that is not due is kept in its feed's `waiting`: to leave it out would favour small ones.
-   -1: stopped. */
-static inline ptrdiff_t dem__draw_due(const dem_world *w, dem__line *line, const dem_source *source, double number,
+/* Draws the bodies that are due one after the other, at most `most`. Returns how many, -1: stopped. radius, of: their
+   radii and classes, or NULL. The first body that is not due is kept in its feed's `waiting`; dropping it would favour
+   small ones. */
+static inline ptrdiff_t dem__draw_due(const dem_world *w, dem__queue *line, const dem_source *source, double number,
                                       double mass, ptrdiff_t most, double *radius, int32_t *of) {
     for (ptrdiff_t n = 0; n < most; n++) {
         if (dem__is_stopped(w, n)) return -1;
@@ -102,7 +101,8 @@ typedef struct dem__batch {
     double *radius, *piece, *place, *turn;              /* [n], [n][pieces], [n][3], [n][4] */
     double *diameter, *centre, *orientation, *velocity; /* [n], [n][3], [n][4], [n][3] */
     int32_t *of, *first;                                /* [n] class; the first of its pieces among those placed */
-    ptrdiff_t pieces, bodies;                           /* in all, as drawn; those in several pieces or of a shape */
+    ptrdiff_t pieces, bodies;                           /* of all bodies, as drawn; bodies of several pieces or of a
+                                                           shape */
     size_t bytes;
 } dem__batch;
 static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, ptrdiff_t n, ptrdiff_t pieces) {
@@ -115,12 +115,12 @@ static inline int dem__make_batch(dem__batch *b, const dem_allocator *memory, pt
     return 1;
 }
 
-/* Returns how many bodies a call draws at most; a limit for a source that was blocked for long. */
+/* Returns how many bodies a call draws at most: a limit for a source that was blocked for long. */
 static inline ptrdiff_t dem__most_drawn(int at_once) { return at_once ? INT32_MAX / 8 : 100000; }
 
-/* Draws n radii, and computes those of their particles. Returns the largest radius about a body's centre, or -1:
+/* Draws n radii, and computes those of their particles. Returns the largest radius of a body about its centre, or -1:
    stopped. */
-static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__line *line, const dem_source *source,
+static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__queue *line, const dem_source *source,
                                      double number, double mass, ptrdiff_t n, int at_once) {
     double widest = 0.0;
     if (dem__draw_due(w, line, source, number, mass, dem__most_drawn(at_once), b->radius, b->of) < 0) return -1.0;
@@ -137,7 +137,7 @@ static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__lin
 }
 
 /* Keeps what has been drawn and not placed, from body k on: the next of each class waits. */
-static inline void dem__keep_waiting(dem__line *line, const dem__batch *b, ptrdiff_t k, ptrdiff_t n) {
+static inline void dem__keep_waiting(dem__queue *line, const dem__batch *b, ptrdiff_t k, ptrdiff_t n) {
     for (ptrdiff_t q = n - 1; q >= k; q--) {
         dem_feed *feed = &line[b->of[q]].feed;
         feed->waiting = 2.0 * b->radius[q], feed->waiting_of = dem__mark_of(&feed->sizes, feed->polyhedron);
@@ -145,9 +145,8 @@ static inline void dem__keep_waiting(dem__line *line, const dem__batch *b, ptrdi
 }
 
 /* Finds places for n bodies, and counts them as given by number or, with by_mass, by mass. at_once: bodies without a
-   place are counted as missed; otherwise the first of them waits, and with it those after it. Returns how many have a
-   place. */
-static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__line *line, dem_source *source,
+   place count as missed; otherwise the first of them waits, and so do those after it. Returns how many have a place. */
+static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__queue *line, dem_source *source,
                                          dem__batch *b, ptrdiff_t n, int by_mass, int at_once) {
     ptrdiff_t found = 0, pieces = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
@@ -178,7 +177,7 @@ static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__lin
     return found;
 }
 
-/* Returns the body that has a piece; bodies: n. */
+/* Returns the body to which a piece belongs. bodies: n. */
 static inline ptrdiff_t dem__body_of_piece(const dem__batch *b, ptrdiff_t n, ptrdiff_t piece) {
     ptrdiff_t low = 0, high = n;
     while (high - low > 1) {
@@ -191,7 +190,7 @@ static inline ptrdiff_t dem__body_of_piece(const dem__batch *b, ptrdiff_t n, ptr
 
 /* Lists the placed bodies class by class, in the order of the cells of their first particles, so that neighbours in
    space are neighbours in memory. n: their number. */
-static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, dem__line *line, int classes,
+static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, dem__queue *line, int classes,
                                     dem__batch *b, ptrdiff_t n) {
     for (int k = 1; k < classes; k++) line[k].first = line[k - 1].first + line[k - 1].now;
     for (int k = 0; k < classes; k++) line[k].now = 0;
@@ -199,7 +198,7 @@ static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, de
         for (int32_t q = room->head[c]; q >= present; q = room->next[q]) {
             const ptrdiff_t body = dem__body_of_piece(b, n, q - present);
             if (b->first[body] != q - present) continue;
-            dem__line *of = &line[b->of[body]];
+            dem__queue *of = &line[b->of[body]];
             const ptrdiff_t to = of->first + of->now++;
             b->diameter[to] = 2.0 * b->radius[body];
             for (int a = 0; a < 4; a++) b->orientation[4 * to + a] = b->turn[4 * body + a];
@@ -214,7 +213,7 @@ static inline void dem__list_placed(const dem__room *room, ptrdiff_t present, de
 }
 
 /* Adds the new bodies of a class with their velocities, or none. */
-static inline dem_status dem__add_moving(dem_world *w, const dem__line *line, const dem__batch *b) {
+static inline dem_status dem__add_moving(dem_world *w, const dem__queue *line, const dem__batch *b) {
     const dem_feed *feed = &line->feed;
     const ptrdiff_t pieces = dem__feed_pieces(feed), n = line->now, first = line->first;
     const double *centre = b->centre + 3 * first, *turn = b->orientation + 4 * first, *d = b->diameter + first;
@@ -230,8 +229,8 @@ static inline dem_status dem__add_moving(dem_world *w, const dem__line *line, co
     return status;
 }
 
-/* Adds all new bodies, or none: where there are several classes, there is room for all before the first. */
-static inline dem_status dem__add_lines(dem_world *w, const dem__line *line, int classes, const dem__batch *b) {
+/* Adds all new bodies, or none: with several classes, makes room for all before the first. */
+static inline dem_status dem__add_lines(dem_world *w, const dem__queue *line, int classes, const dem__batch *b) {
     ptrdiff_t pieces = 0, bodies = 0;
     dem_status status = DEM_OK;
     for (int k = 0; k < classes; k++) {
@@ -248,7 +247,7 @@ static inline dem_status dem__add_lines(dem_world *w, const dem__line *line, int
 }
 
 /* Draws n bodies, finds places for them, and lists those that have one. */
-static inline dem_status dem__place_batch(dem_world *w, dem__line *line, dem_source *source, dem__batch *b,
+static inline dem_status dem__place_batch(dem_world *w, dem__queue *line, dem_source *source, dem__batch *b,
                                           double number, double mass, ptrdiff_t n, int at_once) {
     dem__room room;
     const double widest = dem__draw_batch(w, b, line, source, number, mass, n, at_once);

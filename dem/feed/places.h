@@ -1,12 +1,12 @@
-/* Where bodies of a source find a place: shapes of bodies, free places by random tries. Pure but for the generator.
- */
+/* Where bodies of a source find room: shapes of bodies, free places by random tries. Pure functions but for the
+   generator. */
 #pragma once
 #include "room.h"
 
-/* Draws a place at which a sphere lies within a region; along directions in which the region is flat, its centre does.
-   Returns 0 if the region is too small. */
+/* Draws a place at which a sphere lies inside a region; in directions in which the region is flat, only its centre
+   does. Returns 0 if the region is too small. */
 static inline int dem__random_place(const dem_region *r, double radius, uint64_t *random, dem_vec *x) {
-    if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* of a mesh: in the box around it */
+    if (r->kind == DEM_REGION_BOX || r->kind == DEM_REGION_MESH) { /* mesh: in its bounding box */
         for (int a = 0; a < 3; a++) {
             const double low = dem_axis(r->low, a), room = dem_axis(r->high, a) - low - 2.0 * radius;
             if (room + 2.0 * radius > 0.0 && !(room >= 0.0)) return 0;
@@ -60,7 +60,8 @@ static inline const dem_convex *dem__feed_shape(const dem_world *w, const dem_fe
 static inline double dem__convex_diameter(const dem_convex *s) {
     return 2.0 * riddle_cbrt(s->volume / (4.0 / 3.0 * RIDDLE_PI));
 }
-/* Returns the factor of a clump's lengths for a body whose volume is that of a sphere of radius 1. */
+/* Returns the factor by which a clump's lengths are multiplied in a body whose volume is that of a sphere of radius
+   1. */
 static inline double dem__feed_scale(const dem_feed *feed) {
     return feed->clump ? 2.0 / dem_clump_diameter(feed->clump) : 1.0;
 }
@@ -71,7 +72,7 @@ static inline double dem__feed_reach(const dem_world *w, const dem_feed *feed) {
     return feed->clump ? dem__feed_scale(feed) * dem__clump_reach(feed->clump) : 1.0;
 }
 
-/* Returns where particle k of a clump is in a body with the volume of a sphere of the given radius; piece: the
+/* Returns the position of particle k of a clump in a body with the volume of a sphere of the given radius. piece: the
    particle's radius. */
 static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed, dem_vec x, dem_quaternion turn,
                                        double radius, int k, double *piece) {
@@ -80,7 +81,7 @@ static inline dem_vec dem__piece_place(const dem_world *w, const dem_feed *feed,
     return dem__in_box(w, dem__plus(x, scale, dem__to_lab(turn, feed->clump->centre[k])));
 }
 
-/* Returns whether a body of a feed is free at x. */
+/* Returns whether there is room for a body of a feed at x. */
 static inline int dem__has_room(const dem_world *w, const dem__room *room, const dem_feed *feed, dem_vec x,
                                 dem_quaternion turn, double radius) {
     if (!feed->clump) return dem__is_free(w, room, x, radius * dem__feed_reach(w, feed), feed->group);
@@ -93,7 +94,7 @@ static inline int dem__has_room(const dem_world *w, const dem__room *room, const
 }
 
 /* Finds a free place for a body of a feed by random tries in the region of its source, with the source's generator.
-   Returns 0 if there was none. */
+   Returns 0 if there is none. */
 static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *source, const dem_feed *feed, double radius,
                                   dem_vec *x, dem_quaternion *turn) {
     const double reach = radius * dem__feed_reach(w, feed);
@@ -113,10 +114,10 @@ static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *sourc
 /* Adds the particles of a body to the lists, in their order. */
 static inline void dem__settle_body(const dem_world *w, dem__room *room, const dem_feed *feed, dem_vec x,
                                     dem_quaternion turn, double radius) {
-    if (!feed->clump) dem__settle_in(room, x, radius * dem__feed_reach(w, feed));
+    if (!feed->clump) dem__occupy(room, x, radius * dem__feed_reach(w, feed));
     for (int k = 0; feed->clump && k < feed->clump->spheres; k++) {
         double piece;
         const dem_vec at = dem__piece_place(w, feed, x, turn, radius, k, &piece);
-        dem__settle_in(room, at, piece);
+        dem__occupy(room, at, piece);
     }
 }

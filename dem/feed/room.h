@@ -1,4 +1,4 @@
-/* The spheres in and near a region that is being filled: what tells whether a place is free. */
+/* The spheres in and near a region that is being filled, which tell whether a place is free. */
 #pragma once
 #include "../bodies/clumps.h"
 #include "sizes.h"
@@ -11,18 +11,18 @@ typedef struct dem__room {
     int32_t *head, *next;
     ptrdiff_t count, capacity, cells;
     size_t bytes;
-    dem_wall inside;  /* the triangles of a mesh region; without a tree for other regions */
+    dem_wall inside;  /* the triangles of a mesh region; for other regions there is no tree */
     ptrdiff_t looked; /* places tried */
     int stopped;      /* by def.stop */
 } dem__room;
 
-/* Returns whether the host wants the call to end; asked in every 1024th step of its work. */
+/* Returns whether the host wants the call to end. Asks in every 1024th step of the work. */
 static inline int dem__is_stopped(const dem_world *w, ptrdiff_t step) {
     return (step & 1023) == 1023 && w->def.stop && w->def.stop(w->def.stop_user) != 0;
 }
 
 /* Adds a sphere to the lists. */
-static inline void dem__settle_in(dem__room *room, dem_vec x, double radius) {
+static inline void dem__occupy(dem__room *room, dem_vec x, double radius) {
     const ptrdiff_t k = room->count++, c = dem__cell(&room->grid[dem__level(radius, room->smallest)], x);
     room->centre[3 * k] = x.x, room->centre[3 * k + 1] = x.y, room->centre[3 * k + 2] = x.z;
     room->radius[k] = radius;
@@ -38,8 +38,8 @@ static inline void dem__count_in(dem__room *room, double radius) {
     room->capacity++;
 }
 
-/* Returns whether sphere i reaches into a box; x: its position. Periodic axes are not compared. */
-static inline int dem__in_the_way(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
+/* Returns whether sphere i reaches into a box. x: its position. Periodic axes are not compared. */
+static inline int dem__reaches_box(const dem_world *w, ptrdiff_t i, dem_vec low, dem_vec high, dem_vec *x) {
     *x = dem_position(w, i);
     for (int a = 0; a < 3 && w->alive[i]; a++) {
         const double v = dem_axis(*x, a);
@@ -70,7 +70,7 @@ static inline void dem__clear_room(dem__room *room, const dem_world *w) {
     room->centre = NULL, room->inside.tree = NULL;
 }
 
-/* Makes a room for the spheres present around a region and n new ones with given radii. reach: of the largest new body
+/* Makes a room for the present spheres around a region and n new ones with given radii. reach: of the largest new body
    [m]. */
 static inline dem_status dem__make_room(dem__room *room, const dem_world *w, const dem_region *region,
                                         const double *radius, ptrdiff_t n, double reach) {
@@ -83,15 +83,15 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     for (ptrdiff_t k = 0; k < n; k++) {
         room->smallest = radius[k] < room->smallest ? radius[k] : room->smallest;
     }
-    const dem_vec out = dem_vec3(reach, reach, reach); /* spheres in a flat region stand out of it */
+    const dem_vec out = dem_vec3(reach, reach, reach); /* spheres protrude from a flat region */
     low = dem__sub(low, out), high = dem__add(high, out);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x) && w->particle[i].radius < room->smallest)
+        if (dem__reaches_box(w, i, low, high, &x) && w->particle[i].radius < room->smallest)
             room->smallest = w->particle[i].radius;
     }
     for (ptrdiff_t k = 0; k < n; k++) dem__count_in(room, radius[k]);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x)) dem__count_in(room, w->particle[i].radius);
+        if (dem__reaches_box(w, i, low, high, &x)) dem__count_in(room, w->particle[i].radius);
     }
     for (int level = 0; level < DEM__LEVELS_MAX; level++) {
         dem__grid *g = &room->grid[level];
@@ -110,7 +110,7 @@ static inline dem_status dem__make_room(dem__room *room, const dem_world *w, con
     room->head = room->next + room->capacity;
     for (ptrdiff_t c = 0; c < room->cells; c++) room->head[c] = -1;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__in_the_way(w, i, low, high, &x)) dem__settle_in(room, x, w->particle[i].radius);
+        if (dem__reaches_box(w, i, low, high, &x)) dem__occupy(room, x, w->particle[i].radius);
     }
     return DEM_OK;
 }

@@ -43,7 +43,7 @@ DEM_API dem_sizes dem_rosin_rammler_sizes(double scale, double exponent, double 
     return dem__sizes(DEM_SIZES_ROSIN_RAMMLER, scale, exponent, smallest, largest, by_mass);
 }
 
-/* Returns the logarithm of the share per ln d at d = scale e^y, but for a constant. It is concave in y for every
+/* Returns the logarithm of the share per ln d at d = scale e^y, up to a constant. It is concave in y for every
    distribution. */
 static inline double dem__log_share(const dem_sizes *s, double y) {
     if (s->kind == DEM_SIZES_LOGNORMAL) return -0.5 * y * y / (s->spread * s->spread);
@@ -55,8 +55,9 @@ static inline double dem__log_number(const dem_sizes *s, double y) {
     return s->by_mass ? f - 3.0 * y : f;
 }
 
-/* Returns an end of the interval of ln d: the cut, or, nearer to the peak, where the density is e^-60 of that at the
-   peak. Nothing is drawn beyond, and the pieces of the rest are so fine that one draw in ten is accepted. */
+/* Returns an end of the interval of ln d: the cut-off or, if that is closer to the peak, where the density is e^-60 of
+   that at the peak. Nothing is drawn beyond it, and the rest is cut into pieces so fine that one draw in ten is
+   accepted. */
 static inline double dem__tail(const dem_sizes *s, double end, double peak) {
     const double least = dem__log_number(s, peak) - 60.0;
     double inside = peak;
@@ -69,7 +70,7 @@ static inline double dem__tail(const dem_sizes *s, double end, double peak) {
     return end;
 }
 
-/* Returns whether a size distribution is valid; smallest, largest: its diameters. */
+/* Returns whether a size distribution is valid. smallest, largest: its diameters. */
 static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *largest) {
     *smallest = s->smallest, *largest = s->largest;
     if (s->kind == DEM_SIZES_LIST) {
@@ -93,14 +94,14 @@ static inline int dem__are_sizes(const dem_sizes *s, double *smallest, double *l
             ? !(s->spread >= 1e-3 && s->spread <= 5.0)
             : s->kind != DEM_SIZES_ROSIN_RAMMLER || !(s->spread >= 0.1 && s->spread <= 100.0))
         return 0;
-    /* the largest density between the cuts is at least 1e-20 of the peak's, which is at the scale: otherwise a unit is
-       wrong */
+    /* the largest density between the cut-offs is at least 1e-20 of that at the peak, which is at the scale; otherwise
+       a unit is wrong */
     const double nearest = riddle_log(dem__clamp(s->scale, s->smallest, s->largest) / s->scale);
     return dem__log_share(s, nearest) - dem__log_share(s, 0.0) > -46.0;
 }
 
-/* Draws a diameter by rejection. The interval of ln d is cut into pieces; the bound of each is the largest density in
-   it. The place of the peak is known in closed form. */
+/* Draws a diameter by rejection. The interval of ln d is cut into pieces, each bounded by the largest density in it.
+   The position of the peak is known in closed form. */
 static inline double dem__draw_continuous(const dem_sizes *s, uint64_t *random) {
     enum { PIECES = 32, TRIES = 10000 };
     const double scale = s->kind == DEM_SIZES_UNIFORM ? s->largest : s->scale, lost = s->by_mass ? 3.0 : 0.0;

@@ -1,10 +1,9 @@
-/* Sources: fills and feeds of one class or several, at once or over time.
- */
+/* Sources: fills and feeds of one class or several, at once or over time. */
 #pragma once
 #include "filling.h"
 
 /* The classes of a source as they are before a call. */
-static inline void dem__open_lines(const dem_world *w, const dem_source *source, dem__line *line) {
+static inline void dem__open_queues(const dem_world *w, const dem_source *source, dem__queue *line) {
     for (int k = 0; k < source->classes; k++) {
         const dem_feed *f = &source->feed[k];
         memset(&line[k], 0, sizeof line[k]);
@@ -14,20 +13,20 @@ static inline void dem__open_lines(const dem_world *w, const dem_source *source,
     }
 }
 
-/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place are
-   missed; otherwise in the order drawn, up to the first without a place, which waits. line: room for twice the
+/* Places a number of bodies or, if that is infinite, a mass. at_once: the largest first, and those without a place
+   are missed; otherwise in the order drawn, up to the first without a place, which waits. line: room for twice the
    classes. */
-static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem__line *line, double number,
+static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem__queue *line, double number,
                                            double mass, int at_once) {
     const dem_allocator memory = w->def.allocator;
-    dem__line *after = line, *counted = line + source->classes;
+    dem__queue *after = line, *counted = line + source->classes;
     dem_source due = *source;
     dem__batch batch;
     const double most = (double)dem__most_drawn(at_once);
     double heaviest = 0.0;
     ptrdiff_t pieces = 1;
     memset(&batch, 0, sizeof batch);
-    dem__open_lines(w, source, after);
+    dem__open_queues(w, source, after);
     memcpy(counted, after, (size_t)source->classes * sizeof *after);
     for (int k = 0; k < source->classes; k++) {
         double smallest, largest;
@@ -37,7 +36,7 @@ static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem
         pieces = dem__feed_pieces(&after[k].feed) > pieces ? dem__feed_pieces(&after[k].feed) : pieces;
     }
     if (at_once && number > most && mass > most * heaviest) return DEM_TOO_MANY;
-    w->engine->run.running = 1; /* def.stop finds the world busy */
+    w->engine->run.running = 1; /* functions of the caller must find the world busy */
     const int is_counted = at_once && number >= 1.0 && !(mass < HUGE_VAL);
     const ptrdiff_t n = is_counted
                             ? (ptrdiff_t)number
@@ -63,17 +62,17 @@ static inline dem_status dem__insert_lines(dem_world *w, dem_source *source, dem
 
 static inline dem_status dem__insert(dem_world *w, dem_source *source, double number, double mass, int at_once) {
     if (dem__is_running(w)) return DEM_BUSY;
-    dem__line two[2], *line = two;
+    dem__queue two[2], *line = two;
     const dem_allocator memory = w->def.allocator;
     const size_t bytes = 2 * (size_t)source->classes * sizeof *line;
-    if (source->classes > 1) line = (dem__line *)memory.fn(memory.user, NULL, 0, bytes);
+    if (source->classes > 1) line = (dem__queue *)memory.fn(memory.user, NULL, 0, bytes);
     if (!line) return DEM_OUT_OF_MEMORY;
     const dem_status status = dem__insert_lines(w, source, line, number, mass, at_once);
     if (source->classes > 1) memory.fn(memory.user, line, bytes, 0);
     return status;
 }
 
-/* A feed as a source of one class; what it owes stands in the feed. */
+/* Returns a feed as a source of one class. The feed stores what it owes. */
 static inline dem_source dem__source_of(dem_feed *feed) {
     dem_source s;
     memset(&s, 0, sizeof s);
@@ -105,8 +104,8 @@ DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
     dem_source source = dem__source_of(feed);
     return dem__insert(world, &source, (double)count, HUGE_VAL, 1);
 }
-/* Returns a volume [m3] that the bodies placed in a region cannot exceed; of a mesh, that of the box around it. Where
-   the region is flat, bodies stand out of it. */
+/* Returns a volume [m3] that the bodies placed in a region cannot exceed; for a mesh, that of its bounding box. Bodies
+   protrude from a flat region. */
 static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) {
     dem_region r = feed->region;
     double smallest, diameter;

@@ -1,16 +1,16 @@
-/* A force field: particles in flight advance by steps of their own, the others get its force in each step. Reads
-   bodies, the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end,
-   computed at its origin and the same whatever is skipped. */
+/* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step.
+   Reads bodies and the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to
+   its end, computed at its origin, and the same whatever is skipped. */
 #pragma once
 #include "../search/timers.h"
 #include "../particles/exits.h"
 
-/* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes of a law. */
+/* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes from a law. */
 enum {
-    DEM__FIND_FLIGHTS,   /* of particles: begins flights now */
-    DEM__RENEW_FLIGHTS,  /* of particles: keeps the flights that the law still gives, begins the others anew */
-    DEM__END_FLIGHTS,    /* of particles: ends flights now; from here on they take steps */
-    DEM__ADD_FIELD_FORCE /* on particles: at the end of the present step, of length h */
+    DEM__FIND_FLIGHTS,   /* begins flights of particles now */
+    DEM__RENEW_FLIGHTS,  /* keeps the flights that the law still gives, and begins the others again */
+    DEM__END_FLIGHTS,    /* ends flights of particles now; from here on they take steps */
+    DEM__ADD_FIELD_FORCE /* adds the force on particles at the end of the present step, of length h */
 };
 typedef struct dem__field_task {
     int task;
@@ -23,14 +23,14 @@ DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
 }
 
-/* A rigid body feels the field at its centre and flies as its first particle: only that one has a flight. Returns
+/* A rigid body feels the field at its centre and flies as its first particle: only that particle has a flight. Returns
    whether i is a sphere or such a particle. */
 DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return !r || r->first == i;
 }
 
-/* Returns the radius of particle i, or of the sphere with its body's volume [m]. */
+/* Returns the radius of particle i, or of the sphere with the volume of its body [m]. */
 DEM_INLINE double dem__size_in_field(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? 0.5 * dem__equal_diameter(w, r) : w->particle[i].radius;
@@ -53,7 +53,7 @@ static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem
 
 DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
 
-/* Returns what a law gets to know of particle i at x with v. */
+/* Returns what a law is told about particle i at x with velocity v. */
 DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time) {
     dem_force_point at;
     at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
@@ -65,32 +65,31 @@ DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem
     return at;
 }
 
-/* Returns the acceleration of particle i at x with v by the law [m/s2]. */
+/* Returns the acceleration of particle i at x with velocity v by the law [m/s2]. */
 DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
                                    dem_vec (*law)(const dem_force_point *)) {
     const dem_force_point at = dem__field_point(w, i, x, v, time);
     return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
 }
 
-/* A law of torque: -c times the spin relative to the field. In: *spin of a particle [rad/s]; out: the relative one.
-   Returns c [N m s]. NULL: there is no torque. */
+/* A law of torque: -c times the spin relative to the field. *spin: in, of a particle [rad/s]; out, relative to the
+   field. Returns c [N m s]. NULL: no torque. */
 typedef double (*dem__turning_fn)(const dem_force_point *at, dem_vec *spin);
 
-/* The torque of a field on a particle: c and the relative spin, the particle's moment of inertia about that. */
+/* The torque of a field on a particle: c, the relative spin, and the particle's moment of inertia about it. */
 typedef struct dem__turning {
     double c, inertia; /* c = 0: none */
     dem_vec spin;
 } dem__turning;
-/* Returns it for particle i, which spins, or its body, at x. */
-DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin, double time,
+/* Returns the torque on particle i, which spins, or on its body. The velocity of the point does not count. */
+DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, const dem_force_point *at, dem_vec spin,
                                         dem__turning_fn turning) {
-    const dem_force_point at = dem__field_point(w, i, x, dem_vec3(0.0, 0.0, 0.0), time);
     const dem__rigid *r = dem__rigid_of(w, i);
     dem__turning q;
     q.spin = spin, q.c = 0.0, q.inertia = 1.0;
     if (!turning || (!r && !(w->engine->run.features & DEM_FRICTION) && dem__is_zero(spin)))
         return q; /* spheres without friction do not turn */
-    q.c = turning(&at, &q.spin);
+    q.c = turning(at, &q.spin);
     const double square = dem__dot(q.spin, q.spin);
     if (!(q.c > 0.0 && square > 0.0 && square <= DBL_MAX)) {
         q.c = 0.0;
@@ -100,9 +99,9 @@ DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, dem_vec
     return q;
 }
 
-/* Lets the torque act on particle i, or its body, over a time that has passed, at an origin that has just been set.
-   Exact for a sphere of constant c. Returns the energy that it gains [J]. */
-DEM_INLINE double dem__brake(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
+/* Lets the torque act on particle i, or its body, over a past time, at an origin that has just been set. Exact for a
+   sphere if c is constant. Returns the energy gained [J]. */
+DEM_INLINE double dem__apply_drag_torque(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
     dem__rigid *r = dem__rigid_of(w, i);
     const double before = dem__rotational(w, i), y = q->c * passed / q->inertia;
     const double part = y < 1e-3 ? 1.0 - y * (0.5 - y * (1.0 / 6.0 - y / 24.0)) : (1.0 - riddle_exp(-y)) / y;
@@ -114,22 +113,22 @@ DEM_INLINE double dem__brake(dem_world *w, ptrdiff_t i, double passed, const dem
     return dem__rotational(w, i) - before;
 }
 
-/* Returns whether particle i, or its body, has the acceleration of free fall only. */
+/* Returns whether free fall is the only acceleration of particle i, or of its body. */
 DEM_INLINE int dem__falls_freely(const dem_world *w, ptrdiff_t i) {
     return dem__is_zero(dem__sub(dem__centre_pull(w, i), dem__free_fall(w)));
 }
 
 /* Result of one step of a flight. */
 typedef struct dem__flown {
-    dem_vec way;  /* mean gain of velocity: the displacement beyond that at the first velocity, over the time [m/s] */
-    dem_vec gain; /* of velocity, at the end [m/s] */
-    double work;  /* of the field [J] */
-    double error; /* of position [m] */
+    dem_vec way;  /* displacement over time, minus the initial velocity [m/s] */
+    dem_vec gain; /* gain of velocity at the end [m/s] */
+    double work;  /* work of the field [J] */
+    double error; /* error of position [m] */
     int zero;     /* whether the law gave 0 at every stage */
 } dem__flown;
 
-/* Integrates one step of h from x with v at a time: of fifth order, with the error of fourth order (Cash & Karp 1990).
- */
+/* Integrates one step of length h from x with velocity v: of fifth order, with an error estimate of fourth order (Cash
+   & Karp 1990). */
 DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
                                dem_vec (*law)(const dem_force_point *)) {
     enum { STAGES = 6 };
@@ -145,7 +144,7 @@ DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_v
     static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0,
                                           277.0 / 14336.0,  0.25};
     const dem_vec g = dem__free_fall(w), none = dem_vec3(0.0, 0.0, 0.0);
-    dem_vec gain[STAGES], pull[STAGES], off = none, stray = none;
+    dem_vec gain[STAGES], pull[STAGES], off = none, error = none;
     dem__flown q;
     q.way = q.gain = none, q.work = 0.0, q.zero = 1;
     for (int s = 0; s < STAGES; s++) {
@@ -162,13 +161,13 @@ DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_v
         q.gain = dem__plus(q.gain, h * fifth[s], dem__add(g, pull[s]));
         q.work += h * fifth[s] * w->particle[i].mass * dem__dot(pull[s], now);
         off = dem__plus(off, h * (fifth[s] - fourth[s]), gain[s]);
-        stray = dem__plus(stray, h * h * (fifth[s] - fourth[s]), pull[s]);
+        error = dem__plus(error, h * h * (fifth[s] - fourth[s]), pull[s]);
     }
-    q.error = dem__length(off) + dem__length(stray);
+    q.error = dem__length(off) + dem__length(error);
     return q;
 }
 
-/* Returns the number of steps of the world in a time [s], at least one, at most as many as a list can last. */
+/* Returns the number of steps of the world in a time [s], at least one, and at most as many as a list can last. */
 DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
     const double n = time * w->engine->pairs.steps_per_second;
     return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
@@ -176,9 +175,9 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
 
 #define DEM__SLOWS 5e-3 /* share of its spin that a particle may lose in a flight */
 
-/* Chooses the number of steps of a flight from x with v by its error, and computes the flight. A parabola that is right
-   at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first one, times
-   the time squared. */
+/* Chooses the number of steps of a flight from x with velocity v by its error, and computes the flight. A parabola that
+   is right at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first
+   one, times the time squared. */
 DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, const dem__turning *turn,
                                   dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
@@ -194,7 +193,8 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
         const double guess = riddle_cbrt(13.5 * 3.0 * limit / jerk);
         longest = guess < longest ? guess : longest;
     }
-    if (turn->c > 0.0) { /* the spin is that at the beginning of the flight: it must not change much, if it matters */
+    if (turn->c > 0.0) { /* the spin at the beginning counts for the whole flight, so it must not change much if it
+                            matters */
         const double slows = DEM__SLOWS * turn->inertia / turn->c;
         longest = slows < longest && dem__length(turn->spin) * slows > def->accuracy ? slows : longest;
     }
@@ -211,8 +211,8 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     }
 }
 
-/* Begins a flight now, after the torque of the one before. Where the law gives 0 and gave 0 before, and there is no
-   torque, the present parabola stays. */
+/* Begins a flight now, after the torque of the one before. The present parabola stays where the law gives 0 as before,
+   and there is no torque. */
 DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
                                  dem__turning_fn turning) {
     dem__field *field = &w->engine->field;
@@ -220,7 +220,8 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     const dem_vec x = dem__centre_at(w, i, tau),
                   v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
     const dem_vec g = dem__free_fall(w), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
-    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
+    const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
     dem__flown q;
     const int n = dem__choose_flight(w, i, x, v, &turn, &q, law), brakes = turn.c > 0.0 && passed > 0.0;
     const double h = (double)n * dt;
@@ -229,14 +230,14 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
     if (!(q.zero && dem__falls_freely(w, i)) || brakes) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
-        if (brakes) field->booked[i] = -dem__brake(w, i, passed, &turn); /* the next booking adds it */
+        if (brakes) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn); /* the next booking adds it */
     }
     field->end_velocity[i] =
         q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
 }
 
 /* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0
-   to the end. Then computes the velocity at its end and the work. */
+   to the end. If so, computes the velocity at its end and the work. */
 DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
     dem__field *field = &w->engine->field;
     const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX, origin = w->particle[i].origin;
@@ -256,7 +257,7 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
     return 1;
 }
 
-/* Ends the flight of particle i now. Its position is that on the parabola; its velocity is computed anew. */
+/* Ends the flight of particle i now, at its position on the parabola. Its velocity is computed again. */
 DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
                                 dem__turning_fn turning) {
     dem__field *field = &w->engine->field;
@@ -264,9 +265,8 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     const dem_vec a = dem__centre_pull(w, i);
     const double tau = dem__now(w, i), passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
     const dem_vec x = dem__centre_at(w, i, tau), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
-    const dem__turning turn = dem__turning_of(w, i, x, spin, w->time, turning);
     dem_vec v = dem__drift_at(w, i, tau);
-    const int falls = dem__falls_freely(w, i), brakes = turn.c > 0.0 && passed > 0.0;
+    const int falls = dem__falls_freely(w, i);
     field->work[i] = 0.0;
     if (tau > 0.0 && !falls) {
         const dem_vec begun = dem__drift_at(w, i, 0.0);
@@ -275,18 +275,21 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
         v = dem__add(begun, q.gain);
         field->work[i] = q.work;
     }
-    const dem_vec pull = dem__field_pull(w, i, x, v, w->time, law);
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
+    const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
+    const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
+    const int brakes = turn.c > 0.0 && passed > 0.0;
     field->force[i] = dem__scale(w->particle[i].mass, pull);
     field->until[i] = DEM__NO_FLIGHT;
     if (falls && dem__is_zero(pull) && !brakes) return; /* the same bits as without a field */
     dem__begin_parabola(w, i, x, v, a);
-    if (brakes) field->work[i] += dem__brake(w, i, passed, &turn);
+    if (brakes) field->work[i] += dem__apply_drag_torque(w, i, passed, &turn);
     dem__free_acceleration(w, i);
     if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
 }
 
 /* Adds the law's force and torque on particle i, which takes steps, at its position after a step of h and at the
-   velocity predicted for it. The force on a body is added where its forces are summed up. */
+   velocity predicted for it. The force on a body is added where its forces are summed. */
 DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *),
                                      dem__turning_fn turning) {
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -297,15 +300,16 @@ DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_ve
         w->engine->field.force[i] = none;
         return;
     }
-    const dem_vec pull = dem__field_pull(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
-                                         dem__time_of(w, w->step + (h > 0.0)), law);
+    const dem_force_point at =
+        dem__field_point(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
+                         dem__time_of(w, w->step + (h > 0.0)));
+    const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
     const dem_vec force = dem__scale(p->mass, pull);
     double *load = w->engine->bodies.sum[i].load;
     if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
     w->engine->field.force[i] = force;
     if (!turning) return;
-    const dem__turning turn =
-        dem__turning_of(w, i, r ? r->x : p->x, p->spin, dem__time_of(w, w->step + (h > 0.0)), turning);
+    const dem__turning turn = dem__turning_of(w, i, &at, p->spin, turning);
     const dem_vec torque = turn.c > 0.0 ? dem__scale(-turn.c, turn.spin) : none;
     load[3] += torque.x, load[4] += torque.y, load[5] += torque.z;
     w->engine->field.torque[i] = torque;

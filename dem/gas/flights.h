@@ -1,4 +1,4 @@
-/* Flights in a force field within a step: which begin and end, their timers and bounds, their work; setting a field. */
+/* Flights in a force field within a step: their begin and end, timers, bounds and work; and setting a field. */
 #pragma once
 #include "../step/integrate.h"
 #include "../records/groups.h"
@@ -20,8 +20,7 @@ static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff
     dem__in_parts(w, dem__parts(w, 4 * n), n, dem__run_field_range, &q);
 }
 
-/* Returns the work of the field along a flight until now [J]: the energy that the particle has gained since its origin.
- */
+/* Returns the work of the field along a flight so far [J]: the energy that the particle has gained since its origin. */
 static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
     const double tau = dem__now(w, i);
     const dem_vec u = dem__drift_at(w, i, 0.0), v = dem__drift_at(w, i, tau), g = dem__free_fall(w);
@@ -35,14 +34,15 @@ DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) {
     return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING && dem__leads(w, i);
 }
 
-/* Takes the work of the field on all flights until now as booked: the ledger begins, or flights are known anew. */
-static inline void dem__begin_books(dem_world *w) {
+/* Treats the work of the field on all flights so far as booked, because the ledger begins or all flights have been
+   found again. */
+static inline void dem__begin_field_ledger(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (dem__is_flying(w, i)) w->engine->field.booked[i] = dem__flight_gain(w, i);
     }
 }
 
-/* Books the work of the field on all flights until now, or only on those of particles that leave. */
+/* Books the work of the field on all flights so far, or only on those of particles that leave. */
 static inline void dem__book_flights(dem_world *w, int leaving) {
     dem__field *field = &w->engine->field;
     for (ptrdiff_t i = 0; i < w->count && w->engine->ledger.on; i++) {
@@ -53,8 +53,8 @@ static inline void dem__book_flights(dem_world *w, int leaving) {
     }
 }
 
-/* Returns how far the velocity of particle k, which flies with i, can be from that of its bound until the end of the
-   flight [m/s]. */
+/* Returns how far the velocity of particle k, which flies with i, can depart from that of its bound until the end of
+   the flight [m/s]. */
 DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const dem__field *field = &w->engine->field;
     const dem__bound *c = &w->engine->bodies.bound[k];
@@ -66,11 +66,12 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
                  there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
     const double most = here > there ? here : there;
-    const double swing = r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
-    return (most > end ? most : end) + swing;
+    const double turning_speed =
+        r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
+    return (most > end ? most : end) + turning_speed;
 }
 
-/* Sets a bound for particle k, which flies with i, that holds for about DEM__FLIGHTS flights like this one. */
+/* Sets a bound for particle k, which flies with i. It holds for about DEM__FLIGHTS flights like this one. */
 static inline void dem__bound_flight(dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const dem__field *field = &w->engine->field;
     const dem__pairs *pairs = &w->engine->pairs;
@@ -95,7 +96,7 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
     dem__field *field = &w->engine->field;
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
-    dem__outcome news = dem__no_outcome(w);
+    dem__outcome outcome = dem__no_outcome(w);
     ptrdiff_t reset = 0;
     for (ptrdiff_t q = 0; q < n; q++) {
         const int32_t i = list[q];
@@ -112,17 +113,17 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
             dem__bound_flight(w, i, k);
             w->engine->scratch.index[reset++] = k;
             if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted,
-                                 &news))
+                                 &outcome))
                 dem__advance_wall_timers(w, k, w->step);
         }
     }
-    dem__apply_outcome(w, &news);
+    dem__apply_outcome(w, &outcome);
     dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
     return w->status == DEM_OK;
 }
 
-/* Returns whether particle i, which takes steps, has the acceleration without contacts and without the field. A body
-   never has. */
+/* Returns whether particle i, which takes steps, has the acceleration that it has without contacts and without the
+   field. Always 0 for a body. */
 static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
     if (dem__rigid_of(w, i)) return 0;
     const dem_vec a =
@@ -148,7 +149,7 @@ static inline int dem__list_flights(dem_world *w) {
     return dem__follow_flights(w, field->timers.list, n);
 }
 
-/* Prepares a run: begins anew the flights that the caller has changed, and those of new particles. Returns 0 after a
+/* Prepares a run: begins the flights of new particles, and again those that the caller has changed. Returns 0 after a
    failure. */
 static inline int dem__prepare_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
@@ -166,12 +167,12 @@ static inline int dem__prepare_flights(dem_world *w) {
     }
     dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
     dem__run_field(w, field->timers.list, n, DEM__RENEW_FLIGHTS, 0.0);
-    dem__begin_books(w);
+    dem__begin_field_ledger(w);
     field->steppers = 0;
     return dem__list_flights(w);
 }
 
-/* Continues flights that are over by new ones, before a step. Returns 0 after a failure. */
+/* Begins the next flight where one is over, before a step. Returns 0 after a failure. */
 static inline int dem__continue_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     ptrdiff_t n, flying = 0;
@@ -208,7 +209,7 @@ static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
     }
 }
 
-/* Books half of the work of the present forces on the particles that take steps. */
+/* Books half of the work that the present forces do on the particles that take steps. */
 static inline void dem__book_stepping(dem_world *w, double h) {
     for (ptrdiff_t k = 0; k < w->engine->bodies.active_count && w->engine->ledger.on && h > 0.0; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
@@ -219,7 +220,7 @@ static inline void dem__book_stepping(dem_world *w, double h) {
 }
 
 /* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the
-   work by the mean of the forces at both ends. */
+   work from the mean of the forces at both ends. */
 static inline void dem__add_field_forces(dem_world *w, double h) {
     dem__field *field = &w->engine->field;
     const dem__bodies *bodies = &w->engine->bodies;
@@ -231,7 +232,7 @@ static inline void dem__add_field_forces(dem_world *w, double h) {
     dem__book_stepping(w, h);
 }
 
-/* Begins flights of particles whose last contact is over, after a step. Returns 0 after a failure. */
+/* Begins flights of particles whose last contact has ended, after a step. Returns 0 after a failure. */
 static inline int dem__begin_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     int32_t *list = field->stepping;
@@ -251,12 +252,13 @@ static inline int dem__begin_flights(dem_world *w) {
     return dem__follow_flights(w, list, n);
 }
 
-/* Returns what velocities on the parabola of a flight in a force field lack [m/s]. The parabola has the right places at
-   both ends, but not the right velocities; the error at its end shows how the acceleration changes. */
+/* Returns the error of a velocity on the parabola of a flight in a force field [m/s]. The parabola has the right
+   positions at both ends, but not the right velocities. The error at its end shows how the acceleration changes along
+   it. */
 static inline dem_vec dem__velocity_error_in_field(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__field *field = &w->engine->field;
     const dem__rigid *r = dem__rigid_of(w, i);
-    const ptrdiff_t first = r ? r->first : i; /* has the flight */
+    const ptrdiff_t first = r ? r->first : i; /* the flight belongs to the first particle */
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
     if (w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
     const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
@@ -277,7 +279,7 @@ static inline void dem__correct_velocity_in_field(dem_world *w, ptrdiff_t i, dem
 
 /* ---- the feature ---- */
 
-/* Lists the arrays of particles in a force field. Returns their number. */
+/* Lists the arrays of particles in a force field. Returns how many. */
 static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
     dem__field *field = &w->engine->field;
     const dem__array arrays[] = {{&field->until, sizeof *field->until},
@@ -300,13 +302,13 @@ static inline void dem__add_unflown(dem_world *w, ptrdiff_t i) {
     w->engine->field.force[i] = w->engine->field.torque[i] = dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* A field without a law: after loading dem_set_force_field comes first. */
+/* Refuses a run in a field without a law: after loading, dem_set_force_field must come first. */
 static inline dem_status dem__check_field(const dem_world *w, const dem_kernel *kernel) {
     (void)kernel;
     return w->engine->field.def.kernel ? DEM_OK : DEM_NO_FIELD;
 }
 
-/* Continues flights that are over, so that a caller who changes particles finds none. */
+/* Begins the next flight where one is over, so that a caller who changes particles finds none that is over. */
 static inline int dem__end_run_in_field(dem_world *w, int going) {
     if (going) going = dem__continue_flights(w);
     dem__book_flights(w, 0);
@@ -353,7 +355,7 @@ static inline dem__feature dem__feature_field(void) {
     f.add_particle = dem__add_unflown;
     f.check_run = dem__check_field;
     f.prepare_run = dem__prepare_flights;
-    f.begin_ledger = dem__begin_books;
+    f.begin_ledger = dem__begin_field_ledger;
     f.end_run = dem__end_run_in_field;
     f.begin_step = dem__continue_flights;
     f.contacts_begun = dem__end_flights;
@@ -378,7 +380,7 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
     return field;
 }
 
-/* Removes the field: particles in flight fall freely from now on. */
+/* Removes the field. Particles in flight fall freely from here on. */
 static inline void dem__drop_field(dem_world *w) {
     dem__field *field = &w->engine->field;
     for (ptrdiff_t i = 0; i < w->count && field->on; i++) {
@@ -409,7 +411,7 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
         if (status != DEM_OK) return status;
         w->engine->field.on = 1;
     }
-    if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are those of the field already */
+    if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are already those of the field */
     w->engine->field.def = *field;
     w->engine->run.needs_lists = 1;
     return DEM_OK;

@@ -105,7 +105,7 @@ DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, 
     }
     for (ptrdiff_t k = 0; k < all; k++) {
         const ptrdiff_t at[3] = {k % row, k / row % gas->n[1], k / layer};
-        double room = size; /* volume of the node: half a cell less at a face of the grid */
+        double room = size; /* volume of the node; half a cell less at a face of the grid */
         for (int a = 0; a < 3; a++) room *= at[a] == 0 || at[a] == gas->n[a] - 1 ? 0.5 : 1.0;
         const double left = 1.0 - porosity[k] / room;
         porosity[k] = left > 0.2 ? left : 0.2;

@@ -2,10 +2,11 @@
 #pragma once
 #include "../base/vectors.h"
 
-/* A law of drag: returns the drag coefficient times the Reynolds number, c_D Re [-], of a particle among others. For Re
-   = density porosity |slip| d/viscosity, d the diameter of the sphere of equal volume, slip the velocity of the gas
-   between the particles minus the particle's. The force is (pi/8) viscosity d (c_D Re) slip, apart from the pressure
-   gradient: finite, and right, at rest. porosity: 0 < .. <= 1. NaN outside: Re < 0, another porosity. */
+/* A law of drag. Returns the drag coefficient times the Reynolds number, c_D Re [-], for a particle among others. Re =
+   density porosity |slip| d/viscosity, where d is the diameter of the sphere of equal volume, and slip the velocity of
+   the gas between the particles minus that of the particle. Apart from the pressure gradient, the force is (pi/8)
+   viscosity d (c_D Re) slip, which is finite and right at rest, too. porosity: 0 < .. <= 1. NaN for Re < 0 or another
+   porosity. */
 typedef double (*dem_drag_fn)(double reynolds, double porosity, const dem_gas *gas);
 
 /* Returns x^power of x > 0. */
@@ -20,43 +21,43 @@ DEM_INLINE double dem_di_felice(double reynolds) {
     const double off = 1.5 - riddle_log(reynolds) / 2.302585092994045684; /* infinite at rest, where chi is 3.7 */
     return reynolds > 0.0 ? 3.7 - 0.65 * riddle_exp(-0.5 * off * off) : 3.7;
 }
-/* Returns by what other particles raise c_D Re of a single one (Di Felice 1994): porosity^(1 - chi), where both have the
-   superficial slip, and the force counts on the slip between the particles; 1 alone. A law for single particles is
-   multiplied by it. */
+/* Returns the factor by which other particles raise c_D Re of a single one (Di Felice 1994): porosity^(1 - chi), for
+   c_D Re at the superficial slip and a force that acts on the slip between the particles; 1 alone. Multiply a law for
+   single particles by it. */
 DEM_INLINE double dem_hindrance_di_felice(double reynolds, double porosity) {
     if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
     return porosity < 1.0 ? dem__drag_power(porosity, 1.0 - dem_di_felice(reynolds)) : 1.0;
 }
 
-/* Returns c_D Re of single spheres by Schiller & Naumann 1933; beyond Re = 1000 by Newton's 0.44. */
+/* Returns c_D Re of a single sphere by Schiller & Naumann 1933; above Re = 1000 by Newton's 0.44. */
 DEM_INLINE double dem__drag_of_sphere(double reynolds) {
     if (reynolds > 1000.0) return 0.44 * reynolds;
     return reynolds > 0.0 ? 24.0 + 3.6 * dem__drag_power(reynolds, 0.687) : 24.0;
 }
 
-/* Returns c_D Re by Stokes 1851, among others by Di Felice. */
+/* Returns c_D Re by Stokes 1851; among other particles times Di Felice's factor. */
 DEM_INLINE double dem_drag_stokes(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     return 24.0 * dem_hindrance_di_felice(reynolds, porosity);
 }
 
-/* Returns c_D Re by Schiller & Naumann 1933, for spheres, beyond Re = 1000 by Newton's 0.44; among others by Di Felice.
- */
+/* Returns c_D Re of spheres by Schiller & Naumann 1933, above Re = 1000 by Newton's 0.44; among other particles times
+   Di Felice's factor. */
 DEM_INLINE double dem_drag_schiller_naumann(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     const double hindrance = dem_hindrance_di_felice(reynolds, porosity); /* NaN outside the domain */
     return dem__drag_of_sphere(reynolds) * hindrance;
 }
 
-/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among others by Di
-   Felice. */
+/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among other particles
+   times Di Felice's factor. */
 DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, double porosity, const dem_gas *gas) {
     const double alone = gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
     return alone * dem_hindrance_di_felice(reynolds, porosity);
 }
 
-/* Returns c_D Re by Gidaspow 1994, for spheres: below a porosity of 0.8 by Ergun 1952, from there on by Wen & Yu 1966.
-   It jumps there. */
+/* Returns c_D Re of spheres by Gidaspow 1994: below a porosity of 0.8 by Ergun 1952, from 0.8 on by Wen & Yu 1966. It
+   jumps there. */
 DEM_INLINE double dem_drag_gidaspow(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
@@ -65,13 +66,14 @@ DEM_INLINE double dem_drag_gidaspow(double reynolds, double porosity, const dem_
     return porosity < 1.0 ? alone * dem__drag_power(porosity, -2.65) : alone;
 }
 
-/* Returns c_D Re by Beetstra, van der Hoef & Kuipers 2007, eq. 16, for spheres: from lattice-Boltzmann simulations with
+/* Returns c_D Re of spheres by Beetstra, van der Hoef & Kuipers 2007, eq. 16, from lattice-Boltzmann simulations with
    porosities of 0.4 and more, Re up to 1000. */
 DEM_INLINE double dem_drag_beetstra(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
     const double solid = 1.0 - porosity, square = porosity * porosity;
-    double force = 10.0 * solid / square + square * (1.0 + 1.5 * sqrt(solid)); /* over 3 pi viscosity d (superficial) */
+    /* divided by 3 pi viscosity d (superficial slip) */
+    double force = 10.0 * solid / square + square * (1.0 + 1.5 * sqrt(solid));
     if (reynolds > 0.0) {
         const double ten = 2.302585092994045684, log_re = riddle_log(reynolds);
         const double sum = 1.0 / porosity + 3.0 * porosity * solid + 8.4 * riddle_exp(-0.343 * log_re);
@@ -81,9 +83,9 @@ DEM_INLINE double dem_drag_beetstra(double reynolds, double porosity, const dem_
     return 24.0 * porosity * force;
 }
 
-/* Returns c_D Re by Hill, Koch & Ladd 2001 (Koch & Hill 2001), for spheres: F0 + F3 Re/2, from lattice-Boltzmann
-   simulations with porosities of 0.36 and more, Re up to 240. Their F contains the pressure gradient's part, 1 -
-   porosity of it. In dilute gas it is only right at small Re. */
+/* Returns c_D Re of spheres by Hill, Koch & Ladd 2001 (Koch & Hill 2001): F0 + F3 Re/2, from lattice-Boltzmann
+   simulations with porosities of 0.36 and more, Re up to 240. Their F contains the part of the pressure gradient, 1 -
+   porosity of it. In dilute gas the law is right only at small Re. */
 DEM_INLINE double dem_drag_koch_hill(double reynolds, double porosity, const dem_gas *gas) {
     (void)gas;
     if (!dem__is_drag(reynolds, porosity)) return (double)NAN;
@@ -112,7 +114,7 @@ DEM_INLINE dem__gas_frame dem__gas_frame_at(const dem_gas *gas, double time) {
     }
     return f;
 }
-/* Returns v turned by the frame's angle, or with sign -1 turned back. */
+/* Returns v turned by the frame's angle, or turned back with sign -1. */
 DEM_INLINE dem_vec dem__turned(const dem_gas *gas, const dem__gas_frame *f, dem_vec v, double sign) {
     const double along = (1.0 - f->c) * dem__dot(gas->axis, v);
     return dem__plus(dem__plus(dem__scale(f->c, v), sign * f->s, dem__cross(gas->axis, v)), along, gas->axis);
@@ -171,8 +173,7 @@ DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, c
     return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
 }
 
-/* Returns the force of a gas on a particle [N]: drag, alone or among others, pressure gradient, buoyancy; 0 beyond the
-   grid. */
+/* Returns the force of a gas on a particle [N]: drag, pressure gradient, buoyancy; 0 beyond the grid. */
 DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
     const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
     const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
@@ -215,8 +216,8 @@ DEM_INLINE dem_vec dem__gas_curl(const dem_gas *gas, const dem__gas_cell *cell) 
     return dem_vec3(curl[0], curl[1], curl[2]);
 }
 
-/* Returns the coefficient c of the torque -c (spin - spin of the gas) on a sphere of a particle's volume [N m s]: pi
-   viscosity d^3 up to Re = density d^2 spin/viscosity = 32 (Stokes), beyond that by Dennis, Singh & Ingham 1980; 0
+/* Returns the coefficient c of the torque -c (spin - spin of the gas) on a sphere of the particle's volume [N m s]: pi
+   viscosity d^3 up to Re = density d^2 spin/viscosity = 32 (Stokes), above that by Dennis, Singh & Ingham 1980; 0
    beyond the grid. The gas turns with its frame, and with half the curl of its velocity. *spin: in, of the particle
    [rad/s]; out, relative to the gas. */
 DEM_INLINE double dem__gas_turning(const dem_force_point *at, dem_vec *spin) {
@@ -230,12 +231,12 @@ DEM_INLINE double dem__gas_turning(const dem_force_point *at, dem_vec *spin) {
     *spin = dem__plus(*spin, -gas->spin, gas->axis);
     if (gas->velocity) *spin = dem__plus(*spin, -0.5, dem__turned(gas, &f, dem__gas_curl(gas, &cell), 1.0));
     const double reynolds = gas->density * d * d * dem__length(*spin) / gas->viscosity;
-    const double over = (12.9 * sqrt(reynolds) + 128.4) / (64.0 * RIDDLE_PI); /* Stokes's torque */
+    const double over = (12.9 * sqrt(reynolds) + 128.4) / (64.0 * RIDDLE_PI); /* over Stokes's torque */
     return RIDDLE_PI * gas->viscosity * d * d * d * (over > 1.0 ? over : 1.0);
 }
 
-/* Makes the kernel of a force field of drag in a gas from a law of drag: DEM_GAS(name, dem_drag_schiller_naumann), or
-   one of yours. */
+/* Makes the kernel of a force field from a law of drag in a gas: DEM_GAS(name, dem_drag_schiller_naumann), or a law of
+   your own. */
 #define DEM_GAS(name, drag)                                                                                            \
     DEM_INLINE dem_vec name##_force(const dem_force_point *at) {                                                       \
         return dem_gas_force(at, (const dem_gas *)at->user, drag);                                                     \

@@ -1,4 +1,4 @@
-/* The energy ledger as a feature of a world: when it begins, pauses and goes on, its balance, and what a save keeps. */
+/* The energy ledger as a feature of a world: when it begins, pauses and resumes, its balance, and what a save keeps. */
 #pragma once
 #include "../contacts/forces.h"
 #include "../records/groups.h"
@@ -44,8 +44,8 @@ static inline int dem__list_contact_arrays_of_ledger(dem_world *w, dem__array *l
     return n;
 }
 
-/* Begins, pauses or resumes the ledger. Changes in a pause are in no sum; the start is moved, so that they are no error
-   either. */
+/* Begins, pauses or resumes the ledger. Changes during a pause enter no sum. The start is shifted by them, so that they
+   count as no error either. */
 static inline void dem__switch_ledger(dem_world *w, const dem_kernel *kernel) {
     dem__ledger *ledger = &w->engine->ledger;
     const int counts = (w->engine->run.features & DEM_ENERGY) != 0;
@@ -56,27 +56,27 @@ static inline void dem__switch_ledger(dem_world *w, const dem_kernel *kernel) {
     if (counts && ledger->started) ledger->sums.start += dem_energy(w).error - ledger->paused_error;
 }
 
-/* Opens the books at the first run with a ledger. */
+/* Starts the ledger in the first run that keeps one. */
 static inline void dem__open_ledger(dem_world *w) {
     dem__ledger *ledger = &w->engine->ledger;
     if (!ledger->counts || ledger->started) return;
     ledger->started = 1;
-    memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked */
+    memset(&ledger->sums, 0, sizeof ledger->sums); /* a run that failed may have booked something */
     DEM__TELL(w, begin_ledger, (w));
     const dem_energy_ledger now = dem_energy(w);
     ledger->sums.start = now.kinetic + now.rotational + now.elastic + now.potential;
     ledger->sums.start_potential = now.potential;
 }
 
-/* Book the energy that contacts store by changes of the caller between runs: new contacts, changed constants. */
+/* Book the energy that contacts gain or lose by changes of the caller between runs: new contacts, other constants. */
 static inline void dem__note_stored(dem_world *w) { w->engine->ledger.stored_before = dem__stored_energy(w); }
 static inline void dem__book_stored(dem_world *w) {
     dem__ledger *ledger = &w->engine->ledger;
     if (ledger->started) ledger->sums.added += dem__stored_energy(w) - ledger->stored_before;
 }
 
-/* Contacts that begin have stored nothing. Books are sums in the order of memory, whenever lists were built. */
-static inline void dem__begin_books_of_contacts(dem_world *w, ptrdiff_t begun) {
+/* Contacts that begin have stored nothing. Sums are taken in the order of memory, whenever lists were built. */
+static inline void dem__begin_contact_ledger(dem_world *w, ptrdiff_t begun) {
     dem__contacts *contacts = &w->engine->contacts;
     for (ptrdiff_t k = 0; k < begun; k++) {
         const int32_t c = contacts->slots[k];
@@ -136,7 +136,7 @@ static inline dem__feature dem__feature_ledger(void) {
     f.find_forces = dem__note_stored;
     f.forces_found = dem__book_stored;
     f.begin_run = dem__open_ledger;
-    f.contacts_begun = dem__begin_books_of_contacts;
+    f.contacts_begun = dem__begin_contact_ledger;
     f.add_forces = dem__book_step;
     f.end_contact = dem__book_contact_end;
     f.world_fields = dem__world_fields_of_ledger;

@@ -1,8 +1,9 @@
-/* What the ledger books of contacts: energy that they store and dissipate, work of walls, loads and fixed particles. */
+/* What the ledger books for contacts: energy that they store and dissipate, work of walls, loads and fixed
+   particles. */
 #pragma once
 #include "../contacts/contacts.h"
 
-/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it;
+/* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it,
    otherwise as sliding loss, because its tangential spring is released. */
 static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
@@ -13,7 +14,7 @@ static inline void dem__book_contact_end(dem_world *w, ptrdiff_t c) {
     else sums->sliding_loss += w->engine->contacts.elastic[c];
 }
 
-/* Returns the energy stored in all contacts [J]; 0 while no ledger is kept. */
+/* Returns the energy stored in all contacts [J]; 0 without a ledger. */
 static inline double dem__stored_energy(const dem_world *w) {
     double sum = 0.0;
     if (!w->engine->ledger.counts) return sum;
@@ -21,7 +22,7 @@ static inline double dem__stored_energy(const dem_world *w) {
     return sum;
 }
 
-/* Books the work of fixed particle i by its motion in a step, by the trapezoidal rule. */
+/* Books the work that fixed particle i does by its motion in a step, by the trapezoidal rule. */
 static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
     const dem__bodies *bodies = &w->engine->bodies;
     const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;

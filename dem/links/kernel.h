@@ -26,7 +26,7 @@ DEM_INLINE void dem__add_links(dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     }
 }
 
-/* Gathers the block of n links from base on, and prefetches those after it. */
+/* Gathers the block of n links from base on, and prefetches the next block. */
 DEM_INLINE void dem__gather_links(const dem_world *w, dem__work *x, ptrdiff_t base, int n, ptrdiff_t end) {
     const dem__links *links = &w->engine->links;
     x->walls = 0;

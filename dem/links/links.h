@@ -1,6 +1,5 @@
-/* Links, which have a step of their own: setting them and adding one, and their step. Reads bodies and the law of
-   links; writes links, the loads and velocities of bodies. dem_set_links adds the feature to a
-   world. */
+/* Links: setting their law, adding one, and their own step. Reads bodies and the law of links; writes links, and the
+   loads and velocities of bodies. dem_set_links adds the feature to a world. */
 #pragma once
 #include "../bodies/rigid.h"
 #include "getters.h"
@@ -19,13 +18,14 @@ static inline void dem__evaluate_links(dem_world *w) {
     dem__in_parts(w, dem__link_parts(w), (n + DEM__BLOCK - 1) / DEM__BLOCK, dem__evaluate_links_range, NULL);
 }
 
-/* Returns whether particle i has links, or its load contains forces of links. */
+/* Returns whether particle i has links, or its load still contains forces of links. */
 DEM_INLINE int dem__is_linked(const dem_world *w, ptrdiff_t i) {
     return w->engine->links.first_link[i] >= 0 || w->engine->links.is_loaded[i];
 }
 
 /* Applies half of the change of its links' forces to a body; the old forces are in the sums. In flight, the old torque
-   is that of the place where it was computed; for a body that takes steps, both are taken at the present place. */
+   belongs to the position where it was computed. For a body that takes steps, both torques are taken at the present
+   position. */
 static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double half) {
     const dem__bodies *bodies = &w->engine->bodies;
     dem_vec force, torque, more = dem_vec3(0.0, 0.0, 0.0), turning = more;
@@ -48,8 +48,8 @@ static inline void dem__kick_linked_body(dem_world *w, dem__rigid *r, double hal
     dem__place_pieces(w, r);
 }
 
-/* Estimates how far links change the velocity of particle i of a rigid body until they are evaluated again [m/s], from
-   their present forces. */
+/* Estimates from the present forces how far links change the velocity of particle i of a rigid body until they are
+   evaluated again [m/s]. */
 static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *r, ptrdiff_t i) {
     const dem_vec m = r->moments;
     const double least = m.x < m.y ? (m.x < m.z ? m.x : m.z) : m.y < m.z ? m.y : m.z;
@@ -59,8 +59,8 @@ static inline double dem__body_link_drift(const dem_world *w, const dem__rigid *
            (dem__length(force) / r->mass + dem__length(torque) * dem__length(w->engine->bodies.offset[i]) / least);
 }
 
-/* Estimates how far links change the velocity of particle i until they are evaluated again [m/s], from their present
-   forces. */
+/* Estimates from the present forces how far links change the velocity of particle i until they are evaluated again
+   [m/s]. */
 DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) return dem__body_link_drift(w, r, i);
@@ -74,8 +74,8 @@ DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
     return 0.5 * p->mass * dem__dot(p->v, p->v) + 0.5 * dem__inertia(w, i) * dem__dot(p->spin, p->spin);
 }
 
-/* Makes the present step the origin of a linked particle, books the work of its links until now, and moves its load to
-   the sums. */
+/* Makes the present step the origin of a linked particle, books the work of its links so far, and moves its load to the
+   sums. */
 static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
@@ -92,8 +92,8 @@ static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     memcpy(bodies->load[i], bodies->external[i], sizeof bodies->load[i]);
 }
 
-/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked at
-   its first linked particle. */
+/* Applies half of the change of its links' forces to a particle; the old forces are in the sums. A body is kicked when
+   its first linked particle is. */
 static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem__sum *sum = &w->engine->bodies.sum[i];
     const double *load = w->engine->bodies.load[i];
@@ -119,8 +119,9 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
 /* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a
    new one. */
 static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
-    const double strayed = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
-    if (strayed < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i)) dem__set_tolerance_left(w, i, strayed);
+    const double deviation = dem__length(dem__deviation(w, i, dem__since_listed(w, w->step)));
+    if (deviation < w->engine->bodies.bound[i].tolerance - dem__link_drift(w, i))
+        dem__set_tolerance_left(w, i, deviation);
     else {
         const int32_t one = (int32_t)i;
         dem__renew_bound(w, i, w->step);
@@ -128,8 +129,8 @@ static inline void dem__check_linked(dem_world *w, ptrdiff_t i) {
     }
 }
 
-/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations; each
-   evaluation corrects the velocities to the mean of the old force and the new one. */
+/* Advances links by velocity Verlet with a step of their own. Their forces are constant between two evaluations. Each
+   evaluation corrects the velocities to the mean of the old and the new force. */
 static inline void dem__step_links(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -189,7 +190,8 @@ static inline void dem__add_unlinked(dem_world *w, ptrdiff_t i) {
     w->engine->links.is_loaded[i] = 0;
 }
 
-/* Ends the links of a particle that leaves, from the highest slot on: the order of its list depends on the history. */
+/* Ends the links of a particle that leaves, from the highest slot down, because the order of its list depends on the
+   history. */
 static inline void dem__cut_links_of(dem_world *w, ptrdiff_t i) {
     dem__book_link_work(w, dem__link_work(w, i));
     while (w->engine->links.first_link[i] >= 0) dem__cut_link(w, dem__last_link(w, i));
@@ -204,18 +206,18 @@ static inline void dem__renumber_links(dem_world *w, const int32_t *number) {
     }
 }
 
-/* Links without a law: after loading dem_set_links comes first. */
+/* Refuses a run with links that have no law: after loading, dem_set_links must come first. */
 static inline dem_status dem__check_links(const dem_world *w, const dem_kernel *kernel) {
     (void)kernel;
     return w->engine->links.count > 0 && !w->engine->links.law ? DEM_LAW_MISMATCH : DEM_OK;
 }
 
-static inline void dem__begin_books_of_links(dem_world *w) { dem__resume_link_work(w, dem__all_particles(w)); }
+static inline void dem__begin_link_ledger(dem_world *w) { dem__resume_link_work(w, dem__all_particles(w)); }
 
-/* Finds the links of each particle for a new list, whose margin must be far larger than their reach. */
+/* Finds the links of each particle for a new list. Its skin must be far larger than the reach of links. */
 static inline dem_status dem__relist_links(dem_world *w) {
     const dem__links *links = &w->engine->links;
-    if (!(links->near <= 0.01 * w->engine->pairs.margin) && links->count > 0) return DEM_BAD_DEFINITION;
+    if (!(links->near <= 0.01 * w->engine->pairs.skin) && links->count > 0) return DEM_BAD_DEFINITION;
     dem__find_links(w);
     return DEM_OK;
 }
@@ -229,7 +231,7 @@ static inline int dem__is_linked_with(const dem_world *w, ptrdiff_t i, ptrdiff_t
     return dem__link_of(w, i, j, element) >= 0;
 }
 
-static inline void dem__open_books_of_links(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums) {
+static inline void dem__open_link_ledger(const dem_world *w, ptrdiff_t i, dem_energy_ledger *sums) {
     sums->link_work += dem__link_work(w, i);
 }
 
@@ -246,14 +248,14 @@ static inline dem__feature dem__feature_links(void) {
     f.remove_particle = dem__cut_links_of;
     f.renumber = dem__renumber_links;
     f.check_run = dem__check_links;
-    f.begin_ledger = dem__begin_books_of_links;
+    f.begin_ledger = dem__begin_link_ledger;
     f.listed = dem__relist_links;
     f.drift = dem__drift_by_links;
     f.begins_early = dem__is_linked_with;
     f.end_step = dem__end_step_with_links;
     f.forces = dem_link_count;
     f.force = dem_get_link;
-    f.open_books = dem__open_books_of_links;
+    f.open_books = dem__open_link_ledger;
     f.world_fields = dem__world_fields_of_links;
     f.particle_fields = dem__particle_fields_of_links;
     f.save = dem__save_links;
@@ -280,15 +282,15 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
         if (status != DEM_OK) return status;
         for (ptrdiff_t i = 0; i < w->count; i++) dem__add_unlinked(w, i);
     }
-    dem__pieces others = dem__all_particles(w); /* whose work is counted with another interval from now on */
-    if (links->on && links->interval == interval) others.end = others.first; /* a loaded world whose law is set again */
+    dem__pieces others = dem__all_particles(w); /* from here on their work is counted with another interval */
+    if (links->on && links->interval == interval) others.end = others.first; /* a loaded world gets its law again */
     links->on = 1;
     links->law = law, links->mark = dem__law_mark(law);
     links->loop = kernel->loop;
     links->interval = interval;
     if (links->near != near) w->engine->run.needs_lists = 1;
     links->near = w->engine->pairs.touch_gap = near;
-    if (law->states != links->states) { /* other arrays: dem_add_link allocates them */
+    if (law->states != links->states) { /* other arrays, which dem_add_link allocates */
         dem__release(&w->def.allocator, links->block, links->bytes);
         links->block = NULL;
         links->capacity = 0;

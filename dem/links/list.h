@@ -1,8 +1,8 @@
-/* The links of each particle, in lists: a link is in those of both of its bodies. */
+/* The links of each particle, in lists. A link is in the lists of both of its bodies. */
 #pragma once
 #include "../removal/remove.h"
 
-/* Lists the arrays of links. Returns their number. */
+/* Lists the arrays of links. Returns how many. */
 static inline int dem__link_arrays(dem_world *w, dem__array *list) {
     dem__links *links = &w->engine->links;
     int n = 0;
@@ -22,7 +22,7 @@ DEM_INLINE int32_t dem__next_link(const dem_world *w, int32_t k, ptrdiff_t i) {
     return links->i[k] == i ? links->next_i[k] : links->next_j[k];
 }
 
-/* Returns the link of particle i with body j (a wall: -1 - index) at an element of it, or -1. */
+/* Returns the link of particle i with body j (a wall: -1 - index) at one of its elements, or -1. */
 static inline int32_t dem__link_of(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int32_t element) {
     const dem__links *links = &w->engine->links;
     int32_t k = links->first_link[i];
@@ -66,14 +66,14 @@ static inline void dem__unlist_link(dem_world *w, int32_t k, int32_t i, int32_t 
     *at = replacement >= 0 ? replacement : dem__next_link(w, k, i);
 }
 
-/* Returns the highest slot of a particle's links. The order of its list depends on the history of the scene. */
+/* Returns the highest slot of a particle's links, because the order of its list depends on the history of the scene. */
 static inline int32_t dem__last_link(const dem_world *w, ptrdiff_t i) {
     int32_t last = -1;
     for (int32_t k = w->engine->links.first_link[i]; k >= 0; k = dem__next_link(w, k, i)) last = k > last ? k : last;
     return last;
 }
 
-/* Ends link k; the last link takes its slot. Its force acts until links are evaluated next. */
+/* Ends link k; the last link takes its slot. Its force acts until links are evaluated again. */
 static inline void dem__cut_link(dem_world *w, int32_t k) {
     const int32_t i = w->engine->links.i[k], j = w->engine->links.j[k], last = (int32_t)w->engine->links.count - 1;
     dem__report_end(w, w->engine->links.law, k);

@@ -1,4 +1,4 @@
-/* The work of links on particles, which the energy ledger books: their forces are constant between two evaluations. */
+/* The work of links on particles, which the energy ledger books. Their forces are constant between two evaluations. */
 #pragma once
 #include "../particles/particles.h"
 
@@ -13,7 +13,7 @@ DEM_INLINE double dem__since_evaluated(const dem_world *w) {
     return w->engine->run.dt * (double)(w->step - w->engine->links.evaluated_step);
 }
 
-/* Returns the work of the link forces on particle i, which is at x and has a spin, since they were evaluated [J]. */
+/* Returns the work of the link forces on particle i, which is at x and has a spin, since the last evaluation [J]. */
 DEM_INLINE double dem__link_work_until(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec spin) {
     const dem__bodies *bodies = &w->engine->bodies;
     const dem__links *links = &w->engine->links;
@@ -29,8 +29,8 @@ static inline double dem__link_work(const dem_world *w, ptrdiff_t i) {
     return dem__link_work_until(w, i, dem__at(w, i, tau), dem__spin_at(w, i, tau));
 }
 
-/* Stop and resume counting the work of links on some particles, while a caller changes how they move. The spin from
-   which counting resumes is the one that a particle would have had at the last evaluation. */
+/* Stop and resume counting the work of links on some particles, while a caller changes how they move. Counting resumes
+   from the spin that a particle would have had at the last evaluation. */
 static inline void dem__stop_link_work(dem_world *w, dem__pieces of) {
     for (ptrdiff_t k = of.first; k < of.end && w->engine->ledger.on; k++) dem__book_link_work(w, dem__link_work(w, k));
 }
@@ -46,8 +46,7 @@ static inline void dem__resume_link_work(dem_world *w, dem__pieces of) {
     }
 }
 
-/* Sets the number of steps between two evaluations of the links, and the step of the last one as it would have been
-   with it. */
+/* Sets the number of steps between two evaluations of the links, and from it the step of the last evaluation. */
 static inline void dem__set_link_steps(dem_world *w) {
     dem__links *links = &w->engine->links;
     if (!links->on) return;

@@ -1,16 +1,16 @@
-/* The forces between particles and the vectors along which they act: what a stress is made of. */
+/* Forces between particles and the vectors along which they act, from which a stress is computed. */
 #pragma once
-#include "../base/measures.h"
+#include "../base/measure_api.h"
 #include "getters.h"
 
 /* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
 static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__to_lab(dem__posture_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
+    return r ? dem__to_lab(dem__pose_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
              : dem_vec3(0.0, 0.0, 0.0);
 }
 
-/* Return how many forces act between particles, and one of them: contacts come first, then those of features. */
+/* Return how many forces act between particles, and one of them. Contacts come first, then the forces of features. */
 static inline ptrdiff_t dem__forces(const dem_world *w) {
     ptrdiff_t n = w->engine->contacts.count;
     DEM__ADD_UP(w, n, forces, (w));
@@ -25,8 +25,8 @@ static inline dem_contact_info dem__get_force(const dem_world *w, ptrdiff_t k) {
     return f->force(w, k);
 }
 
-/* Finds the branch vector of a contact or, from k = contacts on, of a link: from the partner's centre, or a wall's
-   point, to i's centre; of bodies, to their centres of mass. Returns 0 if it carries no force. */
+/* Finds the branch vector of a contact or, from k = contacts on, of a link. It leads from the partner's centre, or the
+   point on a wall, to the centre of i; for bodies, between centres of mass. Returns 0 if it carries no force. */
 static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, dem_vec *to, dem_vec *force) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_contact_info c = dem__get_force(w, k);

@@ -1,4 +1,4 @@
-/* Getters: states now, energy, contacts and links, apertures of a screen. They read a const world. */
+/* Getters: present states, energy, contacts and links, apertures of a screen. They read a const world. */
 #pragma once
 #include "../contacts/block.h"
 
@@ -29,7 +29,7 @@ DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
         return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
     const dem__rigid *r = dem__rigid_of(world, i);
     if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    return dem__turns(dem__posture_at(world, r, dem__now(world, i)).turn,
+    return dem__turns(dem__pose_at(world, r, dem__now(world, i)).turn,
                       dem__opposite_turn(dem__given_frame(world, i, r)));
 }
 
@@ -50,7 +50,7 @@ DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
     const double inertia = dem__inertia(world, i);
     body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
-    body.axes = r ? dem__posture_at(world, r, tau).turn : body.orientation;
+    body.axes = r ? dem__pose_at(world, r, tau).turn : body.orientation;
     return body;
 }
 
@@ -80,8 +80,8 @@ static inline void dem__get_place(const dem_world *w, ptrdiff_t slot, dem_contac
     info->couple = dem__sub(dem_vec3(torque[0][slot], torque[1][slot], torque[2][slot]), dem__cross(arm, info->force));
 }
 
-/* Finds normal and point of the contact in a slot, or of a link (slot -1): from the present positions, but for
-   polyhedra. */
+/* Finds normal and point of the contact in a slot, or of a link (slot -1), from the present positions; polyhedra keep
+   theirs. */
 static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
     const dem_vec x = dem_position(w, info->i);
     const double radius = w->particle[info->i].radius;
@@ -123,7 +123,7 @@ DEM_API void dem_set_contact_state(dem_world *world, ptrdiff_t k, const double *
     for (int a = 0; a < world->engine->contacts.states; a++)
         world->engine->contacts.state[a][dem__slot_of(world, k)] = state[a];
     if (!dem__is_running(world))
-        world->engine->run.needs_forces = 1; /* the next run finds them, and books what the states store */
+        world->engine->run.needs_forces = 1; /* the next run computes them, and books what the states store */
 }
 
 DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
@@ -158,7 +158,7 @@ DEM_API dem_apertures dem_count_apertures(const dem_world *world, int wall) {
         const double mu = world->def.pair[m][s->material + world->material[i] - m].friction;
         const dem_vec up = s->axis[2];
         for (int a = 0; a < n;
-             a++) { /* a wedge holds if the line between two contacts lies within both friction cones */
+             a++) { /* a particle is wedged if the line between two contacts lies within both friction cones */
             for (int b = a + 1; b < n; b++) {
                 const double za = dem__dot(normal[a], up), zb = dem__dot(normal[b], up);
                 const dem_vec flat_a = dem__sub(normal[a], dem__scale(za, up)),

@@ -15,12 +15,13 @@ static inline double dem__wedge(double b, double c) {
     if (!(b * b + c * c < 1.0)) return 0.0;
     const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c),
                  half = dem__root(1.0 - b * b - c * c);              /* half length of the edge inside */
-    const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc); /* half arcs on the two circles */
+    /* half the angles of the arcs on the two circles */
+    const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc);
     const double sphere = 2.0 * (RIDDLE_PI - b * at_b - c * at_c - dem__acos(-b * c / (rb * rc)));
     return (sphere - b * (rb * rb * at_b - c * half) - c * (rc * rc * at_c - b * half)) / 3.0;
 }
 
-/* Returns the area of the face x = a of dem__corner; arc: the angle of its arc. */
+/* Returns the area of the face x = a of dem__corner. arc: the angle of its arc. */
 static inline double dem__corner_face(double a, double b, double c, double *arc) {
     const double square = 1.0 - a * a, r = sqrt(square);
     *arc = dem__acos(b / r) - (0.5 * RIDDLE_PI - dem__acos(c / r));
@@ -56,7 +57,7 @@ DEM_API double dem_ball_in_box(double radius, dem_vec low, dem_vec high) {
     return sum > 0.0 ? sum * radius * radius * radius : 0.0;
 }
 
-/* Returns the common area of two discs of radii q and r whose centres are `apart`. */
+/* Returns the area that two discs of radii q and r have in common, whose centres are `apart`. */
 static inline double dem__discs(double q, double r, double apart) {
     const double smaller = q < r ? q : r;
     if (apart <= fabs(q - r)) return RIDDLE_PI * smaller * smaller;
@@ -121,7 +122,7 @@ static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, d
     const double along = dem__dot(d, axis), apart = dem__root(dem__dot(d, d) - along * along);
     if (apart + radius <= r->radius && along >= radius && along <= r->length - radius) return whole;
     if (apart >= r->radius + radius) return 0.0;
-    /* discs across the axis, evenly spaced in the angle, so that the ends of the ball are smooth */
+    /* slices across the axis, evenly spaced in the angle, so that the ends of the ball are smooth */
     const double from = dem__acos(dem__clamp(along / radius, -1.0, 1.0)),
                  to = dem__acos(dem__clamp((along - r->length) / radius, -1.0, 1.0));
     const int slices = 128;
@@ -170,8 +171,8 @@ static inline double dem__share_in(const dem_region *r, const dem_wall *inside, 
     return to > from ? to - from : 0.0;
 }
 
-/* Lists the displacements of the periodic images of the box: itself first, then one on either side along each periodic
-   axis. Returns their number. */
+/* Lists the displacements of the images of the periodic box: the box itself first, then one on either side along each
+   periodic axis. Returns how many. */
 static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
     int n = 1;
     shift[0] = dem_vec3(0.0, 0.0, 0.0);
@@ -197,8 +198,8 @@ static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_
     return 1;
 }
 
-/* Returns the factor of a particle's volume: 1 for a sphere; the particles of a body, which may overlap, share the
-   body's volume. */
+/* Returns the factor of a particle's volume: 1 for a sphere. The particles of a body may overlap; they share the body's
+   volume. */
 static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     double sum = 0.0;
@@ -218,12 +219,12 @@ typedef struct dem__measured {
     const dem_region *region;
     dem_wall inside;   /* the tree of a mesh region */
     dem_vec low, high; /* the box around the region */
-    dem_vec shift[27]; /* from a particle to its images in the periodic box, the first 0 */
+    dem_vec shift[27]; /* from a particle to its images in the periodic box; the first is 0 */
     int images;
     double share; /* 1 / volume [1/m3] */
 } dem__measured;
 
-/* Adds the share of a region that particle i and its images fill. */
+/* Adds the volume of particle i and its images in the region, as a share of the region. */
 static inline void dem__add_solid(const dem_world *w, const dem__measured *q, ptrdiff_t i, dem_measure *m) {
     const dem_vec at = dem_position(w, i), low = q->low, high = q->high;
     const double r = w->particle[i].radius, filled = dem__filled(w, i) * q->share;
@@ -279,7 +280,7 @@ static inline void dem__measure_fluctuations(const dem_world *w, const dem__meas
     m->granular_temperature *= (m->count > 0 ? 1.0 / m->mass : 0.0) / 3.0;
 }
 
-/* Measures the stress by forces of contacts and links. */
+/* Measures the stress that forces of contacts and links cause. */
 static inline void dem__measure_contacts(const dem_world *w, const dem__measured *q, dem_measure *m) {
     for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
         dem_vec from, to, force;
@@ -331,7 +332,7 @@ DEM_INLINE double dem__up_to(double u) {
     return 0.5 + 0.0625 * u * (15.0 - u * u * (10.0 - 3.0 * u * u));
 }
 
-/* Finds the cells of an axis in which a point at v counts, from first to last. Returns 0 if there are none. */
+/* Finds the cells along an axis in which a point at v counts, from first to last. Returns 0 if there are none. */
 static inline int dem__cells_of(const dem_cells *c, int a, double v, int *first, int *last) {
     const double low = dem_axis(c->low, a), high = dem_axis(c->high, a), inverse = c->n[a] / (high - low),
                  reach = c->width[a];
@@ -353,13 +354,13 @@ DEM_INLINE double dem__share_of(const dem_cells *c, int a, int k, double v) {
 
 /* What a point adds to the cells around it. */
 typedef struct dem__load {
-    double mass, stress;            /* of a sphere [kg]; weight of a point on a branch */
-    dem_vec velocity, force, along; /* of a sphere; of a branch, and the branch itself */
+    double mass, stress;            /* mass of a sphere [kg]; weight of a point on a branch */
+    dem_vec velocity, force, along; /* velocity of a sphere; force of a branch, and the branch vector */
 } dem__load;
 
-/* Adds what a point carries, and what its images carry, to the cells around them. */
-static inline void dem__smear(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at,
-                              const dem__load *load) {
+/* Adds what a point and its images carry to the cells around them. */
+static inline void dem__coarse_grain(const dem_world *w, const dem_cells *c, dem_field *field, dem_vec at,
+                                     const dem__load *load) {
     dem_vec shift[27];
     const int images = dem__images(w, shift);
     for (int image = 0; image < images; image++) {
@@ -401,7 +402,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         if (!w->alive[i]) continue;
         dem_vec at;
         load.mass = w->particle[i].mass;
-        if (dem__counts(w, i, &at, &load.velocity)) dem__smear(w, c, field, at, &load);
+        if (dem__counts(w, i, &at, &load.velocity)) dem__coarse_grain(w, c, field, at, &load);
     }
     memset(&load, 0, sizeof load);
     for (ptrdiff_t k = 0; k < dem__forces(w); k++) {
@@ -411,7 +412,7 @@ DEM_API dem_status dem_coarse_grain(const dem_world *world, const dem_cells *cel
         for (int p = 0; p < 8; p++) {
             const double at = 0.5 + (p < 4 ? -0.5 : 0.5) * node[p % 4];
             load.stress = 0.5 * weight[p % 4];
-            dem__smear(w, c, field, dem__add(from, dem__scale(at, load.along)), &load);
+            dem__coarse_grain(w, c, field, dem__add(from, dem__scale(at, load.along)), &load);
         }
     }
     for (ptrdiff_t k = 0; k < number; k++) {

@@ -23,8 +23,8 @@ DEM_API dem_status dem_count_in_cells(const dem_world *world, const dem_cells *c
     return DEM_OK;
 }
 
-/* Computes indices of mixing. The variance of a random mixture is that of sampling without replacement: p q (N - n)/(n
-   (N - 1)) for a sample of n out of N. */
+/* Computes mixing indices. The variance of a random mixture is that of sampling without replacement: p q (N - n)/(n (N
+   - 1)) for a sample of n out of N. */
 DEM_API dem_mixing dem_mixing_of(ptrdiff_t samples, const double *of_group, const double *of_all) {
     const double none = (double)NAN;
     dem_mixing m = {none, none, none, none, none, none};

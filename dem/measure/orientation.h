@@ -1,9 +1,9 @@
-/* How bodies lie: order tensor, order parameter. Reads a const world. */
+/* How bodies are oriented: order tensor, order parameter. Reads a const world. */
 #pragma once
 #include "measure.h"
 
-/* Turns the symmetric matrix m into the diagonal one of its eigenvalues, by Jacobi's rotations; columns of v: their
-   directions. */
+/* Diagonalises the symmetric matrix m by Jacobi's rotations: m becomes the diagonal matrix of its eigenvalues; the
+   columns of v are their directions. */
 static inline void dem__diagonalise(double m[3][3], double v[3][3]) {
     for (int a = 0; a < 9; a++) v[a / 3][a % 3] = a % 4 == 0;
     for (int turns = 0; turns < 60; turns++) {

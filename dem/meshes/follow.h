@@ -1,22 +1,22 @@
-/* Contacts of spheres with meshes: each follows its place from step to step. */
+/* Contacts of spheres with meshes. Each follows its place from step to step. */
 #pragma once
-#include "../search/tests.h"
+#include "../search/narrow_phase.h"
 #include "../walls/mesh.h"
 
-DEM_INLINE dem__footing dem__footing_of(const dem_world *w, ptrdiff_t c) {
+DEM_INLINE dem__face_cache dem__face_cache_of(const dem_world *w, ptrdiff_t c) {
     double *const *place = w->engine->contacts.touch;
-    dem__footing f;
-    f.at = dem__place_vec(w, DEM__PLACE_FOOTING, c);
+    dem__face_cache f;
+    f.at = dem__place_vec(w, DEM__PLACE_CACHE, c);
     f.slack = place[DEM__PLACE_SLACK][c], f.face = (int32_t)place[DEM__PLACE_FACE][c];
     return f;
 }
-DEM_INLINE void dem__set_footing(dem_world *w, ptrdiff_t c, const dem__footing *f) {
+DEM_INLINE void dem__set_face_cache(dem_world *w, ptrdiff_t c, const dem__face_cache *f) {
     double *const *place = w->engine->contacts.touch;
-    dem__set_place_vec(w, DEM__PLACE_FOOTING, c, f->at);
+    dem__set_place_vec(w, DEM__PLACE_CACHE, c, f->at);
     place[DEM__PLACE_SLACK][c] = f->slack, place[DEM__PLACE_FACE][c] = (double)f->face;
 }
 
-/* Lists the contacts of particle i with wall k in the order of elements. Returns their number, at most DEM__NUMBERS. */
+/* Lists the contacts of particle i with wall k in the order of elements. Returns how many, at most DEM__NUMBERS. */
 DEM_INLINE int dem__contacts_at(const dem_world *w, ptrdiff_t i, int k, int32_t *slot) {
     const dem__contacts *contacts = &w->engine->contacts;
     int n = 0;
@@ -36,8 +36,8 @@ typedef struct dem__mesh_places {
 } dem__mesh_places;
 
 /* Moves the contacts of particle i with mesh k, in the listed slots, to a step to which the wall has been moved. Each
-   continues at the deepest place whose normal is near its own, or ends. Returns the places; none if the only contact
-   rests on its footing. */
+   continues at the deepest place whose normal is close to its own, or ends. Returns the places; none if the only
+   contact still rests on its cached face. */
 static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int32_t *slot, int slots, int64_t step,
                                      dem__mesh_places *at) {
     dem__contacts *contacts = &w->engine->contacts;
@@ -47,12 +47,12 @@ static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int
     const double speed =
         dem__length(dem__velocity_at(w, i, tau)) + wall->speed_bound + wall->spin_bound * dem__arm(wall, x);
     const double radius = w->particle[i].radius, near = w->engine->pairs.touch_gap,
-                 leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact opens in a step */
+                 leaves = 2.0 * w->engine->run.dt * speed, /* more than a contact can open in a step */
         deep = leaves > near ? leaves : near;
-    dem__footing footing = dem__footing_of(w, slot[0]);
+    dem__face_cache cache = dem__face_cache_of(w, slot[0]);
     double least;
     at->n = at->taken = at->used = 0;
-    if (slots == 1 && dem__keeps_footing(wall, &footing, d, radius, deep, at->touch)) {
+    if (slots == 1 && dem__face_cache_holds(wall, &cache, d, radius, deep, at->touch)) {
         dem__set_touch(w, slot[0], at->touch);
         return;
     }
@@ -72,9 +72,9 @@ static inline void dem__match_places(dem_world *w, ptrdiff_t i, int k, const int
         at->taken |= 1 << q;
         dem__set_touch(w, c, &at->touch[q]);
     }
-    footing.slack = 0.0;
-    if (slots == 1 && at->n == 1 && at->taken) footing = dem__find_footing(wall, d, radius, at->touch);
-    for (int m = 0; m < slots; m++) dem__set_footing(w, slot[m], &footing);
+    cache.slack = 0.0;
+    if (slots == 1 && at->n == 1 && at->taken) cache = dem__find_face_cache(wall, d, radius, at->touch);
+    for (int m = 0; m < slots; m++) dem__set_face_cache(w, slot[m], &cache);
 }
 
 /* Returns whether place q touches and has no contact. */
@@ -88,7 +88,7 @@ static inline int dem__are_places_left(const dem__mesh_places *at) {
     return 0;
 }
 
-/* Begins contacts of particle i with mesh k at the places that are left, as long as there are free elements. */
+/* Begins contacts of particle i with mesh k at the remaining places, as long as there are free elements. */
 static inline void dem__begin_at_places(dem_world *w, ptrdiff_t i, int k, dem__mesh_places *at) {
     for (int q = 0; q < at->n; q++) {
         int32_t element = 0;
@@ -100,17 +100,17 @@ static inline void dem__begin_at_places(dem_world *w, ptrdiff_t i, int k, dem__m
     }
 }
 
-/* Lists the contacts of a particle with a mesh if slot c holds the first of them. Returns their number, otherwise 0. */
+/* Lists the contacts of a particle with a mesh if slot c holds the first of them. Returns how many, otherwise 0. */
 static inline int dem__contacts_at_mesh(const dem_world *w, ptrdiff_t c, int32_t *slot) {
     const int k = -1 - (int)w->engine->contacts.j[c];
     if (k < 0 || !dem__has(&w->wall[k], DEM__TRIANGULATED) || dem__is_convex_contact(w, c))
-        return 0; /* those of a polyhedron follow its points */
+        return 0; /* the contacts of a polyhedron follow its points */
     const int slots = dem__contacts_at(w, w->engine->contacts.i[c], k, slot);
     return slots > 0 && slot[0] == c ? slots : 0;
 }
 
-/* Moves the contacts of chunks first .. end-1. Notes in contacts.edge, which is free before the kernel, where places
-   are left: contacts begin on one thread. */
+/* Moves the contacts of chunks first .. end-1. Marks in contacts.partial, which the kernel has not written yet, where
+   places remain: contacts begin on one thread. */
 static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *step) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part;
@@ -119,18 +119,18 @@ static inline void dem__find_followers(dem_world *w, ptrdiff_t first, ptrdiff_t 
             int32_t slot[DEM__NUMBERS];
             dem__mesh_places at;
             const int slots = dem__contacts_at_mesh(w, c, slot);
-            contacts->edge[c] = 0;
+            contacts->partial[c] = 0;
             if (slots == 0) continue;
             for (int m = 0; m < slots; m++)
                 dem__set_place_vec(w, DEM__PLACE_BEFORE, slot[m], dem__place_normal(w, slot[m]));
             dem__match_places(w, contacts->i[c], -1 - (int)contacts->j[c], slot, slots, *(const int64_t *)step, &at);
-            contacts->edge[c] = (uint8_t)dem__are_places_left(&at);
+            contacts->partial[c] = (uint8_t)dem__are_places_left(&at);
         }
     }
 }
 
-/* Moves contacts with meshes to a step to which the walls have been moved, and begins those at other places of meshes
-   that particles touch already. */
+/* Moves contacts with meshes to a step to which the walls have been moved, and begins contacts at other places of
+   meshes that particles already touch. */
 static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
@@ -139,7 +139,7 @@ static inline void dem__follow_meshes(dem_world *w, int64_t step) {
     DEM__EACH_CONTACT(w, c) {
         int32_t slot[DEM__NUMBERS];
         dem__mesh_places at;
-        if (c >= end || !contacts->edge[c] || w->status != DEM_OK) continue;
+        if (c >= end || !contacts->partial[c] || w->status != DEM_OK) continue;
         const ptrdiff_t i = contacts->i[c];
         const int k = -1 - (int)contacts->j[c], slots = dem__contacts_at_mesh(w, c, slot);
         dem__match_places(w, i, k, slot, slots, step, &at);

@@ -90,7 +90,7 @@ DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, de
     for (int a = 0; a < 6; a++) {
         const double change = wanted[a] - external[a];
         if (!fixed) *dem_axis_of(rate[a / 3], a % 3) += change / (a < 3 ? w->particle[i].mass : dem__inertia(w, i));
-        load[a] = load[a] == external[a] ? wanted[a] : load[a] + change; /* links add to it */
+        load[a] = load[a] == external[a] ? wanted[a] : load[a] + change; /* links add their own */
         external[a] = wanted[a];
     }
     if (r) w->engine->bodies.calls->place(w, r);
@@ -115,7 +115,7 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     r->turn = dem__turns(q, dem__given_frame(w, i, r));
     w->engine->bodies.calls->set_motion(w, r, r->v, spin);
     dem__book_motion(w, dem__rotational(w, r->first));
-    if (!w->touching[i]) dem__free_acceleration(w, i); /* loads and links have other arms now */
+    if (!w->touching[i]) dem__free_acceleration(w, i); /* the arms of loads and links have changed */
     dem__end_change(w, dem__pieces_of(w, i));
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;

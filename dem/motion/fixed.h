@@ -1,5 +1,5 @@
-/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Relies on particles/particles.h;
-   every part that turns forces into motion calls dem__is_fixed(). */
+/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Every part that turns forces into
+   motion calls dem__is_fixed(). */
 #pragma once
 #include "../records/groups.h"
 #include "state.h"
@@ -76,7 +76,7 @@ DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem__book_added(w, dem__potential(w, i));
     dem__book_motion(w, dem__motion_energy(w, i));
     dem__end_change(w, own);
-    dem__wake(w, i); /* it takes steps, as a particle with a load does */
+    dem__wake(w, i); /* it takes steps, like a particle with a load */
     w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
     return DEM_OK;
 }
@@ -113,8 +113,7 @@ DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, 
     for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
 }
 
-/* Records the impulse of a contact that begins or ends within a step on a fixed particle, and its work if the particle
-   moves. */
+/* Records the impulse of a partial step on a fixed particle, and its work if the particle moves. */
 static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
     const dem_particle *p = &w->particle[i];
     w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);

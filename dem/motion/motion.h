@@ -1,17 +1,17 @@
 /* Where particles are at a time after their origin step: a sphere on a parabola, a particle of a rigid body turned
    about one. Reads bodies. Promises: the same bits whenever a state is evaluated.
 
-   A rigid body (dem__rigid) has the orientation, mass and moments. The particles that touch for it (dem_particle) are
-   consecutive in the world's arrays. Their mass is the body's, and their contacts count for all of them; x, v, a and
-   spin are those of their centres as parts of the body, valid at the origin step and while forces are computed. In
+   A rigid body (dem__rigid) has the orientation, mass and moments. Its particles (dem_particle) touch others; they are
+   consecutive in the world's arrays. Their mass is the body's, and their contacts count for all of them. Their x, v, a
+   and spin are those of their centres as parts of the body, valid at the origin step and while forces are computed. In
    flight use dem__at and its like, never the parabola. */
 #pragma once
 #include "../base/arrays.h"
 #include "rotation.h"
 
-/* Returns the first of two vectors: the force of a wrench. */
+/* Returns the force of a wrench, its first vector. */
 DEM_INLINE dem_vec dem__first(const double *six) { return dem_vec3(six[0], six[1], six[2]); }
-/* Returns the second one: the torque of a wrench. */
+/* Returns the torque of a wrench, its second vector. */
 DEM_INLINE dem_vec dem__second(const double *six) { return dem_vec3(six[3], six[4], six[5]); }
 
 /* Returns whether particle i, or the rigid body that it is a part of, is fixed. */
@@ -20,7 +20,7 @@ DEM_INLINE int dem__is_fixed(const dem_world *w, ptrdiff_t i) {
 }
 
 /* Returns the acceleration of a particle in flight without loads [m/s2]. Bounds and the list rely on its being the same
-   for all. */
+   for all particles. */
 DEM_INLINE dem_vec dem__free_fall(const dem_world *w) { return w->def.gravity; }
 
 /* Returns the time since the origin step of particle i [s]. */
@@ -55,26 +55,26 @@ DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
     return own;
 }
 
-/* Returns the acceleration of particle i, or of its rigid body, per force on it [1/kg]; 0 if it is fixed. */
+/* Returns the acceleration of particle i, or of its rigid body, divided by the force on it [1/kg]; 0 if it is fixed. */
 DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) {
     return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
 }
 
-DEM_INLINE dem__posture dem__posture_at(const dem_world *w, const dem__rigid *r, double tau) {
-    return w->engine->bodies.calls->posture(w, r, tau);
+DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, double tau) {
+    return w->engine->bodies.calls->pose(w, r, tau);
 }
 
-/* Return the position and the velocity of a particle of a rigid body at tau after its origin step [s]. */
+/* Return position and velocity of a particle of a rigid body, tau after its origin step [s]. */
 static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
-    const dem__posture p = dem__posture_at(w, r, tau);
+    const dem__pose p = dem__pose_at(w, r, tau);
     return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));
 }
 static DEM__NOINLINE dem_vec dem__piece_velocity_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
-    const dem__posture p = dem__posture_at(w, r, tau);
+    const dem__pose p = dem__pose_at(w, r, tau);
     return dem__add(p.v, dem__cross(p.spin, dem__to_lab(p.turn, w->engine->bodies.offset[i])));
 }
 
-/* Returns the position of a sphere at tau after its origin step [s], on its parabola. */
+/* Returns the position of a sphere on its parabola, tau after its origin step [s]. */
 DEM_INLINE dem_vec dem__sphere_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem_particle *p = &w->particle[i];
     return dem__plus(p->x, tau, dem__plus(p->v, 0.5 * tau, p->a));
@@ -86,7 +86,7 @@ DEM_INLINE dem_vec dem__sphere_spin_at(const dem_world *w, ptrdiff_t i, double t
     return dem__plus(w->particle[i].spin, tau, w->spin_rate[i]);
 }
 
-/* Returns the position of any particle at tau after its origin step. */
+/* Returns the position of any particle, tau after its origin step [s]. */
 DEM_INLINE dem_vec dem__at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_at(w, r, i, tau) : dem__sphere_at(w, i, tau);
@@ -95,7 +95,7 @@ DEM_INLINE dem_vec dem__velocity_at(const dem_world *w, ptrdiff_t i, double tau)
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__piece_velocity_at(w, r, i, tau) : dem__sphere_velocity_at(w, i, tau);
 }
-/* Return the position and the velocity of the centre of particle i, or of its rigid body, on its parabola. */
+/* Return position and velocity of the centre of particle i, or of its rigid body, on its parabola. */
 DEM_INLINE dem_vec dem__centre_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)) : dem__sphere_at(w, i, tau);
@@ -109,14 +109,11 @@ DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? r->a : w->particle[i].a;
 }
-/* Returns what velocities on the parabola lack [m/s]: in a force field the parabola has the right places at both ends of
-   a flight, but not the right velocities. */
+/* Returns by how much a velocity on the parabola is too small [m/s]. In a force field a parabola has the right
+   positions at both ends of a flight, but not the right velocities. */
 static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, double tau) {
     dem_vec error = dem_vec3(0.0, 0.0, 0.0);
-    for (int k = 0; k < w->engine->features; k++) {
-        const dem__feature *f = &w->engine->feature[k];
-        if (f->velocity_error) error = f->velocity_error(w, i, tau);
-    }
+    DEM__GET(w, error, velocity_error, (w, i, tau));
     return error;
 }
 /* Returns the velocity as accurately as it is known. */
@@ -125,5 +122,5 @@ static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, dou
 }
 DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__posture_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
+    return r ? dem__pose_at(w, r, tau).spin : dem__sphere_spin_at(w, i, tau);
 }

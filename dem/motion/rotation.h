@@ -1,5 +1,5 @@
-/* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns the body's frame into the
-   lab's; its scalar part comes first. */
+/* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns vectors of the body's frame
+   into the lab's; its scalar part comes first. */
 #pragma once
 #include "../base/vectors.h"
 #include "../base/polyhedron.h"
@@ -14,28 +14,28 @@ DEM_INLINE dem_quaternion dem__opposite_turn(dem_quaternion q) {
     return dem__quaternion(q.w, dem_vec3(-q.x, -q.y, -q.z));
 }
 
-/* Returns the turn b followed by the turn a. */
+/* Returns the rotation b followed by the rotation a. */
 DEM_INLINE dem_quaternion dem__turns(dem_quaternion a, dem_quaternion b) {
     const dem_vec u = dem__vector_part(a), v = dem__vector_part(b);
     return dem__quaternion(a.w * b.w - dem__dot(u, v),
                            dem__add(dem__plus(dem__scale(a.w, v), b.w, u), dem__cross(u, v)));
 }
 
-/* Returns a vector of the body's frame in the lab's. */
+/* Transforms a vector from the body's frame to the lab's. */
 DEM_INLINE dem_vec dem__to_lab(dem_quaternion q, dem_vec v) {
     const dem_vec u = dem__vector_part(q), t = dem__scale(2.0, dem__cross(u, v));
     return dem__add(dem__plus(v, q.w, t), dem__cross(u, t));
 }
-/* Returns a vector of the lab's frame in the body's. */
+/* Transforms a vector from the lab's frame to the body's. */
 DEM_INLINE dem_vec dem__to_body(dem_quaternion q, dem_vec v) { return dem__to_lab(dem__opposite_turn(q), v); }
 
-/* Removes the error of the length by rounding, with one Newton step for the inverse of the length. */
+/* Removes the rounding error of the length by one Newton step for the inverse of the length. */
 DEM_INLINE dem_quaternion dem__kept_unit(dem_quaternion q) {
     const double f = 1.5 - 0.5 * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
     return dem__quaternion(f * q.w, dem__scale(f, dem__vector_part(q)));
 }
 
-/* Scales a quaternion of any length to 1. Returns 0 if it has no direction. */
+/* Scales a quaternion of any length to length 1. Returns 0 if it has no direction. */
 static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
     const double a = fabs(q.w) > fabs(q.x) ? fabs(q.w) : fabs(q.x), b = fabs(q.y) > fabs(q.z) ? fabs(q.y) : fabs(q.z),
                  most = a > b ? a : b;
@@ -46,8 +46,9 @@ static inline int dem__unit_turn(dem_quaternion q, dem_quaternion *unit) {
     return 1;
 }
 
-/* Returns the rotation from the frame of a shape's corners, its principal axes, to that in which it was given: exactly
-   none if both are one, as those of a brick. By the largest of the four numbers, whose square is 1/4 or more. */
+/* Returns the rotation from the principal axes of a shape, the frame of its corners, to the frame in which it was
+   given. It is exactly none if both agree, as for a brick. Computed from the largest of the four components, whose
+   square is 1/4 or more. */
 static inline dem_quaternion dem__turn_of_shape(const dem_convex *s) {
     const dem_vec a = s->axis[0], b = s->axis[1], c = s->axis[2]; /* columns of its matrix */
     const double four[4] = {1.0 + a.x + b.y + c.z, 1.0 + a.x - b.y - c.z, 1.0 - a.x + b.y - c.z, 1.0 - a.x - b.y + c.z};
@@ -61,8 +62,8 @@ static inline dem_quaternion dem__turn_of_shape(const dem_convex *s) {
     return dem__unit_turn(q, &q) ? q : none; /* a forged save may hold anything */
 }
 
-/* Directions of a body's own axes in the lab's frame: the matrix of its orientation. It costs fewer operations than a
-   quaternion where several vectors are turned. */
+/* Directions of a body's own axes in the lab's frame: the matrix of its orientation. Turning several vectors with it
+   costs fewer operations than with a quaternion. */
 typedef struct dem__axes {
     dem_vec x, y, z;
 } dem__axes;
@@ -90,8 +91,8 @@ DEM_INLINE dem_vec dem__momentum_of(dem_quaternion q, dem_vec moments, dem_vec s
     return dem__out_of(&a, dem_vec3(moments.x * dem__dot(a.x, spin), moments.y * dem__dot(a.y, spin),
                                     moments.z * dem__dot(a.z, spin)));
 }
-/* Returns the spin of an angular momentum, both in the lab's frame: with one moment for all axes, and what the other
-   two change. */
+/* Returns the spin that belongs to an angular momentum, both in the lab's frame: that of a sphere of the first moment,
+   corrected for the other two moments. */
 DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momentum) {
     const dem_vec z = dem__third_axis(q);
     const double first = 1.0 / moments.x;
@@ -102,7 +103,7 @@ DEM_INLINE dem_vec dem__spin_of(dem_quaternion q, dem_vec moments, dem_vec momen
 }
 
 /* Sets the cosine, and the sine over the angle, of an angle whose square is given [rad2]. Below 0.1 rad the series is
-   as accurate, and cheaper. Of a large angle, whole turns are taken off: it is rounded by as much anyway. */
+   as accurate, and cheaper. Whole turns are subtracted from a large angle, which is rounded by as much anyway. */
 DEM_INLINE void dem__cosine_and_sine(double square, double *c, double *s) {
     if (square < 0.01) {
         *s = 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0 - square * (1.0 / 362880.0))));
@@ -113,13 +114,13 @@ DEM_INLINE void dem__cosine_and_sine(double square, double *c, double *s) {
                  rest = angle > 1e6 ? angle - turn * floor(angle / turn) : angle;
     *c = riddle_cos(rest), *s = riddle_sin(rest) / angle;
 }
-/* Returns a turn about an axis. half: the unit axis times half the angle [rad]. */
+/* Returns a rotation about an axis. half: the unit axis times half the angle [rad]. */
 DEM_INLINE dem_quaternion dem__turn_by(dem_vec half) {
     double c, s;
     dem__cosine_and_sine(dem__dot(half, half), &c, &s);
     return dem__quaternion(c, dem__scale(s, half));
 }
-/* Return a body that was turned about its own first or third axis. half: half the angle [rad]. */
+/* Return a body rotated about its own first or third axis. half: half the angle [rad]. */
 DEM_INLINE dem_quaternion dem__turned_about_first(dem_quaternion q, double half) {
     double c, s;
     dem__cosine_and_sine(half * half, &c, &s);
@@ -141,9 +142,9 @@ DEM_INLINE dem_quaternion dem__turn_top(dem_quaternion q, dem_vec momentum, doub
     return dem__turned_about_third(turned, 0.5 * t * (1.0 / k - 1.0 / i) * dem__dot(dem__third_axis(q), momentum));
 }
 
-/* Rotates a free body with three moments for a time t, to second order: as a symmetric top, and before and after for
-   half of what the first moment differs from the second (symmetric splitting of the kinetic energy; Touma & Wisdom
-   1994). Conserves angular momentum. */
+/* Rotates a free body with three different moments for a time t, to second order: as a symmetric top, and before and
+   after that by half of the effect of the difference between the first two moments (symmetric splitting of the kinetic
+   energy; Touma & Wisdom 1994). Conserves angular momentum. */
 static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     const double rest = 0.25 * t * (1.0 / moments.x - 1.0 / moments.y);
     q = dem__turned_about_first(q, rest * dem__dot(dem__first_axis(q), momentum));
@@ -151,7 +152,7 @@ static inline dem_quaternion dem__turn_split(dem_quaternion q, dem_vec momentum,
     return dem__turned_about_first(q, rest * dem__dot(dem__first_axis(q), momentum));
 }
 
-/* Does the same to sixth order, by nine of these (Kahan & Li 1997, s9odr6a). */
+/* Does the same to sixth order, in nine such steps (Kahan & Li 1997, s9odr6a). */
 static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
     static const double part[5] = {0.39216144400731413928, 0.33259913678935943860, -0.70624617255763935981,
                                    0.08221359629355080023, 0.79854399093482996340};
@@ -160,24 +161,24 @@ static inline dem_quaternion dem__turn_nine(dem_quaternion q, dem_vec momentum, 
 }
 
 /* Returns a time in which a body turns by at most a quarter radian [s]; HUGE_VAL at rest. */
-DEM_INLINE double dem__turn_stride(dem_vec momentum, dem_vec moments) {
+DEM_INLINE double dem__rotation_step(dem_vec momentum, dem_vec moments) {
     const double least = moments.x < moments.y ? moments.x : moments.y,
                  smallest = least < moments.z ? least : moments.z;
     const double size = dem__length(momentum);
     return size > 0.0 ? 0.25 * smallest / size : HUGE_VAL;
 }
 
-/* Rotates a free body with three moments for a time of a few steps, in strides of at most a quarter radian. A body that
-   turns by more, as only a forged save may have one, is left as it is. */
+/* Rotates a free body with three different moments for a time of a few steps, in rotation steps of at most a quarter
+   radian. A body that turns too far for it, which only a forged save can hold, is left as it is. */
 static inline dem_quaternion dem__turn_far(dem_quaternion q, dem_vec momentum, dem_vec moments, double t) {
-    const double steps = floor(fabs(t) / dem__turn_stride(momentum, moments)) + 1.0, h = t / steps;
+    const double steps = floor(fabs(t) / dem__rotation_step(momentum, moments)) + 1.0, h = t / steps;
     if (!(steps < 1e5)) return q;
     for (double n = 0.0; n < steps; n += 1.0) q = dem__turn_nine(q, momentum, moments, h);
     return q;
 }
 
 /* Rotates a free body for a time t: in closed form if the first two moments are equal, otherwise by splitting. single:
-   a step of a body under torques, to second order, as everything in such a step is. */
+   a step of a body under torques, to second order, like everything in such a step. */
 DEM_INLINE dem_quaternion dem__turn_free(dem_quaternion q, dem_vec momentum, dem_vec moments, double t, int single) {
     if (moments.x == moments.y) return dem__turn_top(q, momentum, moments.x, moments.z, t);
     return single ? dem__turn_split(q, momentum, moments, t) : dem__turn_far(q, momentum, moments, t);

@@ -1,11 +1,11 @@
-/* The state of what moves: its origin, energies and accelerations. A particle moves by itself, with its rigid body, or
-   not at all where it is fixed; every question which of these it does is asked in this folder. */
+/* The state of what moves: its origin, energies and accelerations. A particle moves by itself, with its rigid body, or,
+   where it is fixed, not at all. Only this folder asks which of these applies. */
 #pragma once
 #include "../base/definition.h"
-#include "../energy/ledger.h"
+#include "../energy/postings.h"
 #include "motion.h"
 
-/* Makes the present step the origin of particle i: the state of its parabola becomes the stored one. */
+/* Makes the present step the origin of particle i: it stores the present state of its parabola. */
 static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
@@ -28,7 +28,7 @@ DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
     p->x = x;
 }
 
-/* Returns the number of rigid bodies present: the array keeps those that are gone until lists are built anew. */
+/* Returns the number of rigid bodies present. The array keeps removed bodies until lists are rebuilt. */
 static inline ptrdiff_t dem__bodies_present(const dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     ptrdiff_t present = 0;
@@ -56,7 +56,7 @@ DEM_INLINE double dem__rotational(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
     if (dem__is_fixed(w, i)) return 0.0;
     if (r) {
-        const dem__posture p = dem__posture_at(w, r, dem__now(w, i));
+        const dem__pose p = dem__pose_at(w, r, dem__now(w, i));
         return r->first == i ? 0.5 * dem__dot(p.spin, p.momentum) : 0.0;
     }
     const dem_vec s = dem__spin_at(w, i, dem__now(w, i));
@@ -76,8 +76,8 @@ DEM_INLINE double dem__potential(const dem_world *w, ptrdiff_t i) {
     return -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__at(w, i, dem__now(w, i)));
 }
 
-/* Makes the present step the origin where a caller changes particle i between runs. In a force field it takes the most
-   accurate velocity that is known. */
+/* Makes the present step the origin of particle i, which the caller changes between runs. In a force field it gets the
+   most accurate velocity that is known. */
 static inline void dem__restart(dem_world *w, ptrdiff_t i) {
     const dem_vec error = dem__velocity_error(w, i, dem__now(w, i));
     dem__set_origin(w, i);
@@ -103,23 +103,23 @@ static inline dem__pieces dem__all_particles(const dem_world *w) {
     return all;
 }
 
-/* Begin and end a change of how some particles move, by the caller. */
+/* Begin and end a change by the caller of how some particles move. */
 static inline void dem__begin_change(dem_world *w, dem__pieces of) { DEM__TELL(w, begin_change, (w, of)); }
 static inline void dem__end_change(dem_world *w, dem__pieces of) { DEM__TELL(w, end_change, (w, of)); }
 
-/* Sets what turns forces on particle i into accelerations. */
+/* Sets the factors that turn forces on particle i into accelerations. */
 static inline void dem__set_inverse_mass(dem_world *w, ptrdiff_t i) {
     dem__sum *sum = &w->engine->bodies.sum[i];
     sum->per_mass = dem__per_mass(w, i);
     sum->per_inertia = 2.5 * sum->per_mass / (w->particle[i].radius * w->particle[i].radius);
 }
 
-/* Sets the share of its mass that a particle has in each of its contacts. */
+/* Sets the share of a particle's mass in each of its contacts. */
 DEM_INLINE void dem__set_mass_share(dem_world *w, ptrdiff_t i) {
     w->engine->bodies.mass_share[i] = w->touching[i] > 1 && !dem__is_fixed(w, i) ? 1.0 / (double)w->touching[i] : 1.0;
 }
 
-/* Sets the acceleration of particle i without contacts. */
+/* Sets the acceleration that particle i has without contacts. */
 static inline void dem__free_acceleration(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
@@ -144,12 +144,12 @@ DEM_INLINE int dem__has_load(const dem_world *w, ptrdiff_t i) {
 /* Returns whether particle i, or any particle of its rigid body, has a load or is fixed. */
 DEM_INLINE int dem__is_loaded(const dem_world *w, ptrdiff_t i) {
     const dem__pieces own = dem__pieces_of(w, i);
-    int loaded = dem__is_fixed(w, i); /* does not fall */
+    int loaded = dem__is_fixed(w, i); /* a fixed particle does not fall */
     for (ptrdiff_t k = own.first; k < own.end; k++) loaded |= dem__has_load(w, k);
     return loaded;
 }
 
-/* Makes particle i take steps from now on. */
+/* Makes particle i take steps from here on. */
 DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     if (bodies->activity[i]) return;
@@ -157,7 +157,7 @@ DEM_INLINE void dem__wake_one(dem_world *w, ptrdiff_t i) {
     bodies->active_at[i] = (int32_t)bodies->active_count;
     bodies->active[bodies->active_count++] = (int32_t)i;
 }
-/* Makes particle i, or all particles of its rigid body, take steps from now on. */
+/* Makes particle i, or all particles of its rigid body, take steps from here on. */
 DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
     const dem__pieces own = dem__pieces_of(w, i);
     for (ptrdiff_t k = own.first; k < own.end; k++) dem__wake_one(w, k);

@@ -1,8 +1,8 @@
-/* Lists of active particles, and arrays without the particles that are gone. */
+/* Lists of active particles, and removal of dropped particles from the arrays. */
 #pragma once
 #include "ranks.h"
 
-/* Lets particles fly that nothing touches or loads any more, after changes by the caller. */
+/* After changes by the caller, begins flights of particles that nothing touches or loads. */
 static inline void dem__release_unloaded(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t i = 0; i < w->count && bodies->loads_on; i++) {
@@ -27,7 +27,7 @@ static inline void dem__list_active(dem_world *w) {
 static inline void dem__move_wall_timers(dem_world *w, ptrdiff_t left) {
     dem__wall_state *walls = &w->engine->walls;
     dem__timers *t = &walls->timers;
-    if (w->engine->run.needs_lists) return; /* they are built anew */
+    if (w->engine->run.needs_lists) return; /* they are rebuilt */
     for (ptrdiff_t i = 0; i < w->count; i++) {
         for (int k = 0; k < w->walls && w->engine->scratch.index[i] >= 0; k++) {
             t->due[w->engine->scratch.index[i] * w->walls + k] = t->due[i * w->walls + k];
@@ -43,7 +43,8 @@ DEM_INLINE void dem__close_gaps(char *base, size_t size, const int32_t *remap, p
     }
 }
 
-/* Closes the gaps in the order of particles, and in the ranks where chunks begin: before the arrays are moved. */
+/* Closes the gaps in the order of particles, and in the ranks at which chunks begin. Called before the arrays are
+   moved. */
 static inline void dem__close_ranks(dem_world *w, const int32_t *remap) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *by_rank = w->engine->bodies.by_rank, left = 0;
@@ -55,7 +56,7 @@ static inline void dem__close_ranks(dem_world *w, const int32_t *remap) {
     for (; q >= 0; q--) contacts->chunk[q].first_rank = left;
 }
 
-/* Removes dropped particles from the arrays; the others keep their order. */
+/* Removes dropped particles from the arrays. The others keep their order. */
 static inline void dem__compact(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!w->engine->bodies.dropped) return;

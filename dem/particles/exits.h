@@ -1,5 +1,5 @@
-/* The records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises:
-   the order of records does not depend on the order of tests. */
+/* Records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises: the
+   order of records does not depend on the order of tests. */
 #pragma once
 #include "../motion/motion.h"
 
@@ -8,7 +8,7 @@ static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r
     return riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density);
 }
 
-/* Records a particle, or its rigid body, that passes an exit in this step, and marks it to leave at the end of the
+/* Records a particle, or its rigid body, that passes an exit in this step, and marks it for removal at the end of the
    step. */
 static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem__run *run = &w->engine->run;
@@ -17,11 +17,11 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem_vec x = dem__at(w, i, tau), v = dem__true_velocity_at(w, i, tau);
     const dem__rigid *r = dem__rigid_of(w, i);
     if (r) {
-        const dem__posture p = dem__posture_at(w, r, tau);
+        const dem__pose p = dem__pose_at(w, r, tau);
         i = r->first, x = p.x, v = p.v;
     }
-    if (w->alive[i] < 0) { /* it passed another exit in this step: the one with the smaller index counts, whatever the
-                              order of tests */
+    if (w->alive[i] < 0) { /* it passed another exit in this step: the smaller index counts, whatever the order of
+                              tests */
         ptrdiff_t k = w->passed_count - 1;
         while (w->passed[k].id != w->id[i]) k--;
         if (wall < w->passed[k].exit) w->passed[k].exit = wall;
@@ -39,7 +39,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
         w->passed = fresh;
         bodies->passed_capacity = larger;
     }
-    /* in the order of ids, whatever the order of tests in this step */
+    /* sorted by id, whatever the order of tests in this step */
     double time = run->start_time + (double)(w->step + 1 - run->start_step) * run->dt;
     ptrdiff_t at = w->passed_count++;
     w->passed_total++;
@@ -54,6 +54,6 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     p->group = w->group[i];
     p->exit = wall;
     const dem__pieces own = dem__pieces_of(w, i);
-    for (ptrdiff_t k = own.first; k < own.end; k++) w->alive[k] = DEM_LEAVING; /* at the end of the step */
+    for (ptrdiff_t k = own.first; k < own.end; k++) w->alive[k] = DEM_LEAVING; /* removed at the end of the step */
     run->leaving = 1;
 }

@@ -7,7 +7,7 @@ DEM_INLINE double dem__sphere_mass(const dem_world *w, int material, double radi
     return RIDDLE_PI / 6.0 * d * d * d * w->def.material[material].density;
 }
 
-/* Returns whether a diameter gives a mass and an inertia that are numbers. */
+/* Returns whether a diameter gives a finite mass and inertia. */
 static inline int dem__is_size(const dem_world *w, int material, double d) {
     return dem__positive(d) && dem__positive(dem__sphere_mass(w, material, 0.5 * d) * d * d);
 }
@@ -38,7 +38,7 @@ static inline ptrdiff_t dem__put_particle(dem_world *w, dem_vec x, double radius
     w->particle[i].origin = w->step;
     w->id[i] = bodies->next_id++;
     bodies->number[i] = (int32_t)(i - bodies->dropped);
-    bodies->rank[i] = bodies->by_rank[i] = (int32_t)i; /* the last one */
+    bodies->rank[i] = bodies->by_rank[i] = (int32_t)i; /* it gets the last rank */
     w->material[i] = material;
     w->group[i] = group;
     w->alive[i] = 1;

@@ -1,18 +1,18 @@
-/* Ranks: the order of particles by place, in which their contacts lie in memory, so that what is computed together is
-   near together, and threads share few particles. Reads positions; writes ranks. Particles keep their numbers. Promises:
-   the order of the particles present depends only on the history of the scene. */
+/* Ranks: the order of particles in space. Contacts lie in memory in this order, so that what is computed together lies
+   close together, and threads share few particles. Reads positions; writes ranks. Particles keep their numbers.
+   Promises: the order of the particles present depends only on the history of the scene. */
 #pragma once
 #include "particles.h"
 #include "../base/parallel.h"
 
-/* Returns the lower rank of the particles of a contact, by which contacts are ordered. */
+/* Returns the lower of the ranks of a contact's particles, by which contacts are sorted. */
 DEM_INLINE int32_t dem__lower_rank(const dem_world *w, int32_t i, int32_t j) {
     const int32_t *rank = w->engine->bodies.rank;
     return j < 0 || rank[i] < rank[j] ? rank[i] : rank[j];
 }
 
-/* Returns the place of a cell on Hilbert's curve through 1024 x 1024 x 1024 cells (Skilling 2004): cells that follow each
-   other on it are neighbours. */
+/* Returns the position of a cell on Hilbert's curve through 1024 x 1024 x 1024 cells (Skilling 2004). Successive cells
+   on the curve are neighbours. */
 static inline uint32_t dem__curve_place(uint32_t x, uint32_t y, uint32_t z) {
     uint32_t at[3] = {x, y, z}, flip = 0, place = 0;
     for (uint32_t bit = 512; bit > 1; bit >>= 1) {
@@ -32,14 +32,14 @@ static inline uint32_t dem__curve_place(uint32_t x, uint32_t y, uint32_t z) {
     return place;
 }
 
-/* The cube in which most particles lie: its lower corner [m], and cells a metre. */
+/* The cube in which most particles lie: its lower corner [m], and cells per metre. */
 typedef struct dem__curve_box {
     dem_vec low;
     double per_metre;
 } dem__curve_box;
 
-/* Lays the cube over four standard deviations each way from the mean, within the particles' range: the few outside go
-   into the cells at the border. */
+/* Makes the cube span four standard deviations each way from the mean, within the particles' range. The few particles
+   outside go into the cells at the border. */
 static inline dem__curve_box dem__curve_of(const dem_world *w, const int32_t *by_number) {
     double low[3], high[3], sum[3] = {0.0, 0.0, 0.0}, square[3] = {0.0, 0.0, 0.0}, n = 0.0, longest = 0.0;
     dem__curve_box box;
@@ -67,13 +67,13 @@ static inline dem__curve_box dem__curve_of(const dem_world *w, const int32_t *by
     return box;
 }
 
-/* Returns the cell of a coordinate; of no number the first one. */
+/* Returns the cell of a coordinate; the first cell for NaN. */
 DEM_INLINE uint32_t dem__curve_cell(double x, double low, double per_metre) {
     const double at = (x - low) * per_metre;
     return at > 0.0 ? (at < 1023.0 ? (uint32_t)at : 1023u) : 0u;
 }
 
-/* Sets the places of particles first .. end-1 on the curve, in pairs.cell_of: free but for a rebuild. */
+/* Writes the positions of particles first .. end-1 on the curve to pairs.cell_of, which only a rebuild uses. */
 static inline void dem__place_on_curve(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const dem__curve_box *box = (const dem__curve_box *)context;
     (void)part;
@@ -85,8 +85,8 @@ static inline void dem__place_on_curve(dem_world *w, ptrdiff_t first, ptrdiff_t 
     }
 }
 
-/* Sorts particles by ten bits of their place, from bit `shift` on; those with the same bits stay as they are. from:
-   NULL for the order of numbers. */
+/* Sorts particles by ten bits of their position on the curve, from bit `shift` on. Those with the same bits keep their
+   order. from: NULL for the order of numbers. */
 static inline void dem__sort_by_place(const int32_t *place, int shift, ptrdiff_t n, const int32_t *from, int32_t *to) {
     int32_t start[1024];
     memset(start, 0, sizeof start);
@@ -112,7 +112,8 @@ static DEM__NOINLINE void dem__renew_ranks(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const int32_t *place = w->engine->pairs.cell_of;
     int32_t *other = w->engine->scratch.index;
-    const int32_t *by_number = bodies->by_place ? other : NULL; /* sums, and particles of one cell, follow numbers */
+    /* sums, and particles of one cell, follow the order of numbers */
+    const int32_t *by_number = bodies->by_place ? other : NULL;
     for (ptrdiff_t i = 0; i < w->count && by_number; i++) other[bodies->given[i]] = (int32_t)i;
     dem__curve_box box = dem__curve_of(w, by_number);
     dem__in_parts(w, dem__parts(w, 4 * w->count), w->count, dem__place_on_curve, &box);

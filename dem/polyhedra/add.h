@@ -9,11 +9,12 @@
 
 static inline const dem__convex_calls *dem__polyhedra(void) {
     static const dem__convex_calls row = {dem__prepare_convex, dem__fill_convex_rows, dem__finish_convex_rows,
-                                          dem_add_convex, dem__leave_convex_edges};
+                                          dem_add_convex, dem__exclude_convex};
     return &row;
 }
 
-/* Returns whether the tables of a shape agree with each other, and its numbers are such as the code relies on. */
+/* Returns whether the tables of a shape agree with each other, and its numbers are in the ranges that the code relies
+   on. */
 static inline int dem__is_sound_shape(const dem_convex *c) {
     if (c->corners < 4 || c->corners > DEM_CORNERS_MAX || c->edges < 6 || c->edges > DEM_EDGES_MAX || c->faces < 4 ||
         c->faces > DEM_FACES_MAX)
@@ -50,10 +51,10 @@ static inline void dem__release_polyhedra(dem_world *w) {
     dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *convex->point);
 }
 
-/* A polyhedron that has gone may have had this entry. */
+/* A polyhedron that has been removed may have had this entry. */
 static inline void dem__add_shapeless(dem_world *w, ptrdiff_t i) { w->engine->convex.shape_of[i] = 0; }
 
-/* Kernels without friction compute no torques. */
+/* Refuses kernels without friction, which compute no torques. */
 static inline dem_status dem__check_polyhedra(const dem_world *w, const dem_kernel *kernel) {
     (void)w;
     return kernel->features & DEM_FRICTION ? DEM_OK : DEM_POLYHEDRON;
@@ -101,7 +102,7 @@ static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, d
     return DEM_OK;
 }
 
-/* Checks the bodies whose shapes are polyhedra: rigid bodies come before them. */
+/* Checks the bodies whose shapes are polyhedra. Rigid bodies are loaded before them. */
 static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w, dem__group *g) {
     const dem__convex_state *convex = &w->engine->convex;
     (void)file, (void)g;
@@ -208,7 +209,7 @@ DEM_API const dem_convex *dem_get_shape(const dem_world *world, int shape) {
                ? &world->engine->convex.shape[shape]
                : NULL;
 }
-/* Returns whether a wall cuts the core of the particle that it is listed with, in the last step. */
+/* Returns whether a wall cut the core of its particle in the last step. */
 static inline int dem__is_cut(const dem_world *w, const dem__convex_pair *p) {
     const dem__convex_state *convex = &w->engine->convex;
     const dem_convex *s = p->i < w->count && w->alive[p->i] == DEM_PRESENT ? dem__shape_of(w, p->i) : NULL;

@@ -1,11 +1,11 @@
-/* Polyhedra that a thin sheet cuts: which of their points are behind it, and how deep. A sheet has no inside, a body
-   has: the side of its centre is in front. Reads a wall, a shape and its place. Promises: overlap and normal of a point
-   that passes the sheet are continuous; nothing is computed here unless a core is cut. */
+/* Polyhedra that a thin sheet cuts: which of their points are behind it, and how deep. A sheet has no inside, so the
+   side of the body's centre counts as the front. Reads a wall, a shape and its place. Promises: overlap and normal of a
+   point that passes the sheet are continuous; nothing is computed here unless a core is cut. */
 #pragma once
 #include "distance.h"
 #include "../walls/mesh.h"
 
-/* Returns the place at which the line from p to q passes through triangle k of a tree, 0 .. 1; above 1: none. */
+/* Returns where the line from p to q passes through triangle k of a tree, 0 .. 1; above 1: nowhere. */
 static inline double dem__passes_at(const dem__tree *t, int32_t k, dem_vec p, dem_vec q) {
     const dem_vec a = t->vertex[t->corner[3 * k]], b = t->vertex[t->corner[3 * k + 1]],
                   c = t->vertex[t->corner[3 * k + 2]];
@@ -18,9 +18,9 @@ static inline double dem__passes_at(const dem__tree *t, int32_t k, dem_vec p, de
     return passes ? from / (from - to) : HUGE_VAL;
 }
 
-/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: that
-   along the normal of the triangle, or of a face of the core. If that is not above 0 it says nothing: they may be apart
-   in another direction. */
+/* Returns a lower limit of the distance between a core and a triangle of a mesh, given in the mesh's frame [m]: the
+   distance along the normal of the triangle, or of a face of the core. A value that is not above 0 says nothing,
+   because they may be apart in another direction. */
 static inline double dem__apart_from_triangle(const dem_convex *s, const dem__placed *core, const dem__tree *t,
                                               int32_t k, double enough) {
     const dem_vec up = t->normal[k], d = dem__sub(core->x, t->vertex[t->corner[3 * k]]);
@@ -65,7 +65,7 @@ static inline int dem__may_cut(const dem_wall *wall, const dem_convex *s, const 
     return 0;
 }
 
-/* Finds the first triangle through which the line from p to q passes. Returns its number, -1: none; at: where. */
+/* Finds the first triangle through which the line from p to q passes. Returns its index, -1: none. at: where. */
 static inline int32_t dem__first_passed(const dem__tree *t, dem_vec p, dem_vec q, dem_vec *at) {
     const dem_vec u = dem__sub(q, p), middle = dem__plus(p, 0.5, u);
     const double half = 0.5 * dem__length(u);
@@ -90,21 +90,21 @@ static inline int32_t dem__first_passed(const dem__tree *t, dem_vec p, dem_vec q
 /* A place behind a sheet, in the mesh's frame. */
 typedef struct dem__behind {
     const dem__tree *tree;
-    dem_vec centre, x, at; /* of the body; the place; where the line between them passes the sheet first */
-    int32_t first, best;   /* triangle there; triangle that is nearest */
-    double distance;       /* to the nearest [m] */
+    dem_vec centre, x, at; /* the body's centre; the place; where the line between them first passes the sheet */
+    int32_t first, best;   /* the triangle there; the nearest triangle */
+    double distance;       /* to the nearest triangle [m] */
     dem_vec normal;        /* from the nearest triangle to the front */
 } dem__behind;
 
-/* Returns the normal of a triangle that points to the centre's side, or 0 if the place is on that side. */
+/* Returns the normal of a triangle on the side of the centre, or 0 if the place is on that side, too. */
 static inline dem_vec dem__front_of(const dem__behind *q, int32_t k) {
     const dem_vec n = q->tree->normal[k], a = q->tree->vertex[q->tree->corner[3 * k]];
     const double centre = dem__dot(n, dem__sub(q->centre, a)), x = dem__dot(n, dem__sub(q->x, a));
     return dem__scale(centre > 0.0 && x < 0.0 ? 1.0 : centre < 0.0 && x > 0.0 ? -1.0 : 0.0, n);
 }
 
-/* Takes triangle k if it is the nearest one behind which the place is. One that is as good as parallel to the first one
-   and behind that is the far side of a plate, which does not count. */
+/* Takes triangle k if the place is behind it, and no triangle taken before is nearer. A triangle behind the first one
+   and as good as parallel to it is the far side of a plate, which does not count. */
 static inline void dem__try_behind(dem__behind *q, int32_t k) {
     const dem_vec front = dem__front_of(q, k), a = q->tree->vertex[q->tree->corner[3 * k]];
     double distance;
@@ -117,10 +117,10 @@ static inline void dem__try_behind(dem__behind *q, int32_t k) {
     const dem_vec up = inside || !(distance > 0.0) ? front : dem__scale(-1.0 / distance, v);
     q->distance = distance, q->best = k, q->normal = up;
     if (dem__dot(up, front) > DEM__SMOOTH) return;
-    q->normal = front; /* beyond a rim: behind its plane */
+    q->normal = front; /* beyond a rim it is behind the plane */
 }
 
-/* Finds how deep a place is behind a mesh, seen from a body's centre. Returns 0 if it is not. */
+/* Finds how deep a place is behind a mesh, seen from a body's centre. Returns 0 if it is not behind it. */
 static inline int dem__find_behind(const dem_wall *wall, dem_vec centre, dem_vec x, dem__touch *out) {
     dem__behind q;
     q.tree = wall->tree, q.distance = HUGE_VAL;
@@ -148,7 +148,7 @@ static inline int dem__find_behind(const dem_wall *wall, dem_vec centre, dem_vec
     return 1;
 }
 
-/* Returns whether a curved sheet may cut a core: an edge passes through it. */
+/* Returns whether a curved sheet may cut a core, because an edge of the core passes through it. */
 static DEM__NOINLINE int dem__sheet_cuts(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
     dem_vec corner[DEM_CORNERS_MAX];
     for (int k = 0; k < s->corners; k++) corner[k] = dem__sub(dem__corner_at(s, place, k), w->position);

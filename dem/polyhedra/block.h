@@ -1,11 +1,11 @@
-/* Contacts of polyhedra in a block of the kernel: they are contacts of spheres about their points, with torques about
-   the centres of the bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres are
-   left as they are. */
+/* Contacts of polyhedra in a block of the kernel. They are contacts of spheres about their points, with torques about
+   the centres of the bodies. Reads places of contacts; writes rows and forces of a block. Promises: rows of spheres
+   stay as they are. */
 #pragma once
 #include "../contacts/block.h"
 
-/* Computes the velocity in the middle of a step, and the acceleration, of a point of a body at `arm` from its centre.
- */
+/* Computes the velocity in the middle of a step, and the acceleration, of the point of a body at `arm` from its
+   centre. */
 DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, double half, dem_vec *v, dem_vec *a) {
     const dem_particle *p = &w->particle[i];
     const dem_vec round = dem__cross(p->spin, arm);
@@ -13,14 +13,14 @@ DEM_INLINE void dem__point_motion(const dem_world *w, ptrdiff_t i, dem_vec arm, 
     *a = dem__add(p->a, dem__add(dem__cross(w->spin_rate[i], arm), dem__cross(p->spin, round)));
 }
 
-/* Returns the arm at the other body, from that at i, the distance of the bodies and the row's normal and gap. */
+/* Returns the arm at the other body, from the arm at i, the distance of the bodies and the row's normal and gap. */
 DEM_INLINE dem_vec dem__other_arm(const dem__rows *b, const dem__type_rows *t, int k, dem_vec arm) {
     const double reach = t->sum[k] + b->gap[k];
     return dem_vec3(arm.x + b->dx[k] - reach * b->nx[k], arm.y + b->dy[k] - reach * b->ny[k],
                     arm.z + b->dz[k] - reach * b->nz[k]);
 }
 
-/* Returns a vector whose part along n is larger by a factor 1 + more. */
+/* Returns a vector whose component along n is larger by a factor 1 + more. */
 DEM_INLINE dem_vec dem__speed_up(dem_vec v, dem_vec n, double more) { return dem__plus(v, more * dem__dot(v, n), n); }
 
 /* Calls the law of the run for the springs of row k alone, with these states. */
@@ -37,8 +37,8 @@ static inline void dem__spring_of(const dem_world *w, const dem__type_rows *t, i
     law->force(&q, s, r);
 }
 
-/* Fits the stored friction of the contact in slot c to the change of its weight: a larger weight leaves the force as it
-   is, a smaller one the displacement. So the change takes energy and never gives any. Finds how much. */
+/* Adapts the stored friction of the contact in slot c to a change of its weight. A larger weight leaves the force as it
+   is, a smaller one the displacement, so the change takes energy and never gives any. Finds how much. */
 static inline void dem__fit_friction(const dem_world *w, const dem__type_rows *t, int k, ptrdiff_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem_law *law = w->engine->run.law;
@@ -100,7 +100,7 @@ static DEM__NOINLINE void dem__fill_convex_rows(const dem_world *w, dem__rows *b
     }
 }
 
-/* Adds to row k its part of what the springs of its pair exert beyond their parts in the law. */
+/* Adds to row k its part of the force by which the springs of its pair exceed the sum of their parts in the law. */
 static inline void dem__pull(const dem_world *w, const dem__type_rows *t, ptrdiff_t c, double *const *out, int k) {
     const double part = w->engine->contacts.touch[DEM__PLACE_PULL][c],
                  *pull = w->engine->convex.pair[-2 - w->engine->contacts.near[c]].pull;
@@ -120,7 +120,7 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
         const ptrdiff_t c = base + k;
         if (!dem__is_convex_contact(w, c)) continue;
         const double weight = contacts->touch[DEM__PLACE_WEIGHT][c],
-                     power = weight / contacts->touch[DEM__PLACE_DAMPING][c]; /* of its true speed */
+                     power = weight / contacts->touch[DEM__PLACE_DAMPING][c]; /* from the true speed */
         const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
         for (int a = 0; a < 9; a++) out[a][k] *= weight;
         const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f),
@@ -128,8 +128,8 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
         for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
         if (!w->engine->run.only_ledger) dem__pull(w, t, c, out, k);
         if (!(features & DEM_ENERGY)) continue;
-        /* losses by powers are means of the power before, which has its weight, and of the power now; without a force,
-           the energy of the spring is lost */
+        /* losses are means of the power before, which has its weight, and of the power now; without a force, the energy
+           of the spring is lost */
         if (fabs(before[k]) + fabs(at->force[k]) == 0.0) at->loss[0][k] -= (weight - 1.0) * at->elastic[k];
         else at->loss[0][k] += (power - 1.0) * half * at->power[0][k];
         at->loss[2][k] += (weight - 1.0) * half * at->power[1][k];
@@ -139,17 +139,17 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
     }
 }
 
-/* Excludes polyhedra from the correction of edge steps, among the last `marked` contacts that a chunk has listed: the
-   mass at a corner is not the pair's. */
-static inline void dem__leave_convex_edges(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
+/* Excludes polyhedra from the correction of partial steps, among the last `marked` contacts in a chunk's list: the mass
+   at a corner is not the pair's. */
+static inline void dem__exclude_convex(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
     dem__contacts *contacts = &w->engine->contacts;
     for (ptrdiff_t m = in->marked - marked; m < in->marked; m++) {
         const ptrdiff_t c = contacts->slots[in->first + m];
-        if (dem__is_convex_contact(w, c)) contacts->edge[c] = 0;
+        if (dem__is_convex_contact(w, c)) contacts->partial[c] = 0;
     }
 }
 
-/* Sets what a law needs of a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
+/* Sets what a law needs for a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
 static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
     const double per_i = dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;

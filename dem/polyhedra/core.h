@@ -1,13 +1,13 @@
 /* The core of a hull of many corners: eroded by the radius of the rounding, and reduced to as many corners as a shape
-   may have. Reads a hull; makes a shape. Promises: faces that a face of the core lies in stay where they are; the
-   deviation that is told is the Hausdorff distance from the eroded hull, to rounding. */
+   may have. Reads a hull; makes a shape. Promises: faces on which a face of the core lies stay where they are; the
+   deviation reported is the Hausdorff distance from the eroded hull, up to rounding. */
 #pragma once
 #include "distance.h"
 #include "hull.h"
 
-#define DEM__ERODED_MAX 1000 /* corners of a hull that are eroded; of more corners, the farthest ones */
+#define DEM__ERODED_MAX 1000 /* corners of a hull that are eroded at most: the farthest ones of more */
 
-/* Corners of a core before it is reduced, the planes of the hull, and by how much the core is behind them. */
+/* Corners of a core before its reduction, the planes of the hull, and how far the core is behind them. */
 typedef struct dem__cloud {
     ptrdiff_t points, planes;
     double *point;      /* [points][3] [m] */
@@ -26,8 +26,8 @@ static inline dem_vec dem__farthest_of(const double *point, ptrdiff_t n, dem_vec
     return dem__point(point + 3 * best);
 }
 
-/* Returns the distance of x from the hull of n points (Gilbert, Johnson & Keerthi 1988), 0 within it, to 1e-6 of
-   itself or `tiny`. */
+/* Returns the distance of x from the hull of n points (Gilbert, Johnson & Keerthi 1988), to a relative error of 1e-6 or
+   to `tiny`; 0 inside. */
 static inline double dem__from_cloud(const double *point, ptrdiff_t n, dem_vec x, double tiny) {
     dem__simplex s;
     double low = 0.0;
@@ -48,7 +48,7 @@ static inline double dem__from_cloud(const double *point, ptrdiff_t n, dem_vec x
 
 /* ---- faces of a hull ---- */
 
-/* Adds the plane of triangle f with its normal n, and gives it to all triangles around f that lie in it. */
+/* Adds the plane of triangle f with its normal n, and assigns it to all adjoining triangles that lie in it. */
 static inline void dem__spread_plane(const dem__hull_builder *b, const double *y, double flat, int32_t f, dem_vec n,
                                      dem__cloud *hull, int32_t *number) {
     const double offset = dem__dot(n, dem__point(y + 3 * b->facet[f].corner[0]));
@@ -69,8 +69,8 @@ static inline void dem__spread_plane(const dem__hull_builder *b, const double *y
     hull->planes++;
 }
 
-/* Finds the planes of a hull's faces: of triangles in one plane, up to `flat`, that of a large one. y: its points.
-   number: of a triangle's plane, or -1. */
+/* Finds the planes of a hull's faces. Triangles in one plane, up to `flat`, get that of a large one. y: the hull's
+   points. number: index of a triangle's plane, or -1. */
 static inline void dem__find_planes(const dem__hull_builder *b, const double *y, double flat, dem__cloud *hull,
                                     int32_t *number) {
     double largest = 0.0;
@@ -96,7 +96,7 @@ static inline void dem__find_planes(const dem__hull_builder *b, const double *y,
     }
 }
 
-/* Returns the smallest distance of a face from the point opposite to it. */
+/* Returns the smallest distance between a face and the point opposite to it. */
 static inline double dem__least_width_of(const dem__cloud *hull, const double *y, ptrdiff_t n) {
     double least = HUGE_VAL;
     for (ptrdiff_t f = 0; f < hull->planes; f++) {
@@ -107,8 +107,8 @@ static inline double dem__least_width_of(const dem__cloud *hull, const double *y
     return least;
 }
 
-/* Finds a point far within planes that have moved inwards. Returns its least depth [m]; if not above 0, there is none.
- */
+/* Finds a point far inside planes that have moved inwards. Returns its least depth [m]; there is none if that is not
+   above 0. */
 static inline double dem__inner_point(const dem__cloud *hull, dem_vec *point) {
     dem_vec x = dem_vec3(0.0, 0.0, 0.0);
     double best = -HUGE_VAL, step = 0.0;
@@ -129,7 +129,7 @@ static inline double dem__inner_point(const dem__cloud *hull, dem_vec *point) {
 
 /* ---- erosion ---- */
 
-/* Finds the corners of the core: triangles of the hull of the dual points of its planes. dual: a builder for these;
+/* Finds the corners of the core: triangles of the hull of the dual points of its planes. dual: a builder for them;
    work: [planes][3]. Returns 0 if nothing is left. */
 static inline int dem__erode_planes(dem__hull_builder *dual, double flat, double *work, dem__cloud *core) {
     double(*plane)[4] = core->plane;
@@ -161,13 +161,13 @@ static inline int dem__erode_planes(dem__hull_builder *dual, double flat, double
 /* The hull of a few corners of a core. */
 typedef struct dem__few {
     int corners, facets;
-    int32_t from[DEM_CORNERS_MAX]; /* their numbers among the points */
+    int32_t from[DEM_CORNERS_MAX]; /* their indices among the points */
     uint8_t facet[DEM_FACES_MAX][3];
     dem_vec normal[DEM_FACES_MAX];
     double behind[DEM_FACES_MAX]; /* how far the core is in front of a facet [m] */
 } dem__few;
 
-/* Gets it from a builder. */
+/* Copies the hull from a builder. */
 static inline void dem__get_few(const dem__hull_builder *b, const dem__cloud *core, dem__few *few) {
     few->corners = few->facets = 0;
     for (int32_t f = 0; f < b->facets; f++) {
@@ -196,8 +196,8 @@ static inline dem_vec dem__solve_three(double (*m)[3], dem_vec b) {
     return dem__scale(1.0 / dem__dot(r, st), dem__plus(dem__plus(dem__scale(b.x, st), b.y, tr), b.z, rs));
 }
 
-/* Returns how a corner of the few moves so that its facets move outwards by a share of the way to the core that they
-   are behind. Facets that lie in a face of the core stay. flat: [m] */
+/* Returns how a corner of the reduced hull moves so that its facets move outwards by a share of their distance from the
+   core. Facets that lie in a face of the core stay. flat: [m] */
 static inline dem_vec dem__way_out(const dem__few *few, int corner, double part, double flat) {
     double m[3][3] = {{1e-3, 0, 0}, {0, 1e-3, 0}, {0, 0, 1e-3}};
     dem_vec b = dem_vec3(0.0, 0.0, 0.0), kept[3];
@@ -221,7 +221,7 @@ static inline dem_vec dem__way_out(const dem__few *few, int corner, double part,
     return way;
 }
 
-/* Returns the Hausdorff distance of the hull of a shape's corners from a core. Stops at `enough`. */
+/* Returns the Hausdorff distance between the hull of a shape's corners and a core. Stops at `enough`. */
 static inline double dem__deviation_from(const dem_convex *s, const dem__cloud *core, double enough, double tiny) {
     double most = 0.0;
     for (int k = 0; k < s->corners && most < enough; k++) {
@@ -235,15 +235,15 @@ static inline double dem__deviation_from(const dem_convex *s, const dem__cloud *
     return most;
 }
 
-/* Takes a trial if it is a polyhedron, and nearer to the core than the best one. */
+/* Takes a trial if it is a polyhedron, and closer to the core than the best one so far. */
 static inline void dem__try_core(const dem__cloud *core, double flat, dem_convex *trial, dem_convex *best) {
     if (dem__find_surface(trial, 0.1 * flat) != NULL) return;
     trial->deviation = dem__deviation_from(trial, core, best->deviation, 0.01 * flat);
     if (trial->deviation < best->deviation) *best = *trial;
 }
 
-/* Makes a core of at most `most` corners: farthest points, moved outwards by several shares, of which the
-   best one is taken. s: in, the numbers of the shape but those of its core. Returns 0 if none is a polyhedron. */
+/* Makes a core of at most `most` corners: the farthest points, moved outwards by several shares, of which the best one
+   is taken. s: in, the shape without its core. Returns 0 if no trial is a polyhedron. */
 static inline int dem__reduce(dem__hull_builder *b, const dem__cloud *core, int most, double flat, dem_convex *s) {
     dem__few few;
     dem_convex trial = *s;

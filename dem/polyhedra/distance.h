@@ -1,6 +1,6 @@
-/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Promises: a separation that is returned
-   is never more than the true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge)
-   and a triangle (3 corners, 3 edges, 2 faces) are cores like any other. */
+/* Distances between placed convex cores, by Gilbert, Johnson & Keerthi (1988). Promises: a separation never exceeds the
+   true one, however few iterations were made. A point (1 corner), a segment (2 corners, 1 edge) and a triangle (3
+   corners, 3 edges, 2 faces) are cores like any other. */
 #pragma once
 #include "shape.h"
 
@@ -25,7 +25,7 @@ DEM_INLINE int dem__farthest(const dem_convex *s, dem_vec u) {
     return best;
 }
 
-/* A simplex of corners of the difference of two cores: the corners of each, their places, and their weights in the
+/* A simplex of corners of the difference of two cores: the corners of each, their positions, and their weights in the
    nearest point. */
 typedef struct dem__simplex {
     int n;
@@ -42,7 +42,7 @@ DEM_INLINE void dem__keep_corners(dem__simplex *s, int n, const int *kept, const
     s->n = n;
 }
 
-/* Returns the point of segment i, j of a simplex that is nearest to the origin, and keeps the corners between which it
+/* Returns the point of segment i, j of a simplex that is nearest to the origin. Keeps the corners between which it
    lies. */
 static inline dem_vec dem__near_segment(dem__simplex *s, int i, int j) {
     const dem_vec p = s->at[i], u = dem__sub(s->at[j], p);
@@ -66,7 +66,7 @@ static inline dem_vec dem__near_triangle(dem__simplex *s, int i, int j, int k) {
     const double d3 = -dem__dot(ab, s->at[j]), d4 = -dem__dot(ac, s->at[j]), d5 = -dem__dot(ab, s->at[k]),
                  d6 = -dem__dot(ac, s->at[k]);
     const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4, all = va + vb + vc;
-    if (!(all > 0.0) || vc <= 0.0 || vb <= 0.0 || va <= 0.0) { /* on the border: the nearest of three segments */
+    if (!(all > 0.0) || vc <= 0.0 || vb <= 0.0 || va <= 0.0) { /* on the border: the nearest point of three segments */
         const int pair[3][2] = {{i, j}, {i, k}, {j, k}};
         dem__simplex best = *s;
         dem_vec least = a;
@@ -114,9 +114,8 @@ static inline dem_vec dem__near_simplex(dem__simplex *s) {
 /* Distance of two cores. */
 typedef struct dem__gap_of_cores {
     dem_vec normal;      /* from b to a, a unit vector */
-    double separation;   /* of the two cores along it: their distance, or a lower limit of it; less than 0 where they
-                            overlap */
-    dem_vec at_a, at_b;  /* the points nearest to each other, where they do not overlap */
+    double separation;   /* their distance along it, or a lower limit of it; negative where they overlap */
+    dem_vec at_a, at_b;  /* the points nearest to each other, if they do not overlap */
     int overlap, rounds; /* whether they overlap; number of iterations */
 } dem__gap_of_cores;
 
@@ -127,7 +126,7 @@ DEM_INLINE void dem__add_corners(dem__simplex *s, const dem_convex *a, const dem
     s->at[k] = dem__sub(dem__corner_at(a, pa, i), dem__corner_at(b, pb, j));
 }
 
-/* Begins with the corners of the last test, or with those that face each other. */
+/* Starts with the corners of the last test, or with those that face each other. */
 static inline void dem__begin_simplex(dem__simplex *s, const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                       const dem__placed *pb, const dem__nearest_cache *cache) {
     s->n = 0;
@@ -144,24 +143,23 @@ DEM_INLINE double dem__reach_along(const dem_convex *s, const dem__placed *p, de
     if (s->is_box) return fabs(u.x) * s->half.x + fabs(u.y) * s->half.y + fabs(u.z) * s->half.z;
     return dem__dot(u, dem__point(s->corner[dem__farthest(s, u)]));
 }
-/* Returns a lower limit of the distance of two cores [m]: that along n, a unit vector from b to a. A negative value
-   says nothing: they may be apart in another direction. */
+/* Returns a lower limit of the distance of two cores [m]: the distance along n, a unit vector from b to a. A negative
+   value says nothing, because they may be apart in another direction. */
 DEM_INLINE double dem__apart_along(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                    const dem__placed *pb, dem_vec n) {
     if (n.x == 0.0 && n.y == 0.0 && n.z == 0.0) return -HUGE_VAL;
     return dem__dot(n, dem__sub(pa->x, pb->x)) - dem__reach_along(a, pa, dem__scale(-1.0, n)) -
            dem__reach_along(b, pb, n);
 }
-/* Two boxes, seen from the first one: where the other one's centre is not, but whence it is seen (from b to a), and its
-   axes. */
+/* Two boxes in the frame of the first one: the vector from the centre of b to that of a, and the axes of b. */
 typedef struct dem__two_boxes {
     const dem_convex *a, *b;
     double from[3], turn[3][3],
-        size[3][3]; /* along a's axes; turn[i][m]: cosine of a's axis i and b's axis m; size: without sign */
+        size[3][3]; /* along a's axes; turn[i][m]: cosine between a's axis i and b's axis m; size: its absolute value */
 } dem__two_boxes;
 
 /* Finds the axis k < 3 of a, or k - 3 of b, along which two boxes are farthest apart. Returns how far, as
-   dem__apart_along; along: k, and the component of the distance along it. */
+   dem__apart_along does. along: component of the distance along the axis. */
 static inline double dem__apart_along_faces(const dem__two_boxes *q, int *k, double *along) {
     double most = -HUGE_VAL;
     for (int n = 0; n < 6; n++) {
@@ -195,8 +193,8 @@ static inline double dem__apart_along_edges(const dem__two_boxes *q, int *k, dou
 }
 
 /* Looks for a direction along which two boxes are farther apart than `enough`, a unit vector from b to a, among the
-   normals of faces, then the products of edges (separating axes). Returns how far, as dem__apart_along; if it is not
-   enough, the direction is not set. */
+   normals of faces, then the products of edges (separating axes). Returns how far, as dem__apart_along does. If that is
+   not enough, the direction is not set. */
 static inline double dem__part_boxes(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                      const dem__placed *pb, double enough, dem_vec *normal) {
     dem__two_boxes q;
@@ -257,13 +255,13 @@ static inline void dem__nearest_points(const dem__simplex *s, const dem_convex *
     }
 }
 
-/* A direction is good enough to find the points of two cores if they are as far apart along it as this share of the
+/* A direction is good enough to find the points of two cores if their distance along it is at least this share of the
    radii. */
 #define DEM__GOOD_AXIS 0.9
 
 /* Finds distance and normal of two cores, to 1e-7 of the distance. Stops as soon as they are certainly farther apart
-   than `enough`, or certainly nearer and apart along a good direction. cache: of this pair, read and written, or NULL.
-   */
+   than `enough`, or certainly nearer and apart along a good direction. cache: of this pair, read and written, or
+   NULL. */
 static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
                                  double enough, dem__nearest_cache *cache, dem__gap_of_cores *gap) {
     dem__simplex s;
@@ -296,7 +294,7 @@ static inline void dem__find_gap(const dem_convex *a, const dem__placed *pa, con
     else dem__nearest_points(&s, a, pa, b, pb, gap);
 }
 
-/* Makes a core of a segment, or of a triangle. Its centre is the first corner; its axes are the world's. */
+/* Makes a core from a segment, or a triangle. Its centre is the first corner; its axes are the world's. */
 static inline void dem__segment_core(dem_convex *s, dem__placed *p, dem_vec from, dem_vec to, double radius) {
     const dem_vec u = dem__sub(to, from);
     memset(s, 0, sizeof *s);
@@ -319,7 +317,7 @@ static inline void dem__triangle_core(dem_convex *s, dem__placed *p, dem_vec a, 
     }
     s->face_start[1] = 3, s->face_start[2] = 6;
 }
-/* Makes a core of a point: the centre of a sphere. */
+/* Makes a core from a point: the centre of a sphere. */
 static inline void dem__point_core(dem_convex *s, dem__placed *p, dem_vec x, double radius) {
     dem__segment_core(s, p, x, x, radius);
     s->corners = 1, s->edges = 0;

@@ -1,6 +1,6 @@
 /* The convex hull of any number of points, in triangles (Barber, Dobkin & Huhdanpaa 1996, farthest points first). Reads
-   points; allocates a builder. Promises: sides are decided exactly for coordinates that are rounded to 2^-50 of the
-   size, so that points in one plane or line, or given twice, make a closed surface like any others. */
+   points; allocates a builder. Promises: sides are decided exactly for coordinates rounded to 2^-50 of the size, so
+   that points in one plane or line, or given twice, still make a closed surface. */
 #pragma once
 #include "../base/definition.h"
 
@@ -9,9 +9,10 @@
 /* A triangle of a hull, counterclockwise from outside. */
 typedef struct dem__hull_face {
     int32_t corner[3], beside[3]; /* beside[k]: the triangle across the edge from corner k to the next one */
-    int32_t first, farthest;      /* of a list of points in front of it, or -1; of these the farthest one */
-    int32_t next, queued; /* of a list of triangles with such points, or of unused ones; whether in the former */
-    int32_t alive, seen;  /* seen: number of the point that saw it last */
+    int32_t first, farthest;      /* first of the list of points in front of it, or -1; the farthest of them */
+    int32_t next, queued; /* next of the triangles with such points, or of the unused ones; whether it is queued among
+                             the former */
+    int32_t alive, seen;  /* seen: index of the last point that saw it */
     dem_vec normal;       /* unit vector */
     double height;        /* of the farthest point, in units of the builder */
 } dem__hull_face;
@@ -20,20 +21,21 @@ typedef struct dem__hull_face {
 typedef struct dem__hull_builder {
     dem_allocator allocator;
     ptrdiff_t n;
-    double *x;             /* [n][3]: points about their middle, whole numbers up to 2^50 */
+    double *x;             /* [n][3]: points relative to their middle, whole numbers up to 2^50 */
     double unit;           /* of x [m] */
     int32_t *next;         /* [n]: lists of points */
     int32_t *begins;       /* [n]: the new triangle whose rim begins at a corner */
     dem__hull_face *facet; /* [capacity] */
-    int32_t *list, *rim;   /* [capacity], [capacity][3]: triangles that a point sees; around them: from, to, triangle */
+    int32_t *list, *rim;   /* [capacity], [capacity][3]: triangles that a point sees; the rim around them: from, to,
+                              triangle */
     int32_t facets, capacity, unused, queue;
-    int32_t corners; /* that were added; not all need be corners in the end */
-    int farthest;    /* whether the farthest point of all comes next, and triangles need no queue */
+    int32_t corners; /* points added; not all of them are corners in the end */
+    int farthest;    /* whether the farthest point of all comes next; then triangles need no queue */
     void *block;
     size_t bytes;
 } dem__hull_builder;
 
-/* Splits a b into p, the rounded product, and e, the rest (Dekker 1971). */
+/* Splits a b into the rounded product p and the rest e (Dekker 1971). */
 DEM_INLINE void dem__two_product(double a, double b, double *p, double *e) {
     const double factor = 134217729.0, u = factor * a, v = factor * b;
     const double high = u - (u - a), low = a - high, top = v - (v - b), rest = b - top;
@@ -108,7 +110,7 @@ static inline void dem__end_hull(dem__hull_builder *b) {
     b->block = NULL;
 }
 
-/* Sets the points: x [n][3], about the middle of the box around them, rounded. */
+/* Sets the points x [n][3], relative to the middle of their bounding box, rounded. */
 static inline void dem__set_points(dem__hull_builder *b, const double *x) {
     double low[3], high[3], size = 0.0;
     int exponent = 0;
@@ -127,7 +129,7 @@ static inline void dem__set_points(dem__hull_builder *b, const double *x) {
     }
 }
 
-/* Takes an unused triangle with these corners. Returns its number, -1 if there is none. */
+/* Returns the index of an unused triangle, which gets these corners; -1 if there is none. */
 static inline int32_t dem__new_facet(dem__hull_builder *b, int32_t i, int32_t j, int32_t k) {
     int32_t f = b->unused;
     if (f >= 0) b->unused = b->facet[f].next;
@@ -143,7 +145,7 @@ static inline int32_t dem__new_facet(dem__hull_builder *b, int32_t i, int32_t j,
     return f;
 }
 
-/* Gives point p to triangle f if it is in front of it. Returns whether it is. */
+/* Assigns point p to triangle f if it is in front of it. Returns whether it is. */
 static inline int dem__give_point(dem__hull_builder *b, int32_t p, int32_t f) {
     dem__hull_face *facet = &b->facet[f];
     if (!dem__sees(b, p, f)) return 0;
@@ -154,7 +156,7 @@ static inline int dem__give_point(dem__hull_builder *b, int32_t p, int32_t f) {
     return 1;
 }
 
-/* Finds four points that are far from each other. Returns 0 if all are in one plane, up to `flat` [m]. */
+/* Finds four points that are far apart. Returns 0 if all points lie in one plane, up to `flat` [m]. */
 static inline int dem__first_four(const dem__hull_builder *b, double flat, int32_t *four) {
     const int32_t n = (int32_t)b->n;
     double most[3] = {0.0, 0.0, 0.0};
@@ -182,14 +184,14 @@ static inline int dem__first_four(const dem__hull_builder *b, double flat, int32
     return area > 0.0 && most[2] > flat / b->unit * area && most[1] > flat / b->unit * most[0];
 }
 
-/* Lets triangles wait that have points in front of them. */
+/* Queues a triangle that has points in front of it. */
 DEM_INLINE void dem__queue_facet(dem__hull_builder *b, int32_t f) {
     dem__hull_face *facet = &b->facet[f];
     if (b->farthest || facet->first < 0 || facet->queued) return;
     facet->queued = 1, facet->next = b->queue, b->queue = f;
 }
 
-/* Makes the first four triangles, and gives the points to them. Returns 0 if all points are in one plane. */
+/* Makes the first four triangles, and assigns the points to them. Returns 0 if all points lie in one plane. */
 static inline int dem__first_facets(dem__hull_builder *b, double flat) {
     int32_t four[4];
     if (!dem__first_four(b, flat, four)) return 0;
@@ -212,7 +214,7 @@ static inline int dem__first_facets(dem__hull_builder *b, double flat) {
     return 1;
 }
 
-/* Finds the triangles that point p sees, from f on, and the rim around them. Returns the length of the rim. */
+/* Finds the triangles that point p sees, starting at f, and the rim around them. Returns the length of the rim. */
 static inline int32_t dem__find_seen(dem__hull_builder *b, int32_t p, int32_t f, int32_t *seen) {
     int32_t rim = 0;
     *seen = 1;
@@ -233,19 +235,19 @@ static inline int32_t dem__find_seen(dem__hull_builder *b, int32_t p, int32_t f,
     return rim;
 }
 
-/* Adds point p, which triangle f sees, to the hull. Returns 0 if there is no room for it. */
+/* Adds point p, which triangle f sees, to the hull. Returns 0 if it does not fit. */
 static inline int dem__add_hull_point(dem__hull_builder *b, int32_t p, int32_t f) {
     int32_t seen;
     const int32_t rim = dem__find_seen(b, p, f, &seen);
     int32_t points = -1;
-    for (int32_t m = 0; m < seen; m++) { /* points of triangles that go */
+    for (int32_t m = 0; m < seen; m++) { /* points of removed triangles */
         dem__hull_face *facet = &b->facet[b->list[m]];
         for (int32_t q = facet->first, next; q >= 0; q = next) {
             next = b->next[q];
             if (q != p) b->next[q] = points, points = q;
         }
         facet->first = -1, facet->alive = 0;
-        if (facet->queued) continue; /* it is used again when its turn has come */
+        if (facet->queued) continue; /* the queue returns it later */
         facet->next = b->unused, b->unused = b->list[m];
     }
     for (int32_t m = 0; m < rim; m++) {
@@ -272,8 +274,8 @@ static inline int dem__add_hull_point(dem__hull_builder *b, int32_t p, int32_t f
     return 1;
 }
 
-/* Takes a triangle that has points in front of it: the next one, or that with the farthest one of all.
-   Returns -1 if there is none. */
+/* Takes a triangle that has points in front of it: the next one, or the one with the farthest point of all. Returns -1
+   if there is none. */
 static inline int32_t dem__next_facet(dem__hull_builder *b) {
     int32_t best = -1;
     while (!b->farthest && b->queue >= 0) {
@@ -290,7 +292,7 @@ static inline int32_t dem__next_facet(dem__hull_builder *b) {
     return best;
 }
 
-/* Finds the point that is highest above a triangle of the hull, and that triangle. Returns how high [units]. */
+/* Finds the point that is highest above a triangle of the hull, and that triangle. Returns the height [units]. */
 static inline double dem__highest_point(const dem__hull_builder *b, int32_t *point, int32_t *f) {
     double most = 0.0;
     for (int32_t g = 0; g < b->facets; g++) {
@@ -304,14 +306,14 @@ static inline double dem__highest_point(const dem__hull_builder *b, int32_t *poi
     return most;
 }
 
-/* Builds the hull of at most `most` of the points [n][3] [m], farthest ones first, until all others are nearer to it
-   than `tolerance` [m]. Returns 0 if they are in one plane, up to that. */
+/* Builds the hull of at most `most` of the points [n][3] [m], farthest ones first, until all others are closer to it
+   than `tolerance` [m]. Returns 0 if the points lie in one plane, up to that. */
 static inline int dem__build_few(dem__hull_builder *b, const double *x, int most, double tolerance) {
     int32_t point = 0, f = 0;
     b->facets = b->corners = 0, b->unused = b->queue = -1, b->farthest = 1;
     dem__set_points(b, x);
     if (!dem__first_facets(b, tolerance)) return 0;
-    for (int32_t k = 0; k < b->facets; k++) b->facet[k].first = -1; /* lists are not needed */
+    for (int32_t k = 0; k < b->facets; k++) b->facet[k].first = -1; /* these lists are not used */
     while (b->corners < most && dem__highest_point(b, &point, &f) * b->unit > tolerance) {
         if (!dem__add_hull_point(b, point, f)) return 0;
     }
@@ -319,8 +321,8 @@ static inline int dem__build_few(dem__hull_builder *b, const double *x, int most
 }
 
 enum { DEM__HULL_OK, DEM__HULL_FLAT, DEM__HULL_LARGE };
-/* Builds the hull of points x [n][3] [m], finite and not all the same, or of their farthest ones: of at most `most`
-   corners, and none nearer to it than `tolerance` [m]. flat: thickness below which it is none [m]. */
+/* Builds the hull of points x [n][3] [m], finite and not all the same. It has at most `most` corners; points closer to
+   it than `tolerance` [m] do not become corners. flat: thickness below which there is no hull [m]. */
 static inline int dem__build_hull(dem__hull_builder *b, const double *x, int32_t most, double tolerance, double flat) {
     b->farthest = most < DEM__HULL_MAX || tolerance > 0.0;
     b->facets = b->corners = 0, b->unused = b->queue = -1;
@@ -334,7 +336,7 @@ static inline int dem__build_hull(dem__hull_builder *b, const double *x, int32_t
     }
 }
 
-/* Returns how far the farthest point is from the hull of farthest ones, at most [m]. */
+/* Returns an upper limit of the distance between the hull and the points left out [m]. */
 static inline double dem__left_out(const dem__hull_builder *b) {
     double most = 0.0;
     for (int32_t f = 0; f < b->facets; f++)

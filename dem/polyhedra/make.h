@@ -2,14 +2,14 @@
 #pragma once
 #include "core.h"
 
-/* What a hull is made with. */
+/* Working memory for making a shape from a hull. */
 typedef struct dem__hull_work {
     dem_allocator allocator;
-    dem__hull_builder given, far, dual, few; /* of the points; of their hull's corners; of its planes; of the core */
+    dem__hull_builder given, far, dual, few; /* hulls of the points; of its corners; of its planes; of the core */
     void *block;
     size_t bytes;
     double *y;              /* [corners][3]: of the hull, about its centroid, along its principal axes [m] */
-    int32_t *number, *from; /* of a triangle's plane; of a corner among the points */
+    int32_t *number, *from; /* index of a triangle's plane; of a corner among the points */
     double *work;
     dem__cloud core;
     ptrdiff_t corners;
@@ -68,7 +68,7 @@ static inline const char *dem__measure_hull(dem__hull_work *h, dem_convex *s, pt
     }
     for (ptrdiff_t k = 0; k < n; k++) h->corners += is_used[k];
     const double *one = x + 3 * h->given.facet[0].corner[0];
-    const dem_vec middle = dem__point(one); /* any corner is near enough */
+    const dem_vec middle = dem__point(one); /* any corner will do */
     dem__integrate_hull(&h->given, x, middle, &bulk);
     const char *reason = dem__set_moments(s, &bulk, middle, &c);
     if (reason) return reason;
@@ -85,7 +85,7 @@ static inline const char *dem__measure_hull(dem__hull_work *h, dem_convex *s, pt
     return NULL;
 }
 
-/* Marks the corners of the hull at which three faces or more meet. Returns their number. */
+/* Marks the corners of the hull at which three or more faces meet. Returns how many. */
 static inline ptrdiff_t dem__mark_corners(dem__hull_work *h) {
     ptrdiff_t marked = 0;
     for (int32_t k = 0; k < (int32_t)h->corners; k++) {
@@ -103,7 +103,7 @@ static inline ptrdiff_t dem__mark_corners(dem__hull_work *h) {
     return marked;
 }
 
-/* Makes the shape of the marked corners exactly. Returns whether it has one. */
+/* Makes the exact shape of the marked corners. Returns whether that works. */
 static inline int dem__make_exactly(const dem__hull_work *h, const double *x, double rounding, dem_convex *s) {
     dem_convex t;
     dem_vec middle = dem_vec3(0.0, 0.0, 0.0);
@@ -237,7 +237,7 @@ DEM_API dem_status dem_make_brick(dem_convex *shape, dem_vec lengths, double rou
 
 #define DEM__CONVEX_MESH_MAX 4000 /* triangles of a mesh that is checked edge by edge */
 
-/* Returns whether every edge of a mesh has one other triangle, which runs along it the other way. */
+/* Returns whether each edge of a mesh belongs to exactly one other triangle, in the opposite direction. */
 static inline int dem__is_closed(const dem_mesh *mesh) {
     for (ptrdiff_t p = 0; p < 3 * mesh->triangles; p++) {
         const int32_t from = mesh->triangle[p], to = mesh->triangle[p % 3 < 2 ? p + 1 : p - 2];

@@ -1,12 +1,12 @@
-/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. The
-   table is made once for each mesh, in a world with polyhedra. */
+/* The sharp edges and corners of a mesh, which edges and faces of polyhedra can touch. The table is made once for each
+   mesh, in a world with polyhedra. */
 #pragma once
 #include "../walls/mesh.h"
 
 #define DEM__FLAT_EDGE                                                                                                 \
-    1e-3 /* edges: sine of the angle of two triangles, up to which they are flat; corners: the same for two edges */
+    1e-3 /* edges: sine of the angle between two triangles up to which they are flat; corners: the same for two edges */
 
-/* Finds the first vertex at the same place for each vertex. */
+/* For each vertex, finds the first vertex at the same place. */
 static inline void dem__weld_places(const dem__tree *t, int32_t *same, dem__keyed *items) {
     for (int32_t v = 0; v < t->vertices; v++) {
         const double x[3] = {t->vertex[v].x + 0.0, t->vertex[v].y + 0.0, t->vertex[v].z + 0.0}; /* no -0 */
@@ -64,7 +64,7 @@ static inline void dem__find_mesh_edges(const dem__tree *t, dem__mesh_edges *edg
     }
 }
 
-/* Finds the sharp corners: ends of sharp edges, except where only two of these meet in one line. */
+/* Finds the sharp corners: ends of sharp edges, unless just two sharp edges meet there in one line. */
 static inline void dem__find_mesh_corners(const dem__tree *t, dem__mesh_edges *edges, const int32_t *same,
                                           dem__keyed *items) {
     ptrdiff_t n = 0;

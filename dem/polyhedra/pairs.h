@@ -1,24 +1,24 @@
-/* Contacts of polyhedra: which pairs may have some, their points in a step, and the contacts that follow them, begin
-   and end. Reads bodies, walls and the list of near pairs; writes pairs, contacts and their places. Promises: a contact
-   depends on its own pair and step alone, never on earlier tests or on threads. A contact of pair q has near = -2 - q.
-   */
+/* Contacts of polyhedra: which pairs may have contacts, their points in a step, and the contacts that follow these
+   points, begin and end. Reads bodies, walls and the list of near pairs; writes pairs, contacts and their places.
+   Promises: a contact depends only on its pair and step, never on earlier tests or on threads. A contact of pair q has
+   near = -2 - q. */
 #pragma once
 #include "../search/bounds.h"
 #include "share.h"
 #include "entered.h"
-#include "idle.h"
+#include "skip.h"
 
 /* Places a polyhedron at a step. */
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, i);
-    const dem__posture p = dem__posture_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
+    const dem__pose p = dem__pose_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
     const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
     dem__placed *place = &w->engine->convex.place[i];
     place->x = dem__in_box(w, p.x);
     place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn),
     place->axis[2] = dem__third_axis(turn);
 }
-/* Places those among particles first .. end-1 that take steps. */
+/* Places the particles among first .. end-1 that take steps. */
 static inline void dem__place_active(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     (void)part;
     for (ptrdiff_t i = first; i < end; i++) {
@@ -26,7 +26,7 @@ static inline void dem__place_active(dem_world *w, ptrdiff_t first, ptrdiff_t en
             dem__place_polyhedron(w, i, *(const int64_t *)context);
     }
 }
-/* Places those among particles first .. end-1 that fly and are marked in scratch.index. */
+/* Places the particles among first .. end-1 that are in flight and marked in scratch.index. */
 static inline void dem__place_flying(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     (void)part;
     for (ptrdiff_t i = first; i < end; i++) {
@@ -41,10 +41,10 @@ static inline void dem__place_flying(dem_world *w, ptrdiff_t first, ptrdiff_t en
 static inline void dem__find_close(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const int64_t step = *(const int64_t *)context;
     (void)part;
-    for (ptrdiff_t k = first; k < end; k++) { /* by number: there may be no pairs, and no array */
+    for (ptrdiff_t k = first; k < end; k++) { /* by index: without pairs there is no array */
         dem__convex_pair *p = &w->engine->convex.pair[k];
-        if (dem__is_idle(w, p, step)) continue;
-        p->is_close = p->count = 0, p->idle_until = 0;
+        if (dem__is_skipped(w, p, step)) continue;
+        p->is_close = p->count = 0, p->skip_until = 0;
         if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
         if (p->j < 0) dem__look_at_wall(w, p, step);
         else dem__look_at_spheres(w, p, step);
@@ -58,7 +58,7 @@ static inline void dem__place_close(dem_world *w, int64_t step) {
     int32_t *marked = w->engine->scratch.index;
     dem__in_parts(w, parts, w->count, dem__place_active, &step);
     dem__in_parts(w, dem__parts(w, convex->pairs), convex->pairs, dem__find_close, &step);
-    if (w->engine->bodies.active_count == w->count - w->engine->bodies.dropped) return; /* none flies */
+    if (w->engine->bodies.active_count == w->count - w->engine->bodies.dropped) return; /* none is in flight */
     for (ptrdiff_t i = 0; i < w->count; i++) marked[i] = 0;
     for (ptrdiff_t k = 0; k < convex->pairs; k++) {
         const dem__convex_pair *p = &convex->pair[k];
@@ -71,8 +71,8 @@ static inline void dem__place_close(dem_world *w, int64_t step) {
 
 /* ---- points ---- */
 
-/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch: then
-   only its gap and normal are set. sphere_first: the sphere is a, the polyhedron b. */
+/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch; then
+   only gap and normal are set. sphere_first: the sphere is a, the polyhedron b. */
 static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius,
                                         int sphere_first, dem__convex_point *out) {
     dem_vec n;
@@ -81,12 +81,12 @@ static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *
     out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
     if (!(out->gap < 0.0)) return 0;
     out->key = 0;
-    dem__count_point(out, out->gap);
+    dem__count_point(out, 1.0, out->gap);
     out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
     return 1;
 }
 
-/* Finds the points of two particles; `at` is measured from the centre of i. Returns their number. */
+/* Finds the points of two particles; `at` is relative to the centre of i. Returns how many. */
 static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
                                       int64_t *overlaps) {
     const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
@@ -103,13 +103,14 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
         const double radius = particle[a ? p->j : p->i].radius;
         const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
                         : dem__points_of_sphere(b, &pb, d, radius, 1, out);
-        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* its centre is in the core */
-        if (n == 0) dem__rest_apart(w, p, step, d, out->gap, out->normal);
-        return dem__finish_points(w, p, d, dem__share_points(out, n, w->engine->run.power), out, n);
+        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* the sphere's centre is in the core */
+        if (n == 0) dem__skip_pair(w, p, step, d, out->gap, out->normal);
+        dem__shared sums = dem__share_points(out, n, w->engine->run.power);
+        return dem__finish_points(w, p, d, &sums, out, n);
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
-    /* A direction only decides which features are tested. That of an earlier step can be used as long as the cores are
+    /* A direction only decides which features are tested. That of an earlier step serves as long as the cores are
        nearly as far apart along it. */
     double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
     if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
@@ -122,19 +123,16 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     }
     int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
     const double power = w->engine->run.power;
-    for (int k = 0; k < n; k++) {
-        const int of_a = out[k].key < DEM_CORNERS_MAX, of_b = !of_a && out[k].key < 2 * DEM_CORNERS_MAX;
-        dem__divide_point(&out[k], of_a || (!of_b && a->springs > b->springs) ? a->springs : b->springs);
-    }
-    dem__springs springs = dem__share_points(out, n, power);
-    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &springs, out, n);
-    n = dem__finish_points(w, p, d, springs, out, n);
-    if (n == 0) dem__rest_apart(w, p, step, d, apart - radii, p->axis);
+    n -= gap.overlap && n == DEM__POINTS_MAX; /* there is one more then */
+    dem__shared sums = dem__share_points(out, n, power);
+    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &sums, out, n);
+    n = dem__finish_points(w, p, d, &sums, out, n);
+    if (n == 0) dem__skip_pair(w, p, step, d, apart - radii, p->axis);
     return n;
 }
 
-/* Finds the points of a particle at a wall, both at the end of the step. Returns their number. cuts: one more if the
-   wall cuts the core. */
+/* Finds the points of a particle at a wall, both at the end of the step. Returns how many. cuts: 1 more if the wall
+   cuts the core. */
 static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
                                       int64_t *cuts) {
     const dem_wall *wall = &w->wall[-1 - p->j];
@@ -142,13 +140,12 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
     const dem__placed *place = &w->engine->convex.place[p->i];
     int may_cut, is_cut = 0;
     int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
-    for (int k = 0; k < n; k++) dem__divide_point(&out[k], s->springs);
-    const dem__springs springs = dem__share_points(out, n, w->engine->run.power);
-    n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), springs, out, n);
+    dem__shared sums = dem__share_points(out, n, w->engine->run.power);
+    n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), &sums, out, n);
     for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
     *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
-    if (n == 0 && dem__may_rest_at_wall(w, p->i))
-        dem__rest_from_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
+    if (n == 0 && dem__may_skip_wall(w, p->i))
+        dem__skip_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
     return n;
 }
 
@@ -158,7 +155,7 @@ typedef struct dem__convex_look {
     ptrdiff_t share;
     int full[DEM__PARTS_MAX];
 } dem__convex_look;
-/* Finds the points of pairs first .. end-1 at a step. look->full: this part has no room for them. */
+/* Finds the points of pairs first .. end-1 at a step. look->full: they do not fit into this part. */
 static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__convex_look *look = (dem__convex_look *)context;
     dem__convex_state *convex = &w->engine->convex;
@@ -179,7 +176,7 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
     }
 }
 
-/* Makes room for `wanted` points; their contents are lost. Returns 0 when out of memory. */
+/* Makes room for `wanted` points, which loses their contents. Returns 0 when out of memory. */
 static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
@@ -224,7 +221,7 @@ DEM_INLINE void dem__set_place(dem_world *w, ptrdiff_t c, const dem__convex_poin
     place[DEM__PLACE_DAMPING][c] = p->damping, place[DEM__PLACE_PULL][c] = p->pull;
 }
 
-/* Sets the place where the contact in slot c begins: with it, the normal one step before, and the curvature of a wall,
+/* Sets the place where the contact in slot c begins: also the normal one step before, and the curvature of a wall,
    which the contact keeps. */
 static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__convex_point *p) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -242,8 +239,8 @@ static inline void dem__set_first_place(dem_world *w, ptrdiff_t c, const dem__co
     dem__set_place_vec(w, DEM__PLACE_BEFORE, c, p->normal);
 }
 
-/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact whose point is gone gets a gap
-   above 0, and so ends. */
+/* Moves the contacts of chunks first .. end-1 to their points of this step. A contact that has lost its point gets a
+   gap above 0, and so ends. */
 static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__contacts *contacts = &w->engine->contacts;
     (void)part, (void)context;
@@ -303,7 +300,7 @@ static inline ptrdiff_t dem__convex_pair_of(const dem_world *w, int32_t i, int32
     return low < (j < 0 ? convex->pairs : convex->of_particles) && p->i == i && p->j == j ? low : -1;
 }
 
-/* Lists the pairs, or with pair == NULL counts them. Returns their number. */
+/* Lists the pairs, or with pair == NULL counts them. Returns how many. */
 static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pair *pair, ptrdiff_t *of_particles) {
     ptrdiff_t n = 0;
     dem__convex_pair p;
@@ -327,8 +324,8 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     return n;
 }
 
-/* Lists the pairs anew, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of memory.
- */
+/* Lists the pairs again, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of
+   memory. */
 static inline int dem__list_convex_pairs(dem_world *w) {
     dem__convex_state *convex = &w->engine->convex;
     dem__contacts *contacts = &w->engine->contacts;
@@ -351,7 +348,7 @@ static inline int dem__list_convex_pairs(dem_world *w) {
         if (!dem__shape_of(w, i) && (j < 0 || !dem__shape_of(w, j))) continue;
         const ptrdiff_t q = dem__convex_pair_of(w, i, j);
         contacts->near[c] = (int32_t)(-2 - q);
-        if (q < 0) contacts->ended[c] = 1; /* cannot happen: they touch */
+        if (q < 0) contacts->ended[c] = 1; /* cannot happen, because they touch */
     }
     return 1;
 }

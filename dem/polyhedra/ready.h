@@ -5,7 +5,8 @@
 
 enum { DEM__TABLET_SIDES = 16, DEM__GRAVEL_MAX = 300 };
 
-/* Adds a ring of n points about the z axis, turned by a share of a side. Returns the new number of points. */
+/* Adds a ring of n points about the z axis, turned by `share` of the angle between two points. Returns the new number
+   of points. */
 static inline int dem__add_ring(double (*x)[3], int at, int n, double radius, double height, double share) {
     for (int k = 0; k < n; k++) {
         const double angle = 2.0 * RIDDLE_PI * ((double)k + share) / (double)n;
@@ -14,7 +15,7 @@ static inline int dem__add_ring(double (*x)[3], int at, int n, double radius, do
     return at + n;
 }
 
-/* Makes a hull of n points that is scaled to a volume. flat: along x and y alone. */
+/* Makes a hull of n points and scales it to a volume. flat: along x and y alone. */
 static inline dem_status dem__make_of_volume(dem_convex *shape, int n, double (*x)[3], double volume, int flat,
                                              double rounding, const char **reason) {
     dem_status status = dem_make_hull(shape, n, x[0], rounding, 0.0, NULL, reason);
@@ -38,7 +39,7 @@ DEM_API dem_status dem_make_tablet(dem_convex *shape, double diameter, double he
     const double volume = RIDDLE_PI * (r * r * band + cap / 3.0 * (3.0 * r * r + cap * cap));
     int n = dem__add_ring(x, 0, sides, r, 0.5 * (is_flat ? height : band), 0.0);
     if (is_flat || band > 1e-3 * height) n = dem__add_ring(x, n, sides, r, -0.5 * (is_flat ? height : band), 0.0);
-    for (int k = 0; k < 12 && !is_flat; k++) { /* rings and a pole on each cap, which is a part of a ball */
+    for (int k = 0; k < 12 && !is_flat; k++) { /* rings and a pole on each cap of a ball */
         static const int of_ring[6] = {16, 16, 12, 8, 5, 1};
         static const double place[6] = {0.95, 0.8, 0.6, 0.4, 0.2, 0.0};
         const double ball = 0.5 * (r * r + cap * cap) / cap, at = r * place[k % 6],
@@ -60,7 +61,7 @@ DEM_API dem_status dem_make_gravel(dem_convex *shape, double diameter, double el
     if (wrong) return DEM_BAD_ARGUMENT;
     const double jitter = 1.8 / sqrt((double)corners), axis[3] = {1.0, elongation, elongation * flatness};
     uint64_t random = seed;
-    for (int k = 0; k < corners; k++) { /* a spiral over the ball, shaken */
+    for (int k = 0; k < corners; k++) { /* a spiral over the ball, perturbed */
         const double up = 1.0 - (2.0 * (double)k + 1.0) / (double)corners, across = sqrt(1.0 - up * up);
         const double angle = 2.0 * RIDDLE_PI * (0.618033988749895 * (double)k - floor(0.618033988749895 * (double)k));
         dem_vec v = dem_vec3(up, across * riddle_cos(angle), across * riddle_sin(angle));

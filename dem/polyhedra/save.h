@@ -2,7 +2,7 @@
 #pragma once
 #include "../records/groups.h"
 
-#define DEM__SHAPE_OPTIONAL 2 /* fields at the end of the list that a save may lack */
+#define DEM__SHAPE_OPTIONAL 2 /* fields at the end of the list that a save need not have */
 
 static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     const size_t s = sizeof *c;

@@ -1,15 +1,15 @@
-/* Convex polyhedra: faces from corners, mass properties, erosion. Promises: what is accepted is closed and convex,
-   and its tables agree with each other. */
+/* Convex polyhedra: faces from corners, mass properties, erosion. Promises: an accepted shape is closed and convex, and
+   its tables agree with each other. */
 #pragma once
 #include "../base/definition.h"
 #include "springs.h"
 
-/* Corners nearer than this to a plane, over the size of the whole, lie in it: the single precision of files is enough.
- */
+/* Corners closer than this to a plane, over the size of the whole, lie in it. The single precision of files is
+   enough. */
 #define DEM__FLAT 1e-6
 #define DEM__NO_CORE "its core is no polyhedron: a smaller rounding leaves one"
 
-/* The hull of a set of points: the planes that have all other points behind them, and the points in each. */
+/* The hull of a set of points: the planes with all other points behind them, and the points in each plane. */
 typedef struct dem__hull {
     int faces;
     uint32_t holds[DEM_FACES_MAX];
@@ -28,8 +28,8 @@ static inline double dem__half_size(const double *x, int n) {
     return size;
 }
 
-/* Adds a plane unless its points have one; of two with the same points the one from the larger triangle stays. Returns
-   0 if there are too many. */
+/* Adds a plane unless one has the same points; of the two, the one from the larger triangle stays. Returns 0 if there
+   are too many. */
 static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
     int f = 0;
     while (f < hull->faces && hull->holds[f] != holds) f++;
@@ -74,8 +74,8 @@ static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double
     return 1;
 }
 
-/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they are no
-   polygon. */
+/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they do not
+   form a polygon. */
 static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
     const dem_vec normal = dem__point(hull->plane[f]);
     const int begin = count;
@@ -99,8 +99,8 @@ static inline int dem__go_round(const dem__hull *hull, int f, const double *x, i
     return count - begin == total && total > 2 ? count : 0;
 }
 
-/* Finds the edges from the corners of faces. Returns 0 if an edge has not two faces or is too short, or the surface is
-   not that of a ball. */
+/* Finds the edges from the corners of faces. Returns 0 if an edge does not have two faces or is too short, or the
+   surface is not that of a ball. */
 static inline int dem__find_edges(dem_convex *s, double shortest) {
     s->edges = 0;
     for (int f = 0; f < s->faces; f++) {
@@ -170,8 +170,8 @@ static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
     }
 }
 
-/* Turns a symmetric matrix to its principal axes (Jacobi); axis[k][a]: component a of axis k. A diagonal matrix is left
-   as it is. */
+/* Diagonalises a symmetric matrix (Jacobi). axis[k][a]: component a of principal axis k. A diagonal matrix is left as
+   it is. */
 static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
     const double size = m[0][0] + m[1][1] + m[2][2];
     for (int p = 0; p < 3; p++) {
@@ -219,7 +219,8 @@ static inline const char *dem__set_moments(dem_convex *s, const dem__moments *bu
     return NULL;
 }
 
-/* Sets them; moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what is wrong. */
+/* Does so from the faces. Moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what
+   is wrong. */
 static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     dem__moments bulk;
     dem_vec c;
@@ -233,8 +234,8 @@ static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
     return NULL;
 }
 
-/* Finds the point where three planes meet that have moved inwards. Returns their determinant, without sign; 0 if that
-   is below `least`. */
+/* Finds the point where three planes meet after they have moved inwards. Returns the absolute value of their
+   determinant; 0 if that is below `least`. */
 static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, double least,
                                dem_vec *at) {
     const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
@@ -247,8 +248,8 @@ static inline double dem__meet(const double *p, const double *q, const double *r
     return fabs(det);
 }
 
-/* Adds a corner of the core unless it is there; of two equal ones the better determined one stays. Returns 0 if there
-   are too many. */
+/* Adds a corner of the core unless it is there; of two equal corners the better determined one stays. Returns 0 if
+   there are too many. */
 static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
     int k = 0;
     while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
@@ -281,7 +282,7 @@ static inline int dem__erode(const dem_convex *s, dem_convex *core, double radiu
     return 1;
 }
 
-/* Returns the smallest distance of a face from the corner opposite to it. */
+/* Returns the smallest distance between a face and the corner opposite to it. */
 static inline double dem__least_width(const dem_convex *s) {
     double least = HUGE_VAL;
     for (int f = 0; f < s->faces; f++) {
@@ -296,7 +297,7 @@ static inline double dem__least_width(const dem_convex *s) {
 }
 
 /* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths
-   to the last bit, because its distances are computed from these. */
+   to the last bit, because distances are computed from these. */
 static inline void dem__find_box(dem_convex *s) {
     const double *h = s->corner[0];
     s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
@@ -310,7 +311,7 @@ static inline void dem__find_box(dem_convex *s) {
     }
 }
 
-/* Turns corners and planes of a shape: column k of the rotation is where its axis k lies. */
+/* Turns corners and planes of a shape. Its axes become x, y and z, the columns of the rotation. */
 static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec z) {
     if (x.x == 1.0 && y.y == 1.0 && z.z == 1.0) return;
     for (int k = 0; k < s->corners + s->faces; k++) {
@@ -319,12 +320,12 @@ static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec 
         v[0] = at.x, v[1] = at.y, v[2] = at.z;
     }
 }
-/* Turns them from the principal axes to the frame in which the shape was given. */
+/* Turns corners and planes from the principal axes to the frame in which the shape was given. */
 static inline void dem__turn_to_given(dem_convex *s) {
     dem__turn_shape(s, s->axis[0], s->axis[1], s->axis[2]);
     s->along_axes = 0;
 }
-/* Turns them to the principal axes. A box has its corners at the half lengths again, to the last bit. */
+/* Turns corners and planes to the principal axes. The corners of a box then equal the half lengths to the last bit. */
 static inline void dem__turn_to_axes(dem_convex *s) {
     const dem_vec *a = s->axis;
     if (!s->along_axes)
@@ -356,8 +357,8 @@ static inline void dem__finish_shape(dem_convex *core) {
     dem__turn_to_given(core);
 }
 
-/* Makes the shape from corners about their middle. Returns NULL, or what is wrong. is_large: whether that is that its
-   core has too many corners. */
+/* Makes the shape from corners relative to their middle. Returns NULL, or what is wrong. is_large: set if its core has
+   too many corners. */
 static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding, int *is_large) {
     dem_convex core;
     const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);

@@ -1,15 +1,16 @@
-/* What a shape tells of its contacts: among how many corners a face shares the spring of a pair, and how fast contacts
-   are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a face or a corner alone. */
+/* What a shape tells about its contacts: among how many corners a face shares the spring of a pair, and how fast
+   contacts are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a single face or
+   corner. */
 #pragma once
 #include "../base/polyhedron.h"
 #include "../base/vectors.h"
 
-/* A contact's stiffness over k/m, for motion along its normal and for turns about the three axes. */
+/* A contact's stiffness over k/m, for motion along its normal and for rotations about the three axes. */
 typedef struct dem__modes {
     double of[4][4];
 } dem__modes;
 
-/* Adds the spring of a point, w its part. u: how fast the point moves along the normal by each motion. */
+/* Adds the spring of a point with part w. u: how fast the point moves along the normal by each motion. */
 static inline void dem__add_spring(dem__modes *m, double w, const double *u) {
     for (int k = 0; k < 16; k++) m->of[k / 4][k % 4] += w * u[k / 4] * u[k % 4];
 }
@@ -30,8 +31,8 @@ static inline double dem__highest_rate(const dem__modes *modes) {
     return scale * trace;
 }
 
-/* Returns the rate of a corner alone, in the direction in which it is highest: along each direction it moves by itself
-   and by turns about the axes. */
+/* Returns the rate of a single corner, in the direction in which it is highest: along each direction the corner moves
+   with the body, and by rotations about the axes. */
 static inline double dem__rate_of_corner(const dem_convex *s, dem_vec r) {
     dem__modes m;
     memset(&m, 0, sizeof m);

@@ -1,4 +1,4 @@
-/* Contacts of a polyhedron with a wall: its corners are spheres, its edges capsules, and its faces touch the wall's own
+/* Contacts of a polyhedron with a wall. Its corners are spheres, its edges capsules, and its faces touch the wall's own
    corners. Reads a wall, a shape and its place. Promises: a point depends on these alone; forces are the gradient of a
    potential, as between polyhedra. */
 #pragma once
@@ -11,16 +11,17 @@ typedef struct dem__at_wall {
     dem__edge_visitor visitor; /* first, so that a visitor's address is that of this struct */
     const dem_wall *wall;
     const dem_convex *shape;
+    double part;      /* of the spring of the pair that a corner has */
     dem_vec centre;   /* of the polyhedron */
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
     int edges;  /* length of the list; 0 until edges are needed */
-    int is_cut; /* whether a sheet may cut the core: only then corners can be behind it */
+    int is_cut; /* whether a sheet may cut the core: only then can corners be behind it */
     int n;
     dem__convex_point *out;
 } dem__at_wall;
 
-/* Returns the key of a corner at an element of a wall, by its number, or at a place of a mesh, by the direction of its
+/* Returns the key of a corner: at an element of a wall by its index, at a place of a mesh by the direction of its
    normal in the wall's frame. */
 static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touch, int corner) {
     if (dem__has_elements(wall)) return corner + DEM__ELEMENT_KEYS * (touch->element + DEM__ELEMENTS_FROM);
@@ -42,7 +43,7 @@ DEM_INLINE int32_t dem__element_of_key(const dem_wall *wall, int32_t key) {
     return dem__has_elements(wall) ? key / DEM__ELEMENT_KEYS - DEM__ELEMENTS_FROM : 0;
 }
 
-/* Lists the edges of the polyhedron unless that is done. */
+/* Lists the edges of the polyhedron unless they are listed. */
 static inline void dem__list_edges(dem__at_wall *q) {
     dem__side side;
     if (q->edges > 0) return;
@@ -76,7 +77,7 @@ static inline int dem__is_beyond_face(const dem__at_wall *q, const dem__placed_e
     return 0;
 }
 
-/* Returns whether some of the line from p to q, given in the core's frame, lies in the core. */
+/* Returns whether a part of the line from p to q, given in the core's frame, lies in the core. */
 static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q) {
     double low = 0.0, high = 1.0;
     for (int f = 0; f < s->faces; f++) {
@@ -89,8 +90,8 @@ static inline int dem__core_holds_line(const dem_convex *s, dem_vec p, dem_vec q
     return low < high;
 }
 
-/* Finds the direction in which an edge of a wall, which is in the core, is nearest to its surface, among those at which
-   edges of the core cross it. Returns 0 if there is none. */
+/* For an edge of a wall inside the core, finds the direction in which it is nearest to the core's surface, among those
+   at which edges of the core cross it. Returns 0 if there is none. */
 static DEM__NOINLINE int dem__find_way_out(const dem__at_wall *q, const dem__placed_edge *e, dem_vec *way) {
     double nearest = HUGE_VAL, s, distance;
     dem_vec n;
@@ -101,8 +102,8 @@ static DEM__NOINLINE int dem__find_way_out(const dem__at_wall *q, const dem__pla
     return nearest < HUGE_VAL;
 }
 
-/* Adds the points of all edges of the polyhedron at an edge of a wall. Where this is in the core, edges of the core
-   tell the side, and only those count through which it came. */
+/* Adds the points of all edges of the polyhedron at an edge of a wall. If that edge is in the core, edges of the core
+   tell its side, and only those count through which it entered. */
 static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_edge *of) {
     dem__at_wall *q = (dem__at_wall *)(void *)v;
     dem__placed_edge e;
@@ -116,8 +117,8 @@ static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_ed
         dem__find_way_out(q, &e, &way);
     if (is_deep) e.deep = dem__half_width(q->shape);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n = dem__cross_edges(&q->edge[k], &e, radii, !e.sided && !is_deep, of->key + 5 * q->edge[k].number,
-                                       q->out + q->n);
+        const int n = dem__cross_edges(&q->edge[k], &e, radii, !e.sided && !is_deep, q->part,
+                                       of->key + 5 * q->edge[k].number, q->out + q->n);
         if (n == 0 || (is_deep && !(dem__dot(q->out[q->n].normal, way) > 0.7))) continue;
         const double up = dem__dot(q->out[q->n].normal, of->side);
         if (of->sign == 0.0 || (of->sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
@@ -134,13 +135,13 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
     const double gap = distance - radius - q->shape->radius;
     if (!(gap < 0.0) || dem__dot(n, tip) > 0.0) return;
     point->key = key;
-    dem__count_point(point, gap);
+    dem__count_point(point, q->part, gap);
     point->normal = dem__scale(-1.0, n), point->at = dem__plus(x, -distance, n);
     q->n++;
 }
 
-/* Finds the touches of a sphere of the rounding at x with a sheet that may cut the core. Behind the sheet its overlap
-   counts on, along the normal to the front. Returns their number. */
+/* Finds where a sphere of the rounding at x touches a sheet that may cut the core. Behind the sheet its overlap goes on
+   growing, along the normal to the front. Returns how many touches there are. */
 static DEM__NOINLINE int dem__touch_cutting(const dem__at_wall *q, dem_vec x, double limit, dem__touch *touch) {
     const dem_wall *wall = q->wall;
     dem__touch behind;
@@ -155,7 +156,7 @@ static DEM__NOINLINE int dem__touch_cutting(const dem__at_wall *q, dem_vec x, do
     }
     if (!is_behind) return found;
     behind.gap -= q->shape->radius;
-    for (int m = 0; m < found; m++) { /* other surfaces stay, this one's far side does not */
+    for (int m = 0; m < found; m++) { /* touches of other surfaces stay, those of this one's far side do not */
         if (dem__dot(touch[m].normal, behind.normal) > -0.5 && dem__dot(touch[m].normal, behind.normal) < 0.5)
             touch[kept++] = touch[m];
     }
@@ -183,7 +184,7 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
             dem__convex_point *point = &q->out[q->n];
             int is_new = touch[m].gap < 0.0;
             point->key = dem__wall_key(q->wall, &touch[m], k);
-            dem__count_point(point, touch[m].gap);
+            dem__count_point(point, q->part, touch[m].gap);
             point->normal = touch[m].normal, point->at = arm;
             for (int p = q->n - 1; p >= q->n - m && is_new && p >= 0; p--) is_new = q->out[p].key != point->key;
             q->n += is_new;
@@ -215,7 +216,7 @@ static inline double dem__nearest_between(const dem__at_wall *q, const dem__plac
 }
 
 /* Finds the places at which an edge touches a sheet between its ends, by steps along it: long ones where no contact is
-   possible, otherwise short ones. Returns their number. */
+   possible, otherwise short ones. Returns how many. */
 static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
     const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
     dem__touch was = dem__touch_sheet_along(q, e, 0.0);
@@ -233,29 +234,22 @@ static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_ed
     return n;
 }
 
-/* Adds the point of an edge at t with a sheet, and the points of the edge's ends, with weights as for crossing edges. */
+/* Adds the point of an edge at t with a sheet, and the points of the edge's ends, weighted as for crossing edges. */
 static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
-    double share[2], rest[2], left = 1.0;
     int n = 1;
     const dem__touch here = dem__touch_sheet_along(q, e, t);
     if (!(here.gap < 0.0) || q->n + 3 > DEM__POINTS_MAX) return;
+    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
+    point->at = dem__plus(e->from, t, e->along);
     for (int k = 0; k < 2; k++) {
         const dem__touch end = dem__touch_sheet_along(q, e, k ? e->length : 0.0);
-        share[k] = end.gap < 0.0 ? end.gap * end.gap / (here.gap * here.gap) : 0.0;
-        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
-        left *= rest[k];
-        if (share[k] == 0.0) continue;
+        if (!(end.gap < 0.0)) continue;
         point[n].key = key + 1 + k, point[n].taken = 0, point[n].gap = end.gap, point[n].normal = end.normal;
-        point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along), point[n].weight = k;
+        point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along);
         n++;
     }
-    if (!(left > 1e-10)) return;
-    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
-    point->at = dem__plus(e->from, t, e->along), point->weight = point->count = left;
-    for (int k = 0; k < 2; k++) point->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight], point[m].count = 0.0;
-    q->n += n;
+    if (dem__weigh_crossing(point, n, q->part)) q->n += n;
 }
 
 /* Adds the points of edges at a sheet and its rims. */
@@ -269,19 +263,19 @@ static inline void dem__touch_sheet_with_edges(dem__at_wall *q) {
     }
 }
 
-/* How corners of a polyhedron tell its gap to a wall. */
+/* How the corners of a polyhedron tell its gap to a wall. */
 DEM_INLINE int dem__corners_at(const dem_wall *wall) {
     return wall->kind__->corners ? wall->kind__->corners(wall) : DEM__CORNERS_SOME;
 }
 
-/* Finds the points of a polyhedron at a wall, both at the end of the step; the sphere around it touches the wall.
-   Returns their number; may_cut: whether a sheet may cut its core. */
-static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
-                                             dem__convex_point *out, int *may_cut) {
+/* Finds the points of a polyhedron at a wall, both at the end of the step. The sphere around it touches the wall.
+   Returns how many. may_cut: whether a sheet may cut its core. */
+static DEM__NOINLINE int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
+                                                    dem__convex_point *out, int *may_cut) {
     dem__at_wall q;
     *may_cut = 0;
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
-    q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
+    q.wall = wall, q.shape = s, q.part = dem__part_of(s), q.centre = place->x, q.out = out, q.n = q.edges = 0;
     q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
     q.is_cut = 0;
     if (dem__has(wall, DEM__TRIANGULATED)) q.is_cut = dem__may_cut(wall, s, place);
@@ -293,7 +287,7 @@ static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_con
     return q.n;
 }
 
-/* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: of the core. */
+/* Returns a lower limit of the distance between a core and a mesh, at most its reach [m]. place: the core's. */
 static inline double dem__clear_of_mesh(const dem_wall *wall, const dem_convex *s, const dem__placed *place) {
     const dem__tree *t = wall->tree;
     const dem__placed core = dem__in_frame(wall, place);
@@ -358,7 +352,7 @@ static inline int dem__core_passes_mesh(const dem__tree *t, const dem_convex *s,
     }
     return 0;
 }
-/* Looks for the axis of a bar that passes through a core. */
+/* Looks for a bar's axis that passes through a core. */
 typedef struct dem__axis_visitor {
     dem__edge_visitor visitor;
     const dem_convex *shape;
@@ -374,8 +368,8 @@ static inline void dem__look_at_axis(dem__edge_visitor *v, const dem__wall_edge 
     q->found = dem__core_holds_line(q->shape, dem__into_core(q->place, e->from), dem__into_core(q->place, e->to));
 }
 
-/* Returns whether a core has passed into a sheet, a mesh or a cone, or into the axis of a bar: beyond them its corners
-   touch nothing. */
+/* Returns whether a core has passed into a sheet, a mesh, a cone, or the axis of a bar. Beyond them its corners touch
+   nothing. */
 static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const dem__placed *place) {
     dem_vec corner[DEM_CORNERS_MAX];
     if (dem__has_elements(w)) {

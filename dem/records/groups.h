@@ -34,7 +34,7 @@ static inline void dem__add_fields(dem__group *g, const char *name, double *cons
     }
 }
 
-/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its number among
+/* Writes entry `at` of a group's field. is_body: the field is an index of a particle, which becomes its index among
    those present. */
 static inline void dem__write_entry(dem__stream *s, const dem_world *w, const dem__saved_field *f, ptrdiff_t at,
                                     int is_body) {
@@ -55,13 +55,13 @@ static inline void dem__write_group(dem__stream *s, const dem_world *w, const de
     }
 }
 
-/* A file that is read: its bytes, and where its records begin and end. */
+/* A file being read: its bytes, and where its records begin and end. */
 typedef struct dem__file {
     const unsigned char *bytes;
     size_t first, end;
 } dem__file;
 
-/* Returns whether the bytes are a whole and unchanged saved world of this format. */
+/* Returns whether the bytes are a complete and unchanged saved world of this format. */
 static inline int dem__open_file(dem__file *file, const void *buffer, size_t size) {
     uint64_t magic, version, check;
     dem__stream s = {NULL, (const unsigned char *)buffer, 0};
@@ -73,7 +73,7 @@ static inline int dem__open_file(dem__file *file, const void *buffer, size_t siz
            dem__are_records(file->bytes, file->first, file->end);
 }
 
-/* Returns the number of entries of a group in a file: of its first field, which is required. */
+/* Returns the number of entries of a group in a file, from its first field, which is required. */
 static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first) {
     char name[DEM__NAME_BYTES];
     dem__record r;
@@ -84,8 +84,8 @@ static inline ptrdiff_t dem__entries_of(const dem__file *file, const char *first
                : 0;
 }
 
-/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required or of
-   another kind. */
+/* Finds a field of n entries. Returns 1 if it is there, 0 if it is missing and not required, -1 if it is required and
+   missing, or of another kind. */
 static inline int dem__find_field(const dem__file *file, const dem__group *g, int field, ptrdiff_t n, dem__stream *s) {
     const dem__saved_field *f = &g->field[field];
     dem__record r;
@@ -94,8 +94,8 @@ static inline int dem__find_field(const dem__file *file, const dem__group *g, in
     return r.bytes == (uint64_t)f->numbers * (uint64_t)f->width && r.count == (uint64_t)n ? 1 : -1;
 }
 
-/* Reads entries first .. end-1 of a group of n into consecutive ones from `to` on. Returns 0 if the file is not valid.
- */
+/* Reads entries first .. end-1 of a group of n into consecutive ones from `to` on. Returns 0 if the file is not
+   valid. */
 static inline int dem__read_some(const dem__file *file, const dem__group *g, ptrdiff_t n, ptrdiff_t first,
                                  ptrdiff_t end, ptrdiff_t to) {
     for (int q = 0; q < g->fields && n > 0; q++) {
@@ -116,7 +116,7 @@ static inline int dem__read_group(const dem__file *file, const dem__group *g, pt
 
 static inline int dem__is_flag(int v) { return v == 0 || v == 1; }
 
-/* Returns whether i is a particle, and j another one or a wall. */
+/* Returns whether i is a particle, and j another particle or a wall. */
 static inline int dem__are_bodies(const dem_world *w, int32_t i, int32_t j) {
     return i >= 0 && i < w->count && j < w->count && j >= -w->walls && i != j;
 }
@@ -142,7 +142,7 @@ static inline void dem__hash_quaternion(uint64_t *hash, dem_quaternion q) {
         dem__hash_f64(hash, &q.z, 1);
 }
 
-/* Adds the bodies of a contact or a link, numbered among those present, and its element. */
+/* Adds the bodies of a contact or a link, as indices among those present, and its element. */
 static inline void dem__hash_bodies(uint64_t *hash, const dem_world *w, int32_t i, int32_t j, int32_t element) {
     const int32_t *number = w->engine->bodies.number;
     dem__hash_i64(hash, number[i]), dem__hash_i64(hash, j >= 0 ? number[j] : j), dem__hash_i64(hash, element);

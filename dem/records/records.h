@@ -1,10 +1,9 @@
 /* A saved world as records: a name, the bytes of an entry, the number of entries, and the entries, little-endian. Knows
-   bytes and memory, no physics. Relies on nothing; save/fields.h names what is saved, save/save.h and save/load.h use
-   both. */
+   bytes and memory, no physics. save/fields.h names what is saved, save/save.h and save/load.h use both. */
 #pragma once
 #include "../base/compiler.h"
 
-/* A field that becomes a record: its entries, of some numbers each, are `stride` bytes apart in memory. */
+/* A field that becomes a record. Its entries, of some numbers each, are `stride` bytes apart in memory. */
 enum { DEM__NAME_BYTES = 24, DEM__HEAD_BYTES = DEM__NAME_BYTES + 16 };
 typedef struct dem__saved_field {
     char name[DEM__NAME_BYTES]; /* at most 23 characters */
@@ -63,7 +62,7 @@ static inline void dem__begin_record(dem__stream *s, const dem__saved_field *f, 
     dem__stream_u64(s, &bytes), dem__stream_u64(s, &n);
 }
 
-/* A record that was found: where its entries begin, the bytes of an entry, the number of entries. */
+/* A record in a file: where its entries begin, the bytes of an entry, the number of entries. */
 typedef struct dem__record {
     size_t at;
     uint64_t bytes, count;
@@ -80,7 +79,7 @@ static inline int dem__read_head(const unsigned char *file, size_t end, size_t a
     return r->bytes > 0 && r->count <= (end - r->at) / r->bytes;
 }
 
-/* Returns whether the bytes from `at` to `end` are whole records. */
+/* Returns whether the bytes from `at` to `end` are complete records. */
 static inline int dem__are_records(const unsigned char *file, size_t at, size_t end) {
     dem__record r;
     while (at < end) {
@@ -90,7 +89,7 @@ static inline int dem__are_records(const unsigned char *file, size_t at, size_t 
     return at == end;
 }
 
-/* Finds the first record with a name among whole ones. Returns 0 if there is none. */
+/* Finds the first of these records with a name. Returns 0 if there is none. */
 static inline int dem__find_record(const unsigned char *file, size_t at, size_t end, const char *name, dem__record *r) {
     memset(r, 0, sizeof *r);
     for (; at < end; at = r->at + (size_t)(r->bytes * r->count)) {

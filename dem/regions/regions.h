@@ -29,7 +29,7 @@ DEM_API dem_region dem_sphere_region(dem_vec centre, double radius) {
     return region;
 }
 
-/* Returns whether a length of a region is 0, or large enough for its volume to be a number. */
+/* Returns whether a length of a region is 0, or in a range in which its volume is a normal number. */
 static inline int dem__is_extent(double v) { return v == 0.0 || (v >= 1e-100 && v <= 1e100); }
 
 static inline int dem__is_region(const dem_region *r) {

@@ -1,5 +1,5 @@
-/* Particles that leave: by an exit, by dem_remove, or with a region. One that is gone is in no list, and one that has no
-   contact left is in flight. */
+/* Particles that leave: by an exit, by dem_remove, or with a region. A removed particle is in no list; a particle that
+   has lost its last contact is in flight. */
 #pragma once
 #include "../contacts/contacts.h"
 #include "../regions/regions.h"
@@ -8,7 +8,7 @@
 static inline void dem__detach_one(dem_world *w, ptrdiff_t i) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
-    w->alive[i] = DEM_LEAVING; /* so that the law can tell a removal from a rupture */
+    w->alive[i] = DEM_LEAVING; /* so that the law can distinguish a removal from a rupture */
     DEM__TELL(w, remove_particle, (w, i));
     w->alive[i] = 0;
     w->engine->bodies.dropped++;
@@ -26,7 +26,7 @@ static inline void dem__detach_particle(dem_world *w, ptrdiff_t i) {
     for (ptrdiff_t k = own.first; k < own.end; k++) dem__detach_one(w, k);
 }
 
-/* Removes the force of ended contacts from the acceleration of particles that touch nothing any more. */
+/* Removes the force of ended contacts from the acceleration of particles that touch nothing else. */
 static inline void dem__free_untouched(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
     for (ptrdiff_t k = 0; k < bodies->active_count; k++) {

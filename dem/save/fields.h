@@ -1,4 +1,5 @@
-/* What is saved of a world, as tables of fields: one row a field. Knows every owner's state; writes none. */
+/* What a save of a world contains, as tables of fields: one row for each field. Knows the state of every part; writes
+   none. */
 #pragma once
 #include "../records/groups.h"
 
@@ -159,7 +160,7 @@ static inline void dem__contact_fields(dem_world *w, dem__group *g) {
     dem__add_fields(g, "contact.state", contacts->state, contacts->states);
     g->needed = g->fields;
     const int places =
-        w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_FOOTING; /* a footing is found anew */
+        w->engine->convex.shapes > 0 ? DEM__PLACE_BEFORE : DEM__PLACE_CACHE; /* cached faces are found again */
     if (w->engine->walls.touch_keepers) dem__add_fields(g, "contact.touch", contacts->touch, places);
     dem__add_fields(g, "contact.wrench", contacts->wrench, 9);
     DEM__TELL(w, contact_fields, (w, g));
@@ -179,8 +180,8 @@ static inline void dem__passed_fields(dem_passed *p, dem__group *g) {
     dem__set_fields(g, fields, sizeof fields, 7);
 }
 
-/* A chunk, which tells the slots of its contacts. In a file a count has 8 bytes on every machine. first_rank: without the
-   ranks of particles that are gone. */
+/* A chunk, which gives the slots of its contacts. In a file a count has 8 bytes on every machine. first_rank: not
+   counting the ranks of removed particles. */
 typedef struct dem__saved_chunk {
     int64_t count, capacity;
     int32_t first_rank;

@@ -1,5 +1,5 @@
-/* Loading: makes a world from the records that save/save.h writes, and trusts none of them: every index, count and
-   number that the engine relies on is checked here. */
+/* Loading: makes a world from the records that save/save.h writes, and trusts none of them. Every index, count and
+   number on which the engine relies is checked here. */
 #pragma once
 #include "../gas/flights.h"
 #include "../ledger/ledger.h"
@@ -23,11 +23,11 @@ static inline int dem__read_contacts(const dem__file *file, dem_world *w, dem__g
     return 1;
 }
 
-/* Steps that a run may owe: half a one, and more after a change of the time step. */
+/* Steps that a run may owe: half a step, and more after a change of the time step. */
 #define DEM__OWED_STEPS 1e5
 
-/* Reads materials and their pairs. Files have as many as the world, older ones DEM_MATERIALS_MAX of the program that
-   wrote them. Returns 0 if the file is not valid. */
+/* Reads materials and their pairs. Files have as many as the world; older ones have as many as the DEM_MATERIALS_MAX of
+   the program that wrote them. Returns 0 if the file is not valid. */
 static inline int dem__read_materials(const dem__file *file, dem_world *w, dem__group *g) {
     const ptrdiff_t used = w->def.materials, n = dem__entries_of(file, "material.density");
     if (used < 1 || used > DEM_MATERIALS_MAX || n < used || n > INT16_MAX) return 0;
@@ -35,7 +35,8 @@ static inline int dem__read_materials(const dem__file *file, dem_world *w, dem__
     if (!dem__read_some(file, g, n, 0, used, 0)) return 0;
     dem__pair_fields(&w->def.pair[0][0], g);
     for (ptrdiff_t a = 0; a < used; a++) {
-        for (ptrdiff_t b = 0; b < used; b++) w->def.pair[a][b].given = 1; /* still older ones do not say what was set */
+        /* still older files do not tell which pairs were set */
+        for (ptrdiff_t b = 0; b < used; b++) w->def.pair[a][b].given = 1;
         if (!dem__read_some(file, g, n * n, a * n, a * n + used, a * DEM_MATERIALS_MAX)) return 0;
     }
     return 1;
@@ -62,11 +63,11 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
     if (!dem__is_thread_count(w->def.threads))
-        w->def.threads = 1; /* the caller of the saved world had set it to something else */
+        w->def.threads = 1; /* the caller of the saved world changed it */
     return dem__bad_field(&w->def) == NULL;
 }
 
-/* Reads the triangles of a mesh, and builds its tree anew. */
+/* Reads the triangles of a mesh, and rebuilds its tree. */
 static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocator *memory, int wall, dem_wall *a,
                                         dem__group *g) {
     dem__group triangles;
@@ -91,7 +92,7 @@ static inline dem_status dem__read_mesh(const dem__file *file, const dem_allocat
     return status == DEM_BAD_ARGUMENT ? DEM_BAD_DATA : status;
 }
 
-/* Returns whether a loaded wall could come from the functions that make and move walls. */
+/* Returns whether a loaded wall could result from the functions that make and move walls. */
 static inline int dem__is_sound_wall(const dem_world *w, const dem_wall *a) {
     const dem_wall_motion *asked = &a->asked;
     if (a->material < 0 || a->material >= w->def.materials || !a->kind__) return 0;
@@ -232,7 +233,7 @@ static inline int dem__are_sound_particles(const dem_world *w) {
     return 1;
 }
 
-/* Returns whether the bodies and elements of contacts and links exist, and no contact is there twice. */
+/* Returns whether the bodies and elements of contacts and links exist, and no contact exists twice. */
 static inline int dem__are_sound_contacts(const dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     ptrdiff_t n = 0;
@@ -246,14 +247,14 @@ static inline int dem__are_sound_contacts(const dem_world *w) {
         contacts->slots[n++] = (int32_t)c;
     }
     if (!dem__are_sound_chunks(w)) return 0;
-    dem__sort(w, contacts->slots, n); /* no contact is there twice */
+    dem__sort(w, contacts->slots, n); /* no contact exists twice */
     for (ptrdiff_t c = 1; c < n; c++) {
         if (!dem__before(w, contacts->slots[c - 1], contacts->slots[c])) return 0;
     }
     return 1;
 }
 
-/* Derives what is not saved from the rest: lists of contacts, activity. */
+/* Derives from the rest what is not saved: lists of contacts, activity. */
 static inline void dem__derive_loaded(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     int32_t *first = w->engine->walls.first_contact;
@@ -266,7 +267,7 @@ static inline void dem__derive_loaded(dem_world *w) {
         if (j >= 0) dem__activate(w, j);
         else contacts->wall_next[c] = first[i], first[i] = (int32_t)c;
         if (j < 0 && w->engine->convex.shapes > 0 && !dem__shape_of(w, i))
-            contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing is trusted */
+            contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no cached face is trusted */
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__set_inverse_mass(w, i);
@@ -276,7 +277,7 @@ static inline void dem__derive_loaded(dem_world *w) {
     }
 }
 
-/* Adds every feature that a file may contain: a loaded world keeps those that it uses. */
+/* Adds every feature that a file may contain. A loaded world keeps those that it uses. */
 static inline void dem__expect_features(dem_world *w) {
     dem__add_feature(w, dem__feature_ledger());
     dem__add_feature(w, dem__feature_links());

@@ -1,5 +1,5 @@
-/* Saving: writes the groups of save/fields.h as records. Reads a const world and writes nothing of it, so that several
-   threads may save one. */
+/* Saving: writes the groups of save/fields.h as records. It only reads the world, so several threads may save the same
+   one. */
 #pragma once
 #include "../particles/particles.h"
 #include "fields.h"
@@ -59,7 +59,7 @@ static inline void dem__write_meshes(dem__stream *s, const dem_world *w, dem__gr
 
 static inline void dem__write_materials(dem__stream *s, dem_world *w, dem__group *g) {
     const int n = w->def.materials;
-    dem_pair_def pair[DEM_MATERIALS_MAX * DEM_MATERIALS_MAX]; /* without gaps: DEM_MATERIALS_MAX may change */
+    dem_pair_def pair[DEM_MATERIALS_MAX * DEM_MATERIALS_MAX]; /* without gaps, because DEM_MATERIALS_MAX may change */
     for (int k = 0; k < n * n; k++) pair[k] = w->def.pair[k / n][k % n];
     dem__material_fields(w->def.material, g), dem__write_group(s, w, g, n, 0);
     dem__pair_fields(pair, g), dem__write_group(s, w, g, n * n, 0);

@@ -5,13 +5,14 @@
 /* The grid of one size class: spheres up to DEM__CLASS times as large as its smallest. */
 typedef struct dem__grid {
     double low[3], inverse[3]; /* lower corner [m]; 1 / cell size [1/m] */
-    double widest;             /* radius of its largest sphere [m] */
+    double widest;             /* radius of the largest sphere [m] */
     int32_t n[3], wraps[3];
-    ptrdiff_t count, first; /* number of spheres; its first cell in the common list */
+    ptrdiff_t count, first; /* number of spheres; where its first cell is in the common list */
 } dem__grid;
 
-#define DEM__CLASS 2.5         /* from 2 to 3 the time is the same: fewer levels, but more spheres in a cell */
-enum { DEM__LEVELS_MAX = 16 }; /* beyond 1 : 2.5^15 the last takes all */
+#define DEM__CLASS 2.5         /* any value from 2 to 3 takes the same time: a larger one means fewer levels, but more
+                                  spheres in a cell */
+enum { DEM__LEVELS_MAX = 16 }; /* the last level takes all spheres more than 2.5^15 times as large as the smallest */
 
 /* Returns the number of a sphere's size class. */
 DEM_INLINE int dem__level(double radius, double smallest) {
@@ -21,9 +22,9 @@ DEM_INLINE int dem__level(double radius, double smallest) {
     return level;
 }
 
-/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, again among
-   the points in that range as long as this halves its length. The few outside go into the cells at the border;
-   otherwise one particle far away would make all cells large. */
+/* Finds the range along an axis in which most points lie: four standard deviations each way from the mean, repeated for
+   the points in that range as long as this halves its length. The few points outside go into the cells at the border.
+   Otherwise one particle far away would make all cells large. */
 static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double *low, double *high) {
     double from = HUGE_VAL, to = -HUGE_VAL, span;
     for (ptrdiff_t i = 0; i < n; i++) {
@@ -47,7 +48,7 @@ static inline void dem__bulk(const dem_vec *point, int axis, ptrdiff_t n, double
     *low = from, *high = to;
 }
 
-/* Lays cells no smaller than `size` over a box, at most four a sphere. */
+/* Divides a box into cells no smaller than `size`, at most four for each sphere. */
 static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size, dem_vec low, dem_vec high) {
     double span[3];
     for (int a = 0; a < 3; a++) {
@@ -68,8 +69,8 @@ static inline void dem__make_grid(const dem_world *w, dem__grid *g, double size,
     }
 }
 
-/* Finds the cells of an axis that [v - reach, v + reach] meets, each at most once. Returns their number; first: the
-   first one, from which the caller counts on and wraps. */
+/* Finds the cells along an axis that [v - reach, v + reach] overlaps, each at most once. Returns how many. first: the
+   first of them; the caller counts on from it and wraps. */
 DEM_INLINE int32_t dem__cells(const dem__grid *g, int a, double v, double reach, int32_t *first) {
     const double from = (v - reach - g->low[a]) * g->inverse[a], to = (v + reach - g->low[a]) * g->inverse[a],
                  last = (double)(g->n[a] - 1);

@@ -1,10 +1,10 @@
-/* Near pairs, and when their list must be built anew. Reads bodies; writes pairs, timers and bounds. Promises: two
-   spheres that are not listed cannot touch before the next check. */
+/* Near pairs and the rebuilding of their list: the broad phase. Reads bodies; writes pairs, timers and bounds.
+   Promises: two spheres that are not listed cannot touch before the next check. */
 #pragma once
-#include "tests.h"
+#include "narrow_phase.h"
 #include "../particles/active.h"
 #include "cells.h"
-#include "margin.h"
+#include "skin.h"
 
 /* The near pairs that a thread finds; room: how many fit. */
 typedef struct dem__found_pairs {
@@ -16,17 +16,17 @@ typedef struct dem__found_pairs {
 static inline int dem__add_near(const dem_world *w, dem__found_pairs *finds, int32_t i, int32_t j) {
     if (finds->n == finds->room) return 0;
     dem__near *q = &finds->pair[finds->n++];
-    const int in_order = w->id[i] < w->id[j]; /* so are their numbers, in whatever order they lie */
+    const int in_order = w->id[i] < w->id[j]; /* the order of their ids, whatever their order in memory */
     q->i = in_order ? i : j;
     q->j = in_order ? j : i;
     q->distance = w->particle[i].radius + w->particle[j].radius;
     return 1;
 }
 
-/* Spheres that may be near to those of a cell. */
+/* Spheres that may be near those of a cell. */
 enum {
     DEM__CANDIDATES_MAX = 256
-}; /* twice as many as a cell and its neighbours contain in a dense bed of equal spheres */
+}; /* twice as many as a cell and its neighbours hold in a dense bed of equal spheres */
 typedef struct dem__candidates {
     double x[DEM__CANDIDATES_MAX], y[DEM__CANDIDATES_MAX], z[DEM__CANDIDATES_MAX], extent[DEM__CANDIDATES_MAX];
     int32_t at[DEM__CANDIDATES_MAX]; /* in the sorted list */
@@ -39,7 +39,7 @@ DEM_INLINE double dem__image(double d, double length) {
     return d < -0.5 * length ? d + length : d;
 }
 
-/* Lists the candidates near a sphere by their numbers. Without a branch, which would be mispredicted. */
+/* Lists the candidates near a sphere. Has no branch, because it would be mispredicted. */
 DEM_INLINE void dem__choose_near(const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near,
                                  int *count) {
     double room[DEM__CANDIDATES_MAX];
@@ -60,8 +60,8 @@ DEM__AVX2_CLONE(dem__choose,
                 (const dem__candidates *c, const dem__bound *s, const double *length, int32_t *near, int *count),
                 (c, s, length, near, count), dem__choose_near(c, s, length, near, count))
 
-/* Adds the near pairs of spheres first .. end-1 of the sorted list with candidates that come after each in the list.
-   Returns 0 if there is no room. */
+/* Adds the near pairs of spheres first .. end-1 of the sorted list, each with the candidates that follow it in the
+   list. Returns 0 if they do not fit. */
 static inline int dem__pairs_with_candidates(const dem_world *w, const dem__candidates *crowd, int32_t first,
                                              int32_t end, dem__found_pairs *finds) {
     const double length[3] = {dem__period(w, 0), dem__period(w, 1), dem__period(w, 2)};
@@ -77,8 +77,8 @@ static inline int dem__pairs_with_candidates(const dem_world *w, const dem__cand
     return 1;
 }
 
-/* Adds the near pairs of spheres first .. end-1 of the sorted list, all of one cell, with those after each on one
-   level. Returns 0 if there is no room. */
+/* Adds the near pairs of spheres first .. end-1 of the sorted list, which share a cell, with the spheres that follow
+   each of them on one level. Returns 0 if they do not fit. */
 static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int32_t first, int32_t end,
                                      dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
@@ -92,7 +92,7 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
         low.z = scratch[p].z < low.z ? scratch[p].z : low.z, high.z = scratch[p].z > high.z ? scratch[p].z : high.z;
         extent = scratch[p].tolerance > extent ? scratch[p].tolerance : extent;
     }
-    const double reach = extent + g->widest + 0.5 * w->engine->pairs.margin;
+    const double reach = extent + g->widest + 0.5 * w->engine->pairs.skin;
     int32_t from[3], cells[3];
     for (int a = 0; a < 3; a++) {
         const double l = dem_axis(low, a), h = dem_axis(high, a);
@@ -105,7 +105,7 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
         const int32_t cy = from[1] + row % cells[1], cz = from[2] + row / cells[1];
         const int32_t iy = cy < g->n[1] ? cy : cy - g->n[1], iz = cz < g->n[2] ? cz : cz - g->n[2];
         const int32_t *cell = start + g->first + ((ptrdiff_t)iz * g->n[1] + iy) * g->n[0];
-        for (int part = 0; part < 2; part++) { /* neighbouring cells of a row are neighbours in the list */
+        for (int part = 0; part < 2; part++) { /* cells that are neighbours in a row are neighbours in the list */
             const int32_t last = part ? cell[cells[0] - before] : cell[from[0] + before];
             int32_t q = part ? cell[0] : cell[from[0]];
             for (q = q > first ? q : first; q < last; q++) {
@@ -122,7 +122,7 @@ static inline int dem__find_pairs_of(const dem_world *w, const dem__grid *g, int
     return dem__pairs_with_candidates(w, &crowd, first, end, finds);
 }
 
-/* Sorts the spheres by size class, then by cell of the class's grid. Returns the number of classes; 0 when out of
+/* Sorts the spheres by size class, then by the cells of the class's grid. Returns the number of classes; 0 when out of
    memory. Uses the bounds as scratch memory, because a rebuild sets all of them. */
 static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
     dem__bodies *bodies = &w->engine->bodies;
@@ -148,7 +148,7 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
         dem__grid *g = &grid[level];
         if (g->count == 0) continue;
         levels = level + 1;
-        dem__make_grid(w, g, 2.0 * g->widest + pairs->margin, low, high);
+        dem__make_grid(w, g, 2.0 * g->widest + pairs->skin, low, high);
         g->first = cells;
         cells += (ptrdiff_t)g->n[0] * g->n[1] * g->n[2];
     }
@@ -171,14 +171,14 @@ static inline int dem__fill_cells(dem_world *w, dem__grid *grid) {
         sorted[k] = (int32_t)i;
         bodies->bound[k].x = w->engine->pairs.listed_at[i].x, bodies->bound[k].y = w->engine->pairs.listed_at[i].y,
         bodies->bound[k].z = w->engine->pairs.listed_at[i].z;
-        bodies->bound[k].tolerance = w->particle[i].radius + 0.5 * pairs->margin;
+        bodies->bound[k].tolerance = w->particle[i].radius + 0.5 * pairs->skin;
     }
     return levels;
 }
 
-/* Finds the near pairs of the spheres whose cells begin in first .. end-1 of the sorted list. Spheres of a cell are
-   compared with the cells around it, on their own level and on coarser ones, and there with those after them in the
-   list. Returns 0 if there is no room. */
+/* Finds the near pairs of the spheres whose cells begin in first .. end-1 of the sorted list. The spheres of a cell are
+   compared with those in the cells around it, on their own level and on coarser ones, if these follow them in the list.
+   Returns 0 if the pairs do not fit. */
 static inline int dem__find_pairs_part(const dem_world *w, const dem__grid *grid, int levels, ptrdiff_t first,
                                        ptrdiff_t end, dem__found_pairs *finds) {
     const int32_t *start = w->engine->pairs.cells;
@@ -212,8 +212,8 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
     s->finds[part].full = !dem__find_pairs_part(w, s->grid, s->levels, first, end, &s->finds[part]);
 }
 
-/* Removes the pairs of particles of one rigid body, and of two fixed particles. */
-static inline void dem__drop_idle_pairs(dem_world *w) {
+/* Removes pairs within a rigid body, and pairs of two fixed particles. */
+static inline void dem__drop_skipped_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     const int32_t *of = w->engine->bodies.rigid_of;
     ptrdiff_t kept = 0;
@@ -225,8 +225,8 @@ static inline void dem__drop_idle_pairs(dem_world *w) {
     pairs->count = kept;
 }
 
-/* Finds the near pairs, those with a gap below the margin. Each thread searches a part of the sorted spheres; if one
-   has no room, all search again with more. Returns 0 when out of memory. */
+/* Finds the near pairs: those with a gap below the skin. Each thread searches a part of the sorted spheres. If one runs
+   out of room, all search again with more. Returns 0 when out of memory. */
 static inline int dem__find_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__search s;
@@ -250,11 +250,11 @@ static inline int dem__find_pairs(dem_world *w) {
         memmove(pairs->near + pairs->count, s.finds[q].pair, (size_t)s.finds[q].n * sizeof *pairs->near);
         pairs->count += s.finds[q].n;
     }
-    if (w->engine->bodies.rigid || w->engine->bodies.has_fixed) dem__drop_idle_pairs(w);
+    if (w->engine->bodies.rigid || w->engine->bodies.has_fixed) dem__drop_skipped_pairs(w);
     return 1;
 }
 
-/* Lists the near pairs of each particle, so that each pair is listed twice. Returns 0 when out of memory. */
+/* Lists the near pairs of each particle; each pair is listed twice. Returns 0 when out of memory. */
 static inline int dem__find_adjacent(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
     if (w->count == 0) return 1;
@@ -289,7 +289,7 @@ static inline void dem__list_wall_contacts(dem_world *w) {
 static inline void dem__find_contacts(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     DEM__EACH_CONTACT(w, c) {
-        if (dem__is_convex_contact(w, c)) continue; /* see dem__list_convex_pairs */
+        if (dem__is_convex_contact(w, c)) continue; /* dem__list_convex_pairs does it */
         const int32_t p = contacts->j[c] < 0 ? -1 : dem__near_pair(w, contacts->i[c], contacts->j[c]);
         contacts->near[c] = p;
         if (p >= 0) dem__stop_timer(&w->engine->pairs.timers, p);
@@ -322,8 +322,8 @@ static inline void dem__set_all_timers(dem_world *w) {
         dem__in_parts(w, dem__parts(w, pairs->count), pairs->timers.pages, dem__set_new_timers_range, NULL);
 }
 
-/* Makes timers for a new list: near pairs as if apart; those of walls stay (keeps), or are all stopped. Returns 0 when
-   out of memory. */
+/* Makes the timers of a new list. Near pairs begin without contact. Wall timers stay (keeps), or all are stopped.
+   Returns 0 when out of memory. */
 static inline int dem__make_timers(dem_world *w, int keeps) {
     dem__pairs *pairs = &w->engine->pairs;
     const ptrdiff_t walls = w->count * w->walls;
@@ -340,7 +340,7 @@ static inline int dem__make_timers(dem_world *w, int keeps) {
     return 1;
 }
 
-/* Lets speed limits of driven walls shrink, and sets timers of walls for a list made anew. */
+/* Lowers the speed limits of driven walls where possible, and sets the wall timers for a new list. */
 static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     for (int k = 0; k < w->walls; k++) {
         dem_wall *a = &w->wall[k];
@@ -357,15 +357,15 @@ static inline void dem__set_wall_timers(dem_world *w, int keeps) {
     }
 }
 
-/* Notes a failure while lists are built: the next run builds all of them anew. Returns 0. */
+/* Records a failure while lists are built: the next run builds all of them again. Returns 0. */
 static inline int dem__fail_to_list(dem_world *w, dem_status status) {
     w->status = status;
     w->engine->run.needs_lists = 1;
     return 0;
 }
 
-/* Builds near pairs, timers and bounds anew. Timers of walls stay unless something was changed from outside. Returns 0
-   after a failure. */
+/* Rebuilds near pairs, timers and bounds. Wall timers stay unless the caller changed something. Returns 0 after a
+   failure. */
 static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
@@ -373,14 +373,15 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     const int keeps = !run->needs_lists;
     DEM__TELL(w, keep_up, (w));
     if (w->status != DEM_OK) return 0;
-    if (!keeps || bodies->dropped > w->count / 16) dem__compact(w); /* it costs about as much as finding the pairs */
+    /* closing the gaps costs about as much as finding the pairs */
+    if (!keeps || bodies->dropped > w->count / 16) dem__compact(w);
     if (!keeps) dem__release_unloaded(w);
     dem__list_active(w);
     dem_status status = DEM_OK;
     double smallest, largest;
     if (!dem__list_positions(w, &smallest, &largest)) return 0;
     dem__choose_frame(w);
-    dem__choose_margin(w, keeps, smallest, largest);
+    dem__choose_skin(w, keeps, smallest, largest);
     if (!dem__find_pairs(w) || !dem__find_adjacent(w)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
     if (pairs->count > INT32_MAX / 4 || w->count * w->walls > INT32_MAX / 2) return dem__fail_to_list(w, DEM_TOO_MANY);
     if (!dem__make_timers(w, keeps)) return dem__fail_to_list(w, DEM_OUT_OF_MEMORY);
@@ -396,7 +397,7 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__renew_bound(w, i, w->step);
     }
-    if (pairs->next_check <= w->step) pairs->next_check = w->step + 1; /* the margin is large enough for one step */
+    if (pairs->next_check <= w->step) pairs->next_check = w->step + 1; /* the skin is large enough for one step */
     dem__set_all_timers(w);
     if (w->status != DEM_OK) return 0;
     dem__set_wall_timers(w, keeps);
@@ -404,8 +405,8 @@ static DEM__NOINLINE int dem__rebuild(dem_world *w) {
 }
 
 /* Checks whether anything has moved so far that an unlisted pair could touch soon. If so, rebuilds the list; otherwise
-   sets the step of the next check. A list takes as long as forty checks: the older it is, the more steps a check must
-   gain. Returns 0 after a failure. */
+   sets the step of the next check. A rebuild takes as long as forty checks, so the older the list, the more steps a
+   check must gain. Returns 0 after a failure. */
 static DEM__NOINLINE int dem__check_list(dem_world *w) {
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const int64_t least = 1 + (w->step - w->engine->pairs.listed_step) / 40;
@@ -415,9 +416,9 @@ static DEM__NOINLINE int dem__check_list(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         const double tau = dem__now(w, i);
-        const dem__leeway leeway = dem__leeway_of(w, i, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau));
-        if (dem__lasts(w, &leeway, (double)(due - w->step) * w->engine->run.dt)) continue;
-        const int steps = dem__steps_left(w, &leeway);
+        const dem__skin_left skin = dem__skin_left_of(w, i, &frame, dem__at(w, i, tau), dem__velocity_at(w, i, tau));
+        if (dem__lasts(w, &skin, (double)(due - w->step) * w->engine->run.dt)) continue;
+        const int steps = dem__steps_left(w, &skin);
         if (steps < least) return dem__rebuild(w);
         due = w->step + steps;
     }

@@ -1,10 +1,9 @@
-/* Timers of near pairs and of particles with walls, and batches of them.
-   Relies on particles/free_flight.h for where particles are; reads the bounds that search/bounds.h sets. */
+/* Timers of near pairs and of particles with walls, and batches of them. Relies on motion/motion.h for positions; reads
+   the bounds that search/bounds.h sets. */
 #pragma once
 #include "../particles/particles.h"
 
-/* A timer holds the step of the next test of a near pair, or of a particle and a wall. A test finds a contact, or the
-   next step in which one is possible. */
+/* A timer holds the step in which a near pair, or a particle and a wall, is tested next. */
 
 DEM_INLINE void dem__set_due(dem__timers *t, int32_t e, int32_t due) {
     int32_t *earliest = &t->earliest[(uint32_t)e / DEM__LINE];
@@ -23,7 +22,8 @@ DEM_INLINE int32_t dem__earliest(const int32_t *due) {
     return earliest;
 }
 
-/* Appends the timers of line b that are due to a list of length n and sets them to `then`. Returns the new length. */
+/* Appends the due timers of line b to a list of n entries, and sets them to `then`. Returns the new number of
+   entries. */
 DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t now, int32_t then, int32_t *list,
                                            ptrdiff_t n) {
     int32_t *due = t->due + b * DEM__LINE;
@@ -40,7 +40,7 @@ DEM_INLINE ptrdiff_t dem__take_due_of_line(dem__timers *t, ptrdiff_t b, int32_t 
 }
 
 /* Lists the timers in pages first .. end-1 that are due at a step, from list[first * DEM__PAGE] on, and sets them to
-   `then`. Returns their number. */
+   `then`. Returns how many. */
 DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t end, int64_t step, int32_t then) {
     const int32_t now = (int32_t)(step - t->from);
     int32_t *list = t->list + first * DEM__PAGE;
@@ -53,7 +53,7 @@ DEM_INLINE ptrdiff_t dem__find_due(dem__timers *t, ptrdiff_t first, ptrdiff_t en
         DEM__NO_UNROLL
         for (int k = 0; k < DEM__LINE; k++) any |= earliest[k] <= now;
         const int before = opened;
-        for (int k = 0; k < DEM__LINE && any; k++) { /* without a branch, which would be mispredicted */
+        for (int k = 0; k < DEM__LINE && any; k++) { /* no branch, because it would be mispredicted */
             open[opened] = (int32_t)(s * DEM__LINE) + k;
             opened += earliest[k] <= now;
         }
@@ -72,21 +72,20 @@ DEM__AVX2_CLONE(dem__list_due,
 DEM_INLINE int dem__steps_due(const dem__timers *t, int32_t e, int64_t step) {
     return (int)(t->due[e] - (step - t->from));
 }
-/* Returns the number of steps from `step` in which no contact with the wall can begin; it may be more than
+/* Returns the number of steps from `step` on in which no contact with the wall can begin. It may exceed
    dem__steps_due. */
 DEM_INLINE int dem__steps_sure(const dem_world *w, int32_t e, int64_t step) {
     return (int)(int32_t)(w->engine->walls.sure[e] - (uint32_t)(uint64_t)step);
 }
 
-/* Converts a time [s] in which no contact can begin to steps until the next test, 1 to DEM__STEPS_MAX - 1. */
+/* Converts a time [s] without contact to the number of steps until the next test, 1 to DEM__STEPS_MAX - 1. */
 DEM_INLINE int dem__steps_until(const dem_world *w, double t) {
     double n = t * w->engine->pairs.steps_per_second;
     if (n >= (double)(DEM__STEPS_MAX - 2)) return DEM__STEPS_MAX - 1;
     return n > 0.0 ? 1 + (int)n : 1; /* NaN: 1 */
 }
 
-/* Returns the time [s] to cover a distance [m] at a speed that starts with s [m/s] and grows by g [m/s2]; 0 without a
-   distance. */
+/* Returns the time [s] to cover a distance [m] at a speed s [m/s] that grows by g [m/s2]; 0 without a distance. */
 DEM_INLINE double dem__time_to_cover(double distance, double s, double g) {
     return distance > 0.0 ? 2.0 * distance / (s + sqrt(s * s + 2.0 * g * distance)) : 0.0;
 }
@@ -98,8 +97,7 @@ DEM_INLINE double dem__time_to_close(double distance, double u, double a) {
     return distance > 0.0 ? (root > 0.0 ? 2.0 * distance / root : HUGE_VAL) : 0.0;
 }
 
-/* Returns the vector from the centre of j to that of i at a step [m], of the nearest image; neither belongs to a rigid
-   body. */
+/* Returns the vector from the centre of j to the nearest image of i at a step [m]. Neither belongs to a rigid body. */
 DEM_INLINE dem_vec dem__sphere_separation(const dem_world *w, ptrdiff_t i, ptrdiff_t j, int64_t step) {
     return dem__nearest_image(
         w, dem__sub(dem__sphere_at(w, i, (double)(step - w->particle[i].origin) * w->engine->run.dt),
@@ -113,20 +111,20 @@ DEM_INLINE dem_vec dem__pair_separation(const dem_world *w, ptrdiff_t i, ptrdiff
 
 typedef double dem__row[DEM__BLOCK];
 
-/* Near pairs whose timers are to be computed together; and the results of tests. */
+/* Near pairs whose timers are computed together, and the results of tests. */
 typedef struct dem__timer_batch {
-    dem__bound apart[DEM__BLOCK]; /* bound of one relative to the other: they can touch within `reach` */
+    dem__bound apart[DEM__BLOCK]; /* bound of one particle relative to the other; they touch within `reach` */
     int32_t pair[DEM__BLOCK], steps[DEM__BLOCK];
     int n;
-    int32_t *found; /* of tests: pairs that touch */
+    int32_t *found; /* tests: pairs that touch */
     ptrdiff_t touch;
     int64_t looks;
 } dem__timer_batch;
 
 DEM_INLINE void dem__clear_batch(dem__timer_batch *q) { q->n = 0, q->found = NULL, q->touch = 0, q->looks = 0; }
 
-/* Computes the steps until each pair can touch if both particles keep to their bounds: 0 for never, else 1 to
-   DEM__STEPS_MAX - 1. pace: steps a second. */
+/* Computes the number of steps until each pair can touch while both particles keep to their bounds: 0 for never, else 1
+   to DEM__STEPS_MAX - 1. pace: steps a second. */
 DEM_INLINE void dem__compute_due_steps(dem__timer_batch *q, double pace) {
     for (int k = 0; k < q->n; k++) {
         const dem__bound *r = &q->apart[k];
@@ -155,8 +153,8 @@ static inline void dem__flush_batch(dem_world *w, dem__timer_batch *q, int64_t s
     q->n = 0;
 }
 
-/* Computes the steps until the pairs in the batch are due, stores pairs and steps as a list of n entries at `to`, and
-   empties the batch. Returns the new number. */
+/* Computes how many steps remain until the pairs in the batch are due, appends pairs and steps to a list of n entries
+   at `to`, and empties the batch. Returns the new number of entries. */
 static inline ptrdiff_t dem__list_batch(const dem_world *w, dem__timer_batch *q, int32_t *to, ptrdiff_t n) {
     dem__compute_due(q, w->engine->pairs.steps_per_second);
     for (int k = 0; k < q->n; k++, n++) to[2 * n] = q->pair[k], to[2 * n + 1] = q->steps[k];
@@ -176,7 +174,7 @@ static inline void dem__set_listed(dem_world *w, const int32_t *list, ptrdiff_t 
     }
 }
 
-/* Returns the time since the list was built [s], on which bounds depend. */
+/* Returns the time since the list was built [s]; bounds are functions of it. */
 DEM_INLINE double dem__since_listed(const dem_world *w, int64_t step) {
     return (double)(step - w->engine->pairs.listed_step) * w->engine->run.dt;
 }
@@ -188,7 +186,7 @@ DEM_INLINE dem__bound dem__bound_at(const dem__bound *c, double t) {
     return now;
 }
 
-/* Appends pair p with the bound of a relative to b to the batch. Returns that relative bound. */
+/* Appends pair p to the batch with the bound of a relative to b. Returns that bound. */
 DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a,
                                        const dem__bound *b) {
     if (q->n == DEM__BLOCK) dem__flush_batch(w, q, step);
@@ -199,7 +197,7 @@ DEM_INLINE dem__bound *dem__batch_pair(dem_world *w, dem__timer_batch *q, int32_
     return r;
 }
 
-/* Appends pair p. a, b: the bounds of its particles as they are at the step; their nearest images are taken. */
+/* Appends pair p. a, b: the bounds of its particles at the step; their nearest images are taken. */
 DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, const dem__bound *a,
                                   const dem__bound *b) {
     dem__bound *r = dem__batch_pair(w, q, p, step, a, b);
@@ -208,7 +206,7 @@ DEM_INLINE void dem__batch_bounds(dem_world *w, dem__timer_batch *q, int32_t p, 
     r->x = d.x, r->y = d.y, r->z = d.z;
 }
 
-/* Appends pair p, whose centres are known to be d apart [m] at a step. */
+/* Appends pair p, whose centres are d apart [m] at a step. */
 DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t p, int64_t step, dem_vec d) {
     const dem__near *pair = &w->engine->pairs.near[p];
     dem__bound *r =

@@ -1,5 +1,5 @@
-/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes contacts that begin and timers.
-   Promises: every contact that begins is found; a step that cannot be finished leaves no trace. */
+/* Tests of the pairs and walls that are due. Reads timers, bodies, walls; writes new contacts and timers. Promises:
+   every contact that begins is found, and a step that cannot be finished leaves no trace. */
 #pragma once
 #include "../contacts/contacts.h"
 
@@ -25,7 +25,7 @@ DEM_INLINE void dem__test_due_part(dem_world *w, dem__timer_batch *waits, ptrdif
     ptrdiff_t n;
     dem__list_due(&pairs->timers, first, end, step, DEM__NEVER, &n);
     dem__clear_batch(waits);
-    waits->found = due; /* pairs that are found overwrite pairs that have been tested */
+    waits->found = due; /* the list of pairs found overwrites pairs that have been tested */
     for (ptrdiff_t k = dem__prefetch_from(n, 2 * DEM__AHEAD); k < n; k++) {
         const ptrdiff_t flight = k + DEM__AHEAD, pair = flight + DEM__AHEAD;
         if (pair < n) DEM__PREFETCH(&pairs->near[due[pair]]);
@@ -42,7 +42,7 @@ static inline void dem__test_due_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
     dem__test_due_part(w, &dem__work_of(w, part)->batch, first, end, *(const int64_t *)step, 0);
 }
 
-/* What tests of a group of pages have found; threads take groups in turn, because what is due lies close together. */
+/* What the tests of a group of pages have found. Threads take groups in turn, because due pairs lie close together. */
 typedef struct dem__tested {
     int32_t *found;
     ptrdiff_t touch;
@@ -66,7 +66,7 @@ static inline void dem__test_due_groups(dem_world *w, ptrdiff_t first, ptrdiff_t
     }
 }
 
-/* Tests the due pairs. The number of threads follows from the number of due pairs in the step before. */
+/* Tests the due pairs. The number of threads follows from how many pairs were due in the step before. */
 static inline void dem__test_due_pairs(dem_world *w, int64_t step) {
     dem__pairs *pairs = &w->engine->pairs;
     dem__due_tests t;
@@ -110,8 +110,8 @@ static inline void dem__detect(dem_world *w, int64_t step) {
     for (ptrdiff_t k = 0; k < n; k++) dem__test_wall(w, walls->timers.list[k], step);
 }
 
-/* Fails if a contact begins between two different materials whose pair was never set. Until it is set, later runs fail
-   at the same place. */
+/* Fails if a contact begins between two different materials whose pair was never set. Later runs fail at the same place
+   until it is set. */
 static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
     const ptrdiff_t end = dem__next_slot(w);
@@ -123,11 +123,11 @@ static DEM__NOINLINE void dem__check_pairs_set(dem_world *w) {
         w->status = DEM_PAIR_NOT_SET;
         w->failed_id = w->id[i];
         w->failed_pair[0] = low, w->failed_pair[1] = high;
-        w->engine->run.needs_lists = 1; /* what was found must be found again */
+        w->engine->run.needs_lists = 1; /* the next run must find these contacts again */
     }
 }
 
-/* Undoes what was found in a step that cannot be finished. Returns 0. */
+/* Drops the contacts found in a step that cannot be finished. Returns 0. */
 static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     for (; contacts->begun > 0; contacts->begun--) {

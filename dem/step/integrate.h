@@ -1,17 +1,17 @@
-/* Motion of particles within a step, and what it changes in their bounds. Reads forces, walls, the list; writes bodies
-   and timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
+/* Motion of particles within a step, and how it changes their bounds. Reads forces, walls, the list; writes bodies and
+   timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
 #pragma once
 #include "../motion/fixed.h"
 #include "../contacts/contacts.h"
 
-/* Returns where prefetching ends among active particles first .. end-1: at once, unless they are few and so lie far
-   apart in memory. */
+/* Returns where prefetching ends among active particles first .. end-1. It pays only where active particles are few and
+   so lie far apart in memory. */
 DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, ptrdiff_t end) {
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
 }
 
 /* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out
-   those of rigid bodies; turns: a constant, 0 where spins do not change. */
+   particles of rigid bodies. turns: a constant, 0 where spins do not change. */
 DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid, int turns) {
     const int64_t step = w->step + (h > 0.0);
     const ptrdiff_t apart = dem__prefetch_until(w, first, end);
@@ -29,7 +29,7 @@ DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdif
         const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
         p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle);
         if (turns) p->spin = dem__sphere_spin_at(w, i, middle);
-        p->origin = w->step; /* for hooks, whose step is the present one */
+        p->origin = w->step; /* for hooks, which see the present step */
         const int inside = (p->x.x >= low.x) & (p->x.x < high.x) & (p->x.y >= low.y) & (p->x.y < high.y) &
                            (p->x.z >= low.z) & (p->x.z < high.z);
         if (!inside && w->engine->run.has_periodic) dem__wrap(w, i);
@@ -48,12 +48,13 @@ static inline void dem__advance_range(dem_world *w, ptrdiff_t first, ptrdiff_t e
 static inline void dem__advance(dem_world *w, double h) {
     const ptrdiff_t n = w->engine->bodies.active_count;
     const int books =
-        w->engine->ledger.on && w->engine->run.has_periodic; /* what leaves the box is one sum: one thread adds to it */
+        w->engine->ledger.on && w->engine->run.has_periodic; /* wraps are booked in one sum, by one thread */
     dem__in_parts(w, books ? 1 : dem__parts(w, n / 2), n,    /* n / 2: little work for each particle */
                   w->engine->bodies.rigid ? w->engine->bodies.calls->advance : dem__advance_range, &h);
 }
 
-/* Returns the deviation of particle i [m/s], whose velocity is known at time t of the bounds [s]. */
+/* Returns the deviation of particle i from its bound [m/s]. t: time of the bounds at which its velocity is known
+   [s]. */
 DEM_INLINE dem_vec dem__deviation(const dem_world *w, ptrdiff_t i, double t) {
     const dem__bound *c = &w->engine->bodies.bound[i];
     return dem__sub(dem__plus(w->particle[i].v, -t, dem__free_fall(w)), dem_vec3(c->ux, c->uy, c->uz));
@@ -73,20 +74,20 @@ DEM_INLINE int dem__within_bound(const dem_world *w, ptrdiff_t i, dem_vec d) {
            bodies->shifted[i] < w->engine->pairs.position_tolerance; /* false for NaN */
 }
 
-/* Takes the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for the
-   next step, too. */
+/* Subtracts the greatest change of velocity in this step from tolerance_left__. Returns whether the rest suffices for
+   the next step, too. */
 DEM_INLINE int dem__surely_within(dem_particle *p, double dt, dem_vec pull) {
     const double way = dem__most_change(dt, pull);
     p->tolerance_left__ -= way;
     return p->tolerance_left__ > 0.5 * way; /* false for NaN */
 }
 
-/* Computes new accelerations of active particles first .. end-1, and moves their velocities from the middle of the step
-   to its end. Sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
-   scratch.index from `first` on. check: 0, or NaN if a force is not finite; strays: length of the list; loads, turns:
-   constants, 0 where nothing has a load, and where no spin changes. */
-DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays,
-                              int loads, int turns) {
+/* Computes new accelerations of active particles first .. end-1, moves their velocities from the middle of the step to
+   its end, and sets the sums of forces to zero for the next step. Lists particles that may leave their tolerances in
+   scratch.index from `first` on. check: 0, or NaN if a force is not finite. deviating: length of the list. loads,
+   turns: constants, 0 where nothing has a load, and where no spin changes. */
+DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
+                              ptrdiff_t *deviating, int loads, int turns) {
     dem__bodies *bodies = &w->engine->bodies;
     const int64_t step = w->step + (h > 0.0);
     const double half = 0.5 * h;
@@ -119,71 +120,72 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
         p->origin = step;
         for (int a = 0; a < (turns ? 6 : 3); a++) sum->load[a] = 0.0;
         all += pull.x + pull.y + pull.z + turn.x + turn.y + turn.z;
-        doubtful[n] = (int32_t)i; /* without a branch, which would be mispredicted */
+        doubtful[n] = (int32_t)i; /* no branch, because it would be mispredicted */
         n += !dem__surely_within(p, dt, pull);
     }
     *check = 0.0 * all;
-    *strays = n;
+    *deviating = n;
 }
-/* Does so without loads where there are none: whether there are any is a constant of the loop. */
+/* Calls dem__kick_all with constants, so that the loop without loads or rotation computes neither. */
 DEM_INLINE void dem__kick_loaded_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, double *check,
-                                        ptrdiff_t *strays) {
-    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, strays, 1, 1);
-    else if (w->engine->run.turns) dem__kick_all(w, h, first, end, check, strays, 0, 1);
-    else dem__kick_all(w, h, first, end, check, strays, 0, 0);
+                                        ptrdiff_t *deviating) {
+    if (w->engine->bodies.adds_loads) dem__kick_all(w, h, first, end, check, deviating, 1, 1);
+    else if (w->engine->run.turns) dem__kick_all(w, h, first, end, check, deviating, 0, 1);
+    else dem__kick_all(w, h, first, end, check, deviating, 0, 0);
 }
 DEM__AVX2_CLONE(dem__kick_part,
-                (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *strays),
-                (w, h, first, end, check, strays), dem__kick_loaded_or_not(w, h, first, end, check, strays))
+                (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end, double *check, ptrdiff_t *deviating),
+                (w, h, first, end, check, deviating), dem__kick_loaded_or_not(w, h, first, end, check, deviating))
 
-/* Moves those of n particles that leave their tolerances to the front of the list, and returns their number. Renews
+/* Moves those of n particles that leave their tolerances to the front of the list, and returns how many. Renews
    tolerance_left__ of the others. */
 static inline ptrdiff_t dem__find_deviating(dem_world *w, double h, int32_t *doubtful, ptrdiff_t n) {
     const double t = dem__since_listed(w, w->step + (h > 0.0));
-    ptrdiff_t strays = 0;
+    ptrdiff_t deviating = 0;
     for (ptrdiff_t k = dem__prefetch_from(n, DEM__AHEAD); k < n; k++) {
         if (k + DEM__AHEAD < n) dem__prefetch_flight(w, doubtful[k + DEM__AHEAD]);
         if (k < 0) continue;
         const int32_t i = doubtful[k];
-        const dem_vec stray = dem__deviation(w, i, t);
-        if (dem__within_bound(w, i, stray)) dem__set_tolerance_left(w, i, dem__length(stray));
-        else doubtful[strays++] = i;
+        const dem_vec deviation = dem__deviation(w, i, t);
+        if (dem__within_bound(w, i, deviation)) dem__set_tolerance_left(w, i, dem__length(deviation));
+        else doubtful[deviating++] = i;
     }
-    return strays;
+    return deviating;
 }
-/* Marks n particles that move by themselves, and moves those that were not marked before to the front of the list.
-   Returns their number. */
-static inline ptrdiff_t dem__mark_strays(dem_world *w, int32_t *stray, ptrdiff_t n) {
+/* Marks n particles that are not part of a body, and moves those that were not marked before to the front of the list.
+   Returns how many. */
+static inline ptrdiff_t dem__mark_deviating(dem_world *w, int32_t *particle, ptrdiff_t n) {
     int32_t *activity = w->engine->bodies.activity;
     ptrdiff_t marked = 0;
     for (ptrdiff_t k = 0; k < n; k++) {
-        const int32_t i = stray[k];
+        const int32_t i = particle[k];
         if (activity[i] != DEM__STEPPING) continue;
         activity[i] = DEM__TO_CHECK;
-        stray[marked++] = i;
+        particle[marked++] = i;
     }
     return marked;
 }
 typedef struct dem__kicked {
     double h, check[DEM__PARTS_MAX]; /* check: 0, or NaN if a force is not finite */
-    ptrdiff_t strays[DEM__PARTS_MAX];
+    ptrdiff_t deviating[DEM__PARTS_MAX];
 } dem__kicked;
 static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__kicked *kicked = (dem__kicked *)context;
-    dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->strays[part]);
-    kicked->strays[part] = dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->strays[part]);
+    dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->deviating[part]);
+    kicked->deviating[part] =
+        dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->deviating[part]);
     if (!w->engine->bodies.rigid)
-        kicked->strays[part] = dem__mark_strays(w, w->engine->scratch.index + first, kicked->strays[part]);
+        kicked->deviating[part] = dem__mark_deviating(w, w->engine->scratch.index + first, kicked->deviating[part]);
 }
-/* Computes the accelerations of all loaded bodies without contacts as dem__check_bounds does for some of them.
-   dem__kick_all finds them from sums over particles, which round differently; which bodies are checked depends on what
-   a step skips, and results must not depend on it. */
+/* Computes the accelerations of all loaded bodies without contacts in the same way as dem__check_bounds. dem__kick_all
+   computes them from sums over particles, which round differently. Which bodies are checked depends on what a step
+   skips, and results must not depend on that. */
 static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
     for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
         dem__rigid *r = dem__rigid_of(w, i);
         if (!r || r->first != i || w->touching[i] > 0) continue;
-        w->engine->bodies.calls->place(w, r); /* the torque needs the arms that this sets */
+        w->engine->bodies.calls->place(w, r); /* sets the arms that the torque needs */
         w->engine->bodies.calls->fall(w, r);
     }
 }
@@ -207,20 +209,20 @@ static inline int dem__kick(dem_world *w, double h) {
     if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.calls->kick, &h);
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
-        const int32_t *stray = w->engine->scratch.index + dem__part(n, q, parts);
+        const int32_t *particle = w->engine->scratch.index + dem__part(n, q, parts);
         dem__bodies *bodies = &w->engine->bodies;
-        for (ptrdiff_t k = 0; k < kicked.strays[q] && bodies->rigid; k++) dem__mark_to_check(w, stray[k]);
-        for (ptrdiff_t k = 0; k < kicked.strays[q] && !bodies->rigid; k++)
-            bodies->to_check[bodies->to_check_count++] = stray[k];
+        for (ptrdiff_t k = 0; k < kicked.deviating[q] && bodies->rigid; k++) dem__mark_to_check(w, particle[k]);
+        for (ptrdiff_t k = 0; k < kicked.deviating[q] && !bodies->rigid; k++)
+            bodies->to_check[bodies->to_check_count++] = particle[k];
         all += kicked.check[q];
     }
-    w->engine->run.turns = dem__may_turn(w); /* what does not turn has no spin rate from now on */
+    w->engine->run.turns = dem__may_turn(w); /* without rotation no particle has a spin rate from here on */
     if (w->engine->bodies.rigid && w->engine->bodies.loads_on) dem__place_loaded_bodies(w);
     return all == 0.0;
 }
 
-/* Sets what an impact that has just begun changes in the velocities of i and j by its middle: there, both have the
-   normal velocity of their centre of mass. New bounds rely on it. */
+/* Predicts how an impact that has just begun changes the velocities of i and j by its middle, when both have the normal
+   velocity of their common centre of mass. New bounds rely on it. */
 DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
     if (!(closing > 0.0)) return; /* the contact has ended */
     double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
@@ -278,7 +280,7 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     b->v = dem__plus(b->v, -dem__per_mass(w, j), slower);
     dem__expect_impact(w, i, j, n, -dem__dot(v, n));
 }
-/* Returns whether the contact in slot c changes nothing but two spheres whose own contacts are in chunk q. */
+/* Returns whether the contact in slot c changes only two spheres whose own contacts are in chunk q. */
 DEM_INLINE int dem__is_inner(const dem_world *w, ptrdiff_t q, int32_t c) {
     const dem__chunk *in = &w->engine->contacts.chunk[q];
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c], *rank = w->engine->bodies.rank;
@@ -286,7 +288,7 @@ DEM_INLINE int dem__is_inner(const dem_world *w, ptrdiff_t q, int32_t c) {
     if (j < 0 || dem__has_body(w, c) || dem__is_fixed(w, i) || dem__is_fixed(w, j)) return 0;
     return rank[i] >= in->first_rank && rank[i] < stop && rank[j] >= in->first_rank && rank[j] < stop;
 }
-/* Prefetches what the correction of the contact in slot c changes. */
+/* Prefetches what the correction of the contact in slot c writes. */
 DEM_INLINE void dem__prefetch_correction(const dem_world *w, int32_t c) {
     dem__prefetch_flight(w, w->engine->contacts.i[c]);
     if (w->engine->contacts.j[c] >= 0) dem__prefetch_flight(w, w->engine->contacts.j[c]);
@@ -300,22 +302,22 @@ static inline void dem__correct_inner_range(dem_world *w, ptrdiff_t first, ptrdi
         const ptrdiff_t n = contacts->chunk[q].marked;
         for (ptrdiff_t k = 0; k < n; k++) dem__prefetch_correction(w, slot[k]);
         for (ptrdiff_t k = 0; k < n; k++) {
-            if (!contacts->edge[slot[k]] || !dem__is_inner(w, q, slot[k])) continue;
+            if (!contacts->partial[slot[k]] || !dem__is_inner(w, q, slot[k])) continue;
             dem__apply_correction(w, slot[k], *(const int *)friction, 0);
-            contacts->edge[slot[k]] = 2; /* done, but for the marks */
+            contacts->partial[slot[k]] = 2; /* corrected; its particles are still to be marked */
         }
     }
 }
-/* Applies the corrections of contacts that are not within one chunk, and marks the particles of the others. */
+/* Applies the corrections of contacts between chunks, and marks the particles of the others. */
 static inline void dem__correct_others(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
-    int32_t waits[DEM__BLOCK]; /* their memory is on its way */
+    int32_t waits[DEM__BLOCK]; /* contacts whose memory is being fetched */
     int n = 0;
     for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] == 2) dem__mark_one(w, contacts->i[c]), dem__mark_one(w, contacts->j[c]);
-            if (contacts->edge[c] != 1) continue;
+            if (contacts->partial[c] == 2) dem__mark_one(w, contacts->i[c]), dem__mark_one(w, contacts->j[c]);
+            if (contacts->partial[c] != 1) continue;
             dem__prefetch_correction(w, c);
             waits[n++] = c;
             for (int m = 0; m < n && n == DEM__BLOCK; m++) dem__apply_correction(w, waits[m], has_friction, 1);
@@ -324,8 +326,8 @@ static inline void dem__correct_others(dem_world *w, int has_friction) {
     }
     for (int m = 0; m < n; m++) dem__apply_correction(w, waits[m], has_friction, 1);
 }
-/* Applies the corrections of all edge steps: where there are chunks, those within one first, so that threads share
-   them; the shifts of rigid bodies last. */
+/* Applies the corrections of all partial steps. With chunks, those within one chunk come first, so that threads share
+   them. Shifts of rigid bodies come last. */
 static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int chunks = contacts->chunk_count;
@@ -339,17 +341,17 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
         const dem__chunk *in = &contacts->chunk[q];
         for (ptrdiff_t k = 0; k < in->marked; k++) {
             const int32_t c = contacts->slots[in->first + k];
-            if (contacts->edge[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
+            if (contacts->partial[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
         }
     }
 }
 
-/* Result of a thread's share of to_check: how many particles have new bounds, how many of these need earlier wall
+/* What a thread found in its share of to_check: how many particles have new bounds, how many of these need earlier wall
    timers, and whether a flight begins. */
 typedef struct dem__checked {
-    ptrdiff_t reset, hurried;
+    ptrdiff_t reset, earlier;
     int flown;
-    dem__outcome news;
+    dem__outcome outcome;
 } dem__checked;
 
 /* Prefetches what the check of a bound reads. */
@@ -366,29 +368,29 @@ DEM_INLINE void dem__prefetch_check(const dem_world *w, ptrdiff_t i) {
 }
 
 /* Checks particles first .. end-1 of to_check. A particle whose velocity left its tolerance, or whose flight begins,
-   gets a new bound and is listed in scratch.index; the tolerance_left__ of the others is renewed. */
+   gets a new bound and is listed in scratch.index. The others get a new tolerance_left__. */
 static inline void dem__check_bounds_part(dem_world *w, ptrdiff_t first, ptrdiff_t end, dem__checked *q) {
     dem__bodies *bodies = &w->engine->bodies;
     const dem__list_frame frame = dem__frame_at(w, w->step);
     const double t = dem__since_listed(w, w->step);
-    q->reset = q->hurried = q->flown = 0;
-    q->news = dem__no_outcome(w);
+    q->reset = q->earlier = q->flown = 0;
+    q->outcome = dem__no_outcome(w);
     for (ptrdiff_t k = first + dem__prefetch_from(end - first, DEM__AHEAD); k < end; k++) {
         if (k + DEM__AHEAD < end) dem__prefetch_check(w, bodies->to_check[k + DEM__AHEAD]);
         if (k < first) continue;
         const int32_t i = bodies->to_check[k];
         if (w->alive[i] && !w->engine->run.needs_lists) {
             const dem_particle *p = &w->particle[i];
-            const dem_vec stray = dem__deviation(w, i, t);
+            const dem_vec deviation = dem__deviation(w, i, t);
             if (w->touching[i] == 0)
-                dem__free_acceleration(w, i); /* no contact is left, whatever the law of an ended one returned */
-            if (w->touching[i] == 0 || !dem__within_bound(w, i, stray)) {
+                dem__free_acceleration(w, i); /* no contact force, whatever the law of an ended one returned */
+            if (w->touching[i] == 0 || !dem__within_bound(w, i, deviation)) {
                 const double shifted = bodies->shifted[i];
                 dem__set_bound(w, i, w->step, p->x, p->v);
                 w->engine->scratch.index[first + q->reset++] = i;
-                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->news))
-                    w->engine->pairs.cell_of[first + q->hurried++] = i;
-            } else dem__set_tolerance_left(w, i, dem__length(stray));
+                if (dem__apply_bound(w, i, w->step, &frame, p->x, p->v, shifted, &q->outcome))
+                    w->engine->pairs.cell_of[first + q->earlier++] = i;
+            } else dem__set_tolerance_left(w, i, dem__length(deviation));
         }
         bodies->impact[i] = dem_vec3(0.0, 0.0, 0.0);
         bodies->activity[i] = w->alive[i] && (w->touching[i] > 0 || (bodies->loads_on && dem__is_loaded(w, i)));
@@ -400,15 +402,15 @@ static inline void dem__check_bounds_range(dem_world *w, ptrdiff_t first, ptrdif
     dem__check_bounds_part(w, first, end, (dem__checked *)checked + part);
 }
 
-/* Takes a particle whose flight has begun from the list of active ones: the last of them takes its place. */
-DEM_INLINE void dem__rest_from_steps(dem_world *w, ptrdiff_t i) {
+/* Removes a particle whose flight has begun from the list of active ones. The last of the list takes its place. */
+DEM_INLINE void dem__drop_active(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     const int32_t last = bodies->active[--bodies->active_count], at = bodies->active_at[i];
     bodies->active[at] = last, bodies->active_at[last] = at;
 }
 
-/* Checks the bounds of particles marked for it, and sets new bounds and timers. Moves particles that begin a flight out
-   of the active list. */
+/* Checks the bounds of the marked particles, and sets new bounds and timers. Particles that begin a flight leave the
+   active list. */
 static inline void dem__check_bounds(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     const ptrdiff_t n = bodies->to_check_count;
@@ -419,16 +421,16 @@ static inline void dem__check_bounds(dem_world *w) {
     dem__in_parts(w, parts, n, dem__check_bounds_range, watched);
     for (int q = 0; q < parts; q++) {
         const ptrdiff_t first = dem__part(n, q, parts);
-        for (ptrdiff_t k = 0; k < watched[q].hurried; k++)
+        for (ptrdiff_t k = 0; k < watched[q].earlier; k++)
             dem__advance_wall_timers(w, w->engine->pairs.cell_of[first + k], w->step);
         for (ptrdiff_t k = 0; k < watched[q].reset; k++)
             w->engine->scratch.index[reset++] = w->engine->scratch.index[first + k];
-        dem__apply_outcome(w, &watched[q].news);
+        dem__apply_outcome(w, &watched[q].outcome);
         flown |= watched[q].flown;
     }
     dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
     for (ptrdiff_t k = 0; k < n && flown; k++) {
-        if (!bodies->activity[bodies->to_check[k]]) dem__rest_from_steps(w, bodies->to_check[k]);
+        if (!bodies->activity[bodies->to_check[k]]) dem__drop_active(w, bodies->to_check[k]);
     }
     bodies->to_check_count = 0;
     if (flown && 2 * bodies->active_count > w->count && w->step % 64 == 0) dem__list_active(w);

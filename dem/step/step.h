@@ -1,16 +1,16 @@
-/* A step, and a run of steps. Reads and writes everything through the parts above. Promises: after a failure the world
-   can be read, saved and freed. */
+/* A step, and a run of steps. Reads and writes everything through the parts below it. Promises: after a failure the
+   world can be read, saved and freed. */
 #pragma once
 #include "../removal/remove.h"
 #include "../contacts/forces.h"
-#include "memory.h"
+#include "spatial_sort.h"
 #include "../ledger/ledger.h"
 #include "integrate.h"
 #include "detect.h"
 #include "../particles/active.h"
 
-/* Tests all pairs and walls once, whatever is skipped. The timers stay: the functions that are called read def.skip,
-   and set none if it is 0. */
+/* Tests all pairs and walls once, even those that are skipped. Timers stay as they are: the functions called here set
+   none if def.skip is 0. */
 static inline void dem__test_everything(dem_world *w) {
     int skip = w->def.skip;
     w->def.skip = 0;
@@ -25,7 +25,7 @@ static inline void dem__test_everything(dem_world *w) {
     w->def.skip = skip;
 }
 
-/* Ends the contacts that the caller's changes have ended, and rebuilds the list of near pairs. Returns 0 after a
+/* Ends the contacts that changes by the caller have ended, and rebuilds the list of near pairs. Returns 0 after a
    failure. */
 static inline int dem__prepare_lists(dem_world *w) {
     const dem__contacts *contacts = &w->engine->contacts;
@@ -53,8 +53,8 @@ static inline void dem__prepare_pairs(dem_world *w) {
     }
 }
 
-/* Tests everything and begins the contacts that are found; their slots are listed then. Returns their number, or -1
-   after a failure. */
+/* Tests everything and begins the contacts found, whose slots are then listed. Returns how many, or -1 after a
+   failure. */
 static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__test_everything(w);
@@ -75,7 +75,7 @@ static inline ptrdiff_t dem__begin_contacts_present(dem_world *w) {
     return begun;
 }
 
-/* Sets law and features of the run, and computes the constants of contacts anew if these have changed. */
+/* Sets law and features of the run. If they have changed, computes the constants of all contacts again. */
 static inline void dem__set_law(dem_world *w, const dem_law *law, int features) {
     dem__run *run = &w->engine->run;
     if (run->needs_forces || run->features != features || run->law != law) {
@@ -87,10 +87,11 @@ static inline void dem__set_law(dem_world *w, const dem_law *law, int features) 
     run->law = law;
 }
 
-/* Computes the forces on everything while no time passes, and so the accelerations. Returns 0 after a failure. */
+/* Computes all forces while no time passes, and from them the accelerations. Returns 0 after a failure. */
 static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdiff_t begun) {
     dem__report_begun(w, kernel->law, begun);
-    dem__advance(w, 0.0); /* before anything that may run out of memory: a world that fails there can be saved */
+    dem__advance(w, 0.0); /* before anything that may run out of memory, so that a world that fails there can be
+                             saved */
     if (!dem__reorder_contacts(w)) return 0;
     DEM__TELL(w, find_forces, (w));
     dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
@@ -105,14 +106,14 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
     return going;
 }
 
-/* Begins a run: lists, contacts that are already present, their forces and so the accelerations. Returns 0 after a
+/* Begins a run: lists, contacts that are already present, their forces and the accelerations. Returns 0 after a
    failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
-    run->power = features & DEM_HERTZ ? 2.5 : 2.0; /* for the first search of contacts, too */
+    run->power = features & DEM_HERTZ ? 2.5 : 2.0; /* the first search for contacts needs it, too */
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
-    run->turns = 1; /* in the first step: a run before this one may have left spin rates */
+    run->turns = 1; /* for the first step: an earlier run may have left spin rates */
     w->engine->bodies.adds_loads = w->engine->bodies.loads_on;
     for (int k = 0; k < w->engine->features; k++) w->engine->bodies.adds_loads |= w->engine->feature[k].adds_loads;
     dem__prepare_pairs(w);
@@ -148,7 +149,7 @@ static inline void dem__count_step(dem_world *w) {
     w->time = run->start_time + (double)(w->step - run->start_step) * run->dt;
 }
 
-/* Returns whether the energies of the particles that leave in this step are numbers: their velocities are not checked
+/* Returns whether the energies of the particles that leave in this step are finite. Nothing checks their velocities
    later. */
 static DEM__NOINLINE int dem__leave_with_numbers(dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -177,7 +178,7 @@ static inline int dem__remove_leaving(dem_world *w) {
     return 1;
 }
 
-/* Advances the world by one step. keep: keeps the forces of contacts for readers. Returns 0 after a failure. */
+/* Advances the world by one step. keep: stores the forces of contacts for readers. Returns 0 after a failure. */
 static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
     const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
     const double h = w->engine->run.dt;
@@ -210,13 +211,13 @@ static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
     return going;
 }
 
-/* Returns whether a kernel computes friction that the run leaves out. Then its history stays zero. */
+/* Returns whether a kernel computes friction that this run leaves out. Its history then stays zero. */
 static inline int dem__has_void_history(const dem_kernel *kernel, int features) {
     return (kernel->features & ~features & DEM_FRICTION) != 0;
 }
 
-/* Returns whether a law can take over the contacts present. They continue under a law whose states are as many and mean
-   the same; a history that is zero means nothing, and can be dropped or begun. */
+/* Returns whether a law can take over the present contacts. They continue under a law with as many states of the same
+   meaning. A history that is zero means nothing, and can be dropped or begun. */
 static inline int dem__takes_over(const dem_world *w, const dem_kernel *kernel, int features) {
     const dem__contacts *contacts = &w->engine->contacts;
     if (contacts->count == 0) return 1;
@@ -236,7 +237,7 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     DEM__CHECK(w, status, check_run, (w, kernel));
     if (status != DEM_OK) return status;
     const double narrowest = dem__narrowest(w);
-    /* what has been listed fits */
+    /* spheres that have been listed fit */
     for (ptrdiff_t i = 0; i < w->count && narrowest < HUGE_VAL && w->engine->run.needs_lists; i++) {
         if (w->alive[i] && !(narrowest > 4.4 * w->particle[i].radius)) return DEM_BAD_DEFINITION;
     }
@@ -244,7 +245,8 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
     return DEM_OK;
 }
 
-/* Makes the arrays of contacts fit law, ledger and threads. Returns 0 when out of memory; nothing has changed then. */
+/* Gives contacts the arrays that law, ledger and threads need. Returns 0 when out of memory; then nothing has
+   changed. */
 static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int features) {
     dem__contacts *contacts = &w->engine->contacts;
     const int states = contacts->states, constants = contacts->constants;
@@ -262,12 +264,12 @@ static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int 
         return 0;
     }
     w->engine->ledger.on |= books;
-    for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not in the block */
+    for (int a = contacts->states; a < DEM_STATE_MAX; a++) contacts->state[a] = NULL; /* not part of the block */
     return 1;
 }
 
-/* Returns the time step over the largest that is stable: of a spring 2 sqrt(m/k), whose contact lasts pi sqrt(m/k); of
-   a dashpot 2 m/gamma. */
+/* Returns the time step over the largest stable one: 2 sqrt(m/k) for a spring, whose contact lasts pi sqrt(m/k), and 2
+   m/gamma for a dashpot. */
 static inline double dem__step_ratio(const dem_world *w, int features) {
     const dem_advice a = dem_advise(w, features, 1.0);
     const double spring = features & DEM_HERTZ ? a.rayleigh : a.contact * (2.0 / RIDDLE_PI);
@@ -276,7 +278,7 @@ static inline double dem__step_ratio(const dem_world *w, int features) {
     return least < HUGE_VAL ? w->engine->run.dt / least : 0.0;
 }
 
-/* Runs a kernel with some of its features: the law's prepare function leaves out friction and rolling that are not
+/* Runs a kernel with some of its features. The law's prepare function leaves out friction and rolling that are not
    among them. */
 static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
     dem_world *w = world;
@@ -288,7 +290,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
-    w->status = DEM_OK; /* the caller may have mended any other failure */
+    w->status = DEM_OK; /* the caller may have repaired any other failure */
     if (!dem__make_work(w) || !dem__fit_contact_arrays(w, kernel->law, features)) return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     w->engine->contacts.law = dem__law_mark(kernel->law);
@@ -303,11 +305,9 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
         if (w->step % DEM__RANK_STEPS == 1 && going) dem__order_memory(w, kernel, n - 1); /* ranks are new */
     }
     dem__lie_by_number(w);
-    for (int k = 0; k < w->engine->features; k++) {
-        if (w->engine->feature[k].end_run) going = w->engine->feature[k].end_run(w, going);
-    }
+    DEM__GET(w, going, end_run, (w, going));
     w->engine->run.running = 0;
-    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* of the contacts that have begun */
+    const double met = 0.5 * sqrt(w->engine->run.stiffest); /* the stiffest contact that has begun */
     if (met > w->step_ratio) w->step_ratio = met;
     if (!going) return w->status;
     w->owed = owed - (double)steps * dt;
@@ -343,8 +343,8 @@ DEM__KERNEL_OF(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM
 DEM__KERNEL_OF(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
 DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
-    /* kernels with a ledger always compute friction and rolling; constants of zero take out what the caller did not
-       name */
+    /* kernels with a ledger always compute friction and rolling; features that the caller did not name have constants
+       of zero */
     switch (features) {
     case DEM_LINEAR: return dem__run_kernel(world, duration, dem__kernel_linear(), features);
     case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_linear_friction(), features);

@@ -3,15 +3,15 @@
 #include "sheet.h"
 
 /* Computes the touch with a frustum. Its nearest point lies in the plane of axis and centre, on a segment. d: the
-   centre, from the low end. Returns 0 if the gap is not below `limit`; least: the gap. */
+   centre, from the low end. Returns 0 if the gap is not below `limit`. least: the gap. */
 static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
                                   double *least) {
     const double up = dem__dot(d, w->axis[2]);
     const dem_vec radial = dem__sub(d, dem__scale(up, w->axis[2]));
     const double rho = dem__length(radial), rise = w->high_radius - w->radius,
                  slant = sqrt(rise * rise + w->length * w->length);
-    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
-                                                                                       nearest: any point of it */
+    /* on the axis a whole ring is nearest: any point of it will do */
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0];
     const double along = dem__clamp(((rho - w->radius) * rise + up * w->length) / (slant * slant), 0.0, 1.0);
     const double x = rho - (w->radius + along * rise), y = up - along * w->length;
     double distance = sqrt(x * x + y * y), nx = w->length / slant, ny = -rise / slant;
@@ -24,12 +24,13 @@ static inline int dem__touch_cone(const dem_wall *w, dem_vec d, double radius, d
     *least = out[0].gap = distance - radius;
     if (!(*least < limit)) return 0;
     out[0].normal = dem__add(dem__scale(nx, outward), dem__scale(ny, w->axis[2]));
-    /* that half way up: one contact type wherever a contact begins; spheres wider than the ring lie on a rim */
+    /* the curvature half way up, so that there is one contact type wherever a contact begins; spheres wider than the
+       ring lie on a rim */
     out[0].curvature = on_rim ? 0.0 : (nx < 0.0 ? -1.0 : 1.0) * w->length / (slant * (w->radius + w->high_radius));
     return 1;
 }
 
-/* Returns the rate of change of the normal [1/s]; at a rim it is that of a ring. */
+/* Returns the rate of change of the normal [1/s]; at a rim, that of a ring. */
 static inline dem_vec dem__turn_at_cone(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
                                         double inverse, dem_vec u) {
     dem__touch touch;
@@ -63,7 +64,7 @@ static inline int dem__crosses_cone(const dem_wall *w, dem_vec p, dem_vec q) {
     return 0;
 }
 
-/* Shows points of both rims. */
+/* Presents points of both rims to a visitor. */
 static inline void dem__cone_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
     const dem_vec low = dem__sub(w->position, centre);
     dem__show_rim(w, low, w->radius, reach, DEM_CORNERS_MAX + DEM__SEARCH_KEYS, v);

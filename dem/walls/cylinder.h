@@ -1,4 +1,4 @@
-/* Cylinders without ends: with particles inside, or outside. */
+/* Cylinders without ends, with particles inside or outside. */
 #pragma once
 #include "round.h"
 
@@ -27,7 +27,7 @@ static inline int dem__is_along_cylinder(const dem_wall *w, int axis) {
     return fabs(dem_axis(w->axis[2], axis)) == 1.0;
 }
 
-/* Along the axis nothing closes the gap. From inside, a straight path at u bends towards the surface: the distance from
+/* Motion along the axis does not close the gap. Inside, a straight path at u approaches the surface: the distance from
    the axis grows by no more than the outward velocity and u_side^2 / distance give. */
 static inline double dem__closing_at_cylinder(const dem_wall *w, const dem__touch *touch, double radius,
                                               dem_vec gravity, dem_vec u) {
@@ -40,7 +40,7 @@ static inline double dem__closing_at_cylinder(const dem_wall *w, const dem__touc
 
 static inline int dem__cylinder_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_SOME; }
 
-/* From outside, a cylinder is one long edge: as long as edges of a polyhedron can cross it. */
+/* Outside, a cylinder is one long edge, as long as edges of a polyhedron can cross it. */
 static inline void dem__cylinder_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
     const dem_vec foot = dem__across_axis(w, dem__sub(w->position, centre));
     const double far_off = 4.0 * (reach + w->radius);

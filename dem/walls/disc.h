@@ -1,8 +1,9 @@
-/* Discs: flat and thin, with or without a round hole in the middle. A disc is touched from both sides and at its rims. */
+/* Discs: flat and thin, with or without a round hole in the middle. A disc is touched from both sides and at its rims.
+   */
 #pragma once
 #include "sheet.h"
 
-/* Finds the touch: the nearest point lies in the plane of axis and centre, at the distance `at` from the axis. */
+/* Finds the touch. The nearest point lies in the plane of axis and centre, at the distance `at` from the axis. */
 static inline int dem__touch_disc(const dem_wall *w, dem_vec d, double radius, double limit, dem__touch *out,
                                   double *least) {
     const double up = dem__dot(d, w->axis[2]);
@@ -13,13 +14,13 @@ static inline int dem__touch_disc(const dem_wall *w, dem_vec d, double radius, d
     if (!(*least < limit)) return 0;
     out[0].normal = dem__scale(up < 0.0 ? -1.0 : 1.0, w->axis[2]);
     if (beyond == 0.0) return 1;
-    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0]; /* on the axis a whole ring is
-                                                                                       nearest: any point of it */
+    /* on the axis a whole ring is nearest: any point of it will do */
+    const dem_vec outward = rho > 0.0 ? dem__scale(1.0 / rho, radial) : w->axis[0];
     out[0].normal = dem__add(dem__scale(beyond / distance, outward), dem__scale(up / distance, w->axis[2]));
     return 1;
 }
 
-/* Returns the rate of change of the normal [1/s]: 0 at a face; at a rim it is that of a ring. */
+/* Returns the rate of change of the normal [1/s]: 0 at a face; at a rim, that of a ring. */
 static inline dem_vec dem__turn_at_disc(const dem_wall *w, dem_vec d, double radius, int32_t element, dem_vec n,
                                         double inverse, dem_vec u) {
     const dem_vec radial = dem__plus(d, -dem__dot(d, w->axis[2]), w->axis[2]);
@@ -44,7 +45,7 @@ static inline int dem__crosses_disc(const dem_wall *w, dem_vec p, dem_vec q) {
     return rho >= w->radius && rho <= w->high_radius;
 }
 
-/* Shows points of the rims. */
+/* Presents points of the rims to a visitor. */
 static inline void dem__disc_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
     const dem_vec middle = dem__sub(w->position, centre);
     const int32_t key = DEM_CORNERS_MAX + DEM__SEARCH_KEYS;

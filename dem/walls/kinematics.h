@@ -1,10 +1,10 @@
-/* Where a wall is at a time, and how it moves there: vibration, rotation, the caller's function, or a force's drive. */
+/* Where a wall is at a time, and how it moves there: by vibration, rotation, the caller's function, or a force. */
 #pragma once
 #include "../base/vectors.h"
 #include "../../base/portable_math.h"
 
-/* Returns the sine of an angle, and its cosine: the bits of riddle_sin and riddle_cos, which both find the quarter
-   turn. */
+/* Returns the sine of an angle, and its cosine: the same bits as riddle_sin and riddle_cos, each of which reduces the
+   angle again. */
 static DEM__NOINLINE double dem__sine(double angle, double *cosine) {
     int quarter;
     const double r = riddle__within_quarter(angle, &quarter);
@@ -34,22 +34,22 @@ DEM_INLINE double dem__vibration(double amplitude, double phase, double start, d
     return amplitude * (s - start);
 }
 
-/* Sets the sines of a vibration's phases, which do not change while it lasts. */
+/* Sets the sines of a vibration's phases, which are constant. */
 static inline void dem__set_phase_sine(dem_wall *w) {
     const dem_vec phase = w->asked.phase;
     w->phase_sine =
         dem_vec3(riddle_sin(phase.x) + 0.0, riddle_sin(phase.y) + 0.0, riddle_sin(phase.z) + 0.0); /* no -0 */
 }
 
-/* Displacement, velocity and acceleration of a wall by vibration. */
-typedef struct dem__sway {
+/* Displacement, velocity and acceleration of a vibrating wall. */
+typedef struct dem__oscillation {
     dem_vec shift, velocity, acceleration;
-} dem__sway;
-static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
+} dem__oscillation;
+static inline dem__oscillation dem__oscillation_at(const dem_wall *w, double t) {
     const double rate = 2.0 * RIDDLE_PI * w->asked.frequency, turns = w->asked.frequency * t;
     const double angle = 2.0 * RIDDLE_PI * (turns - floor(turns));
     const dem_vec size = w->asked.amplitude, phase = w->asked.phase, start = w->phase_sine;
-    dem__sway s;
+    dem__oscillation s;
     s.shift.x = dem__vibration(size.x, phase.x, start.x, angle, rate, &s.velocity.x, &s.acceleration.x);
     s.shift.y = dem__vibration(size.y, phase.y, start.y, angle, rate, &s.velocity.y, &s.acceleration.y);
     s.shift.z = dem__vibration(size.z, phase.z, start.z, angle, rate, &s.velocity.z, &s.acceleration.z);
@@ -57,13 +57,13 @@ static inline dem__sway dem__sway_at(const dem_wall *w, double t) {
 }
 
 /* Returns whether two walls vibrate alike, as a deck and its side wall do. */
-DEM_INLINE int dem__sways_like(const dem_wall *a, const dem_wall *b) {
+DEM_INLINE int dem__oscillates_like(const dem_wall *a, const dem_wall *b) {
     return memcmp(&a->asked.amplitude, &b->asked.amplitude, sizeof a->asked.amplitude) == 0 &&
            memcmp(&a->asked.phase, &b->asked.phase, sizeof a->asked.phase) == 0 &&
            a->asked.frequency == b->asked.frequency && a->asked.motion_start == b->asked.motion_start;
 }
 
-/* Returns the position of a wall in a pose; axis: its axes in the pose. */
+/* Returns the position of a wall in a pose. axis: its axes in the pose. */
 static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_vec *axis) {
     const double angle = dem__length(pose->turn);
     dem_vec arm = dem__sub(w->asked.origin, w->asked.spin_centre);
@@ -76,7 +76,7 @@ static inline dem_vec dem__posed(const dem_wall *w, const dem_pose *pose, dem_ve
     return dem__add(dem__add(w->asked.spin_centre, arm), pose->shift);
 }
 
-/* Moves a prescribed wall to its place at a time. Its velocity, acceleration and spin are central differences. */
+/* Moves a prescribed wall to its pose at a time. Its velocity, acceleration and spin are central differences. */
 static inline void dem__prescribed_wall(dem_wall *w, double time) {
     dem_vec at[3], axis[3][3], omega = dem_vec3(0.0, 0.0, 0.0);
     const double rate = 0.5 / w->asked.interval;
@@ -98,7 +98,8 @@ static inline void dem__prescribed_wall(dem_wall *w, double time) {
     if (w->spin > 0.0) w->spin_axis = dem__scale(1.0 / w->spin, omega);
 }
 
-/* Sets velocity and acceleration of a controlled wall at its present place. rate: its speed [m/s] or spin [rad/s]. */
+/* Sets velocity and acceleration of a controlled wall at its present position. rate: its speed [m/s] or spin
+   [rad/s]. */
 static inline void dem__rated_wall(dem_wall *w, double rate) {
     if (w->asked.drive == DEM_FORCE_CONTROLLED) {
         w->velocity = dem__scale(rate, w->spin_axis), w->acceleration = dem__scale(w->rate_change, w->spin_axis);
@@ -111,7 +112,7 @@ static inline void dem__rated_wall(dem_wall *w, double rate) {
         dem__add(dem__scale(w->rate_change, across), dem__scale(rate, dem__cross(w->spin_axis, w->velocity)));
 }
 
-/* Moves a controlled wall to its place at a time: predicted from the last step, as a particle is. */
+/* Moves a controlled wall to its position at a time, predicted from the last step like that of a particle. */
 static inline void dem__controlled_wall(dem_wall *w, double time) {
     const double tau = time - w->asked.motion_start, way = w->coordinate + tau * (w->rate + 0.5 * tau * w->rate_change);
     dem_pose pose;
@@ -122,8 +123,8 @@ static inline void dem__controlled_wall(dem_wall *w, double time) {
     dem__rated_wall(w, w->rate + tau * w->rate_change);
 }
 
-/* Moves a kinematic wall to its place t after its motion began [s]. */
-static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *sway) {
+/* Moves a kinematic wall to where it is t after its motion began [s]. */
+static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__oscillation *sway) {
     const dem_vec shift = dem__add(sway->shift, dem__scale(t, w->asked.drift));
     w->velocity = dem__add(sway->velocity, w->asked.drift);
     w->acceleration = sway->acceleration;
@@ -141,12 +142,12 @@ static inline void dem__kinematic_wall(dem_wall *w, double t, const dem__sway *s
     w->position = dem__add(origin, shift);
 }
 
-/* Moves a wall to its place at a time [s]. */
+/* Moves a wall to where it is at a time [s]. */
 static inline void dem__move_wall(dem_wall *w, double time) {
     if (w->asked.drive == DEM_PRESCRIBED) dem__prescribed_wall(w, time);
     else if (w->asked.drive != DEM_KINEMATIC) dem__controlled_wall(w, time);
     else {
-        const dem__sway sway = dem__sway_at(w, time - w->asked.motion_start);
+        const dem__oscillation sway = dem__oscillation_at(w, time - w->asked.motion_start);
         dem__kinematic_wall(w, time - w->asked.motion_start, &sway);
     }
 }

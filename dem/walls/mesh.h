@@ -1,5 +1,5 @@
 /* Meshes of triangles: thin sheets, or closed bodies. Spheres touch them at several places, which their contacts follow
-   (meshes/follow.h); polyhedra touch their sharp edges and corners. */
+   (meshes/follow.h). Polyhedra touch their sharp edges and corners. */
 #pragma once
 #include "mesh_touch.h"
 #include "mesh_tree.h"
@@ -9,14 +9,14 @@ static inline int dem__touch_triangles(const dem_wall *w, dem_vec d, double radi
     return dem__touch_mesh(w, d, radius, limit < 0.0 ? limit : 0.0, limit, out, least);
 }
 
-/* Keys of an edge and its corner. Beyond 790 000 triangles keys repeat, but only far away: triangles are in the order of
-   the tree. */
+/* Keys of an edge and its corner. Beyond 790 000 triangles keys repeat, but only far away, because triangles are in the
+   order of the tree. */
 enum { DEM__SHARP_KEYS = 1 + DEM__EDGE_KEYS, DEM__SHARP_EDGES_MAX = (1 << 30) / DEM__SHARP_KEYS };
 DEM_INLINE int32_t dem__sharp_key(int32_t at) {
     return DEM_CORNERS_MAX * DEM__PLACE_DIRECTIONS + (int32_t)((int64_t)(at % DEM__SHARP_EDGES_MAX) * DEM__SHARP_KEYS);
 }
 
-/* Shows the sharp edges and corners of a triangle. */
+/* Presents the sharp edges and corners of a triangle to a visitor. */
 static inline void dem__show_triangle(const dem_wall *w, int32_t k, dem_vec d, dem__edge_visitor *v) {
     const dem__tree *t = w->tree;
     for (int32_t at = 3 * k; at < 3 * k + 3; at++) {

@@ -1,19 +1,20 @@
-/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a footing as by
-   a search. */
+/* Where a sphere touches a mesh. Reads a wall and its tree; owns nothing. Promises: the same bits with a cached face as
+   by a search. */
 #pragma once
 #include "../base/triangles.h"
 #include "kind.h"
 
 /* The face on which a contact with a mesh rests. It is the only place touched as long as the centre is within `slack`
    of `at`, and a contact opens by less than that in a step. */
-typedef struct dem__footing {
+typedef struct dem__face_cache {
     dem_vec at;   /* in the wall's own frame */
     double slack; /* [m]; 0: search */
     int32_t face;
-} dem__footing;
-#define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides is round */
+} dem__face_cache;
+#define DEM__SMOOTH 0.9 /* cosine of 26 degrees, up to which facets are one surface: a drum with 16 sides counts as
+                           round */
 
-/* Returns the vector from the plane of a triangle to p; distance: its length. All triangles of one plane give the same
+/* Returns the vector from the plane of a triangle to p. distance: its length. All triangles in one plane give the same
    vector. */
 DEM_INLINE dem_vec dem__above_face(const dem__tree *t, int32_t k, dem_vec p, double *distance) {
     const double up = dem__dot(dem__sub(p, t->vertex[t->corner[3 * k]]), t->normal[k]);
@@ -55,10 +56,10 @@ DEM_INLINE int dem__is_far(const dem__node *b, dem_vec p, double reach) {
     return !(x * x + y * y + z * z < reach * reach);
 }
 
-/* Returns whether a place is in the shadow of a nearer one, because a surface is touched only once: their normals agree
-   to 26 degrees, or the place does not rise over the nearer one's tangent plane, as edges and corners of a touched face
-   do not. */
-DEM_INLINE int dem__is_shadowed(const dem__touch *far_one, const dem__touch *near_one, double radius) {
+/* Returns whether a nearer place hides another one, because a surface is touched only once. It does so if their normals
+   agree to 26 degrees, or if the farther place does not rise over the nearer one's tangent plane, as edges and corners
+   of a touched face do not. */
+DEM_INLINE int dem__is_hidden(const dem__touch *far_one, const dem__touch *near_one, double radius) {
     const double flat = (1.0 - 1e-9) * (radius + near_one->gap) / (radius + far_one->gap);
     return dem__dot(far_one->normal, near_one->normal) > (flat < DEM__SMOOTH ? flat : DEM__SMOOTH);
 }
@@ -79,8 +80,8 @@ static inline void dem__meet_triangle(const dem__tree *t, int32_t k, dem_vec p, 
     touch->face = inside ? k : -1;
 }
 
-/* Finds the nearest place of a mesh, if its gap is below `limit`, and those with a gap below `deep` that no nearer one
-   shadows: at most DEM__TOUCHES, nearest first. Returns how many; least: the smallest gap, or limit. */
+/* Finds the nearest place of a mesh, if its gap is below `limit`, and the places with a gap below `deep` that no nearer
+   one hides: at most DEM__TOUCHES, nearest first. Returns how many. least: the smallest gap, or limit. */
 static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, double deep, double limit,
                                   dem__touch *out, double *least) {
     const dem__tree *t = w->tree;
@@ -113,11 +114,11 @@ static inline int dem__touch_mesh(const dem_wall *w, dem_vec d, double radius, d
             if (dem__is_off_plane(t, k, p, radius + deep)) continue;
             dem__meet_triangle(t, k, p, radius, &here);
             if (!(here.gap < deep)) continue;
-            while (at < n && out[at].gap <= here.gap && !dem__is_shadowed(&here, &out[at], radius)) at++;
+            while (at < n && out[at].gap <= here.gap && !dem__is_hidden(&here, &out[at], radius)) at++;
             if (at == DEM__TOUCHES || (at < n && out[at].gap <= here.gap)) continue;
             kept = at;
-            for (int q = at; q < n; q++) { /* remove those in its shadow */
-                if (!dem__is_shadowed(&out[q], &here, radius)) out[kept++] = out[q];
+            for (int q = at; q < n; q++) { /* remove those that it hides */
+                if (!dem__is_hidden(&out[q], &here, radius)) out[kept++] = out[q];
             }
             n = kept < DEM__TOUCHES ? kept + 1 : DEM__TOUCHES;
             for (int q = n - 1; q > at; q--) out[q] = out[q - 1];
@@ -143,19 +144,20 @@ static inline double dem__inside_edges(const dem__tree *t, int32_t k, dem_vec q)
     return least;
 }
 
-/* Computes the footing of a sphere whose only touch is on a face. A triangle that rises above the plane of the face can
-   be touched, or become the nearest, after half its gap. One that does not rise is in the face's shadow; it becomes the
+/* Computes the face cache of a sphere whose only touch is on a face. A triangle that rises above the plane of the face
+   can be touched, or become the nearest, after half its gap. The face hides one that does not rise; that becomes the
    nearest only where the centre leaves the face for it. */
-static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, double radius, const dem__touch *touch) {
+static inline dem__face_cache dem__find_face_cache(const dem_wall *w, dem_vec d, double radius,
+                                                   const dem__touch *touch) {
     const dem__tree *t = w->tree;
     const int32_t face = touch->face;
-    dem__footing f;
+    dem__face_cache f;
     double height;
     f.at = dem__to_frame(w, d), f.slack = 0.0, f.face = face;
     if (face < 0 || !(touch->gap <= 0.0)) return f;
     const dem_vec up = dem__above_face(t, face, f.at, &height), a = t->vertex[t->corner[3 * face]];
     const double inside = dem__inside_edges(t, face, dem__sub(f.at, up));
-    const double above = height - 0.1 * radius; /* near the plane of the face, others are no longer in its shadow */
+    const double above = height - 0.1 * radius; /* near the plane of the face, it does not hide others */
     double slack = 0.25 * radius < inside ? 0.25 * radius : inside;
     slack = above < slack ? above : slack;
     if (!(slack > 0.0)) return f;
@@ -176,7 +178,7 @@ static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, doubl
                 const double corner = dem__dot(dem__sub(t->vertex[t->corner[3 * k + c]], a), out);
                 rise = corner > rise ? corner : rise;
             }
-            const double aside = distance * distance - height * height, /* the shadow's tolerance is 1e-9 */
+            const double aside = distance * distance - height * height, /* dem__is_hidden has a tolerance of 1e-9 */
                 reach = rise > 5e-10 * height ? 0.5 * (distance - radius) : sqrt(aside > 0.0 ? aside : 0.0);
             slack = reach < slack ? reach : slack;
         }
@@ -185,10 +187,10 @@ static inline dem__footing dem__find_footing(const dem_wall *w, dem_vec d, doubl
     return f;
 }
 
-/* Computes the touch of a sphere that has not left its footing. Returns 0 if a search is needed. opens: the most that a
-   contact opens in a step [m]. */
-DEM_INLINE int dem__keeps_footing(const dem_wall *w, const dem__footing *f, dem_vec d, double radius, double opens,
-                                  dem__touch *out) {
+/* Computes the touch of a sphere that is still within its face cache. Returns 0 if a search is needed. opens: the most
+   that a contact opens in a step [m]. */
+DEM_INLINE int dem__face_cache_holds(const dem_wall *w, const dem__face_cache *f, dem_vec d, double radius,
+                                     double opens, dem__touch *out) {
     const dem_vec p = dem__to_frame(w, d), moved = dem__sub(p, f->at);
     double distance;
     if (!(f->slack > opens && dem__dot(moved, moved) < f->slack * f->slack)) return 0;

@@ -3,7 +3,7 @@
 #include "../base/triangles.h"
 #include "add.h"
 
-/* Spreads 21 bits to every third bit of a Morton code. */
+/* Moves each of 21 bits to every third bit of a Morton code. */
 static inline uint64_t dem__interleave(uint64_t v) {
     v = (v | v << 32) & 0x1f00000000ffffu;
     v = (v | v << 16) & 0x1f0000ff0000ffu;
@@ -62,7 +62,7 @@ static inline void dem__grow_node(dem__tree *t, int32_t first, int32_t end) {
 }
 
 /* Returns an empty tree with room for the mesh; NULL when out of memory. */
-static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
+static inline dem__tree *dem__new_tree(const dem_allocator *a, ptrdiff_t vertices, ptrdiff_t triangles) {
     const size_t v = (size_t)vertices, k = (size_t)triangles;
     const size_t bytes =
         sizeof(dem__tree) + (v + k) * sizeof(dem_vec) + k * sizeof(dem__node) + 3 * k * sizeof(int32_t);
@@ -78,7 +78,7 @@ static inline dem__tree *dem__plant(const dem_allocator *a, ptrdiff_t vertices, 
     return t;
 }
 
-/* Returns twice the area of a triangle as a vector along its normal. Uses the two shorter edges, which is accurate for
+/* Returns twice the area of a triangle as a vector along its normal. The two shorter edges make it accurate for
    slivers. */
 static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
     const dem_vec ab = dem__sub(b, a), bc = dem__sub(c, b), ca = dem__sub(a, c);
@@ -87,7 +87,7 @@ static inline dem_vec dem__area(dem_vec a, dem_vec b, dem_vec c) {
     return y >= z ? dem__cross(ca, ab) : dem__cross(ab, bc);
 }
 
-/* Returns whether a triangle has an area that is not round-off of its corners; unit: its normal. */
+/* Returns whether a triangle has an area beyond the rounding of its corners. unit: its normal. */
 static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) {
     const dem_vec n = dem__area(a, b, c), ab = dem__sub(b, a), ac = dem__sub(c, a), bc = dem__sub(c, b);
     double longest = dem__dot(ab, ab);
@@ -97,7 +97,7 @@ static inline int dem__has_area(dem_vec a, dem_vec b, dem_vec c, dem_vec *unit) 
 }
 
 /* Builds the tree of the triangles that have an area. Returns NULL with *status DEM_OUT_OF_MEMORY, or DEM_BAD_ARGUMENT
-   if there is none. */
+   if there are none. */
 static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertices, const dem_vec *vertex,
                                         ptrdiff_t triangles, const int32_t *corner, dem_status *status) {
     const size_t scratch = 2 * (size_t)triangles * sizeof(dem__keyed);
@@ -126,7 +126,7 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
         }
         n++;
     }
-    dem__tree *t = n > 0 ? dem__plant(a, vertices, n) : NULL;
+    dem__tree *t = n > 0 ? dem__new_tree(a, vertices, n) : NULL;
     if (n == 0) *status = DEM_BAD_ARGUMENT;
     if (t) {
         dem__sort_keyed(items, items + n, n);
@@ -144,7 +144,7 @@ static inline dem__tree *dem__make_tree(const dem_allocator *a, ptrdiff_t vertic
     return t;
 }
 
-/* Returns whether a mesh's numbers are valid; low, high: its bounding box. */
+/* Returns whether a mesh's numbers are valid. low, high: its bounding box. */
 static inline int dem__is_mesh(const dem_mesh *m, dem_vec *low, dem_vec *high) {
     if (!m || !m->vertex || !m->triangle || m->vertices < 1 || m->triangles < 1 || m->vertices > INT32_MAX / 4 ||
         m->triangles > INT32_MAX / 4)

@@ -3,7 +3,7 @@
 #include "add.h"
 #include "kinematics.h"
 
-/* Places a wall of the world, or a copy of one, where it is now. Its function may not change the world. */
+/* Moves a wall of the world, or a copy of one, to where it is at present. Its function may not change the world. */
 static inline void dem__place_wall(dem_world *w, dem_wall *a) {
     w->engine->run.running = 1;
     dem__move_wall(a, w->time);
@@ -20,13 +20,18 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
     a->asked.motion_start = w->time;
     if (a->asked.drive != DEM_KINEMATIC)
-        a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive moves the wall alone */
+        a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive is the wall's only motion */
     a->asked.drive = DEM_KINEMATIC;
     w->engine->run.needs_lists = 1;
     return a;
 }
 
-/* Sets the limits of a kinematic wall's speed, acceleration and spin, which timers rely on. */
+/* Returns whether a wall's surface moves unlike its origin: it may rotate, or is a belt. */
+static inline int dem__slides(const dem_wall *a) {
+    return a->asked.drive != DEM_KINEMATIC || a->spin != 0.0 || dem__is_belt(a);
+}
+
+/* Sets the limits of a kinematic wall's speed, acceleration and spin, on which timers rely. */
 static inline void dem__bound_speed(dem_wall *a) {
     double rate = 2.0 * RIDDLE_PI * a->asked.frequency;
     const dem_vec n = a->axis[2];
@@ -37,7 +42,7 @@ static inline void dem__bound_speed(dem_wall *a) {
         rate * rate *
         (x * sqrt(fabs(1.0 - n.x * n.x)) + y * sqrt(fabs(1.0 - n.y * n.y)) + z * sqrt(fabs(1.0 - n.z * n.z)));
     a->spin_bound = fabs(a->spin);
-    a->slides = a->spin != 0.0 || dem__is_belt(a);
+    a->slides = dem__slides(a);
 }
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
@@ -78,14 +83,14 @@ DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_ve
     return DEM_OK;
 }
 
-/* Makes a drive the only motion of a wall from now on. */
+/* Makes a drive the only motion of a wall. */
 static inline dem_wall *dem__drive(dem_world *w, int wall, dem_drive drive) {
     dem_wall *a = dem__rebase_wall(w, wall);
     a->asked.amplitude = a->asked.drift = dem_vec3(0.0, 0.0, 0.0);
     a->spin = a->spin_rate = a->coordinate = a->rate = a->rate_change = 0.0;
     a->speed_bound = a->spin_bound = 0.0; /* the first step sets them */
-    a->slides = 1;
     a->asked.drive = (int)drive;
+    a->slides = dem__slides(a);
     w->engine->run.needs_forces = 1; /* its acceleration must be computed */
     return a;
 }
@@ -152,7 +157,7 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     if (dem__is_running(world)) return DEM_BUSY;
     if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
     world->wall[wall].asked.belt = velocity;
-    world->wall[wall].slides = 1;
+    world->wall[wall].slides = dem__slides(&world->wall[wall]);
     return DEM_OK;
 }
 
@@ -163,7 +168,7 @@ DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, doubl
         !dem__moderate(speed))
         return DEM_BAD_ARGUMENT;
     world->wall[wall].asked.belt_turn = dem__scale(speed, unit);
-    world->wall[wall].slides = 1;
+    world->wall[wall].slides = dem__slides(&world->wall[wall]);
     return DEM_OK;
 }
 
@@ -188,8 +193,8 @@ static inline void dem__kick_walls(dem_world *w, double h) {
     }
 }
 
-/* Applies an impulse at a sphere's place, where the wall's normal is n, and an angular impulse to a wall, in addition
-   to the forces of the step. */
+/* Applies an impulse at a sphere's position, where the wall's normal is n, and an angular impulse to a wall, in
+   addition to the forces of the step. */
 static inline void dem__strike_wall(dem_wall *a, dem_vec place, dem_vec n, dem_vec impulse, dem_vec angular) {
     const dem_vec about_origin = dem__add(angular, dem__cross(dem__sub(place, a->position), impulse));
     dem__book_push(a, 1.0, impulse, about_origin, -dem__dot(impulse, dem__belt_velocity(a, n)));

@@ -9,7 +9,7 @@ static inline int dem__touch_plane(const dem_wall *w, dem_vec d, double radius, 
     return out[0].gap < limit;
 }
 
-/* Returns whether a plane is the same all along an axis of the world. */
+/* Returns whether a plane continues unchanged along an axis of the world. */
 static inline int dem__is_along_plane(const dem_wall *w, int axis) { return dem_axis(w->axis[2], axis) == 0.0; }
 
 static inline int dem__plane_corners(const dem_wall *w) {

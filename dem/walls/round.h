@@ -1,4 +1,5 @@
-/* What cylinders and spheres share. `radial` is the part of the place that is perpendicular to an axis, or all of it. */
+/* What cylinders and spheres share. `radial` is the part of the position that is perpendicular to an axis, or all of
+   it. */
 #pragma once
 #include "add.h"
 
@@ -13,7 +14,7 @@ DEM_INLINE int dem__touch_round(const dem_wall *w, dem_vec radial, double part, 
     return 1;
 }
 
-/* Returns which side of a surface of constant radius a sphere is on; 0 where it has no normal. */
+/* Returns on which side of a surface of constant radius a sphere is; 0 where there is no normal. */
 DEM_INLINE double dem__side_of_round(const dem_wall *w, dem_vec radial, dem_vec *from, double *inner) {
     *from = radial;
     *inner = w->radius;

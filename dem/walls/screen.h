@@ -16,7 +16,7 @@ DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, do
     *from = dem_vec3(da, dc, up);
     if (w->circular ? !(fabs(bar) < w->half_x) : !(fabs(bar) <= side)) return -1.0;
     if (w->profile == DEM_ROUND || !(up < 0.0)) return half;
-    /* the flat side is as wide as the wire; its ends are round, seen from below */
+    /* the flat side is as wide as the wire; from below, its ends are round */
     if (!beyond) {
         from->y = dc - dem__clamp(dc, -half, half);
         return 0.0;
@@ -26,7 +26,7 @@ DEM_INLINE double dem__reach_bar(const dem_wall *w, int family, double index, do
     return 0.0;
 }
 
-/* Computes the touch with bar `index` of a family; its normal is in (along, across, up). Returns 0 if there is no such
+/* Computes the touch with bar `index` of a family. Its normal is in (along, across, up). Returns 0 if there is no such
    bar. */
 DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, double along, double across, double up,
                               double radius, dem__touch *out) {
@@ -36,21 +36,22 @@ DEM_INLINE int dem__touch_bar(const dem_wall *w, int family, double index, doubl
     const double distance = dem__length(from);
     out->gap = distance - inner - radius;
     out->curvature =
-        1.0 / w->wire; /* of the round part everywhere: a contact's constants do not depend on where it begins */
+        1.0 / w->wire; /* that of the round part everywhere, so that a contact's constants do not depend on where it
+                          begins */
     out->normal = dem__scale(1.0 / distance, from);
     out->element = 2 * (int32_t)index + family;
     return distance > 0.0;
 }
 
-/* Converts a vector from (along, across, up) of a family to the world's axes. */
+/* Transforms a vector from (along, across, up) of a family to the world's axes. */
 DEM_INLINE dem_vec dem__from_bar(const dem_wall *w, int family, dem_vec v) {
     const dem_vec a = dem__scale(v.x, w->axis[family]), c = dem__scale(v.y, w->axis[1 - family]),
                   u = dem__scale(v.z, w->axis[2]);
     return dem__add(dem__add(a, c), u);
 }
 
-/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck they
-   are the last two. */
+/* Returns the index of the first of the two nearest bars of a family; the second is the next one. Beside the deck, the
+   last two bars. */
 DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across) {
     const double pitch = w->aperture + w->wire, half = family ? w->half_x : w->half_y,
                  nearest = floor(across / pitch + 0.5);
@@ -59,7 +60,7 @@ DEM_INLINE double dem__nearest_bar(const dem_wall *w, int family, double across)
     return dem__clamp(nearest, 1.0 - last, last - 1.0);
 }
 
-/* Returns a lower limit of the gap of all other bars [m]. lowest: the smallest gap found, which counts where it is
+/* Returns a lower limit of the gap to all other bars [m]. lowest: the smallest gap found, which counts where it is
    negative. */
 DEM_INLINE double dem__third_bar(const dem_wall *w, double radius, double lowest) {
     const double pitch = w->aperture + w->wire, sum = radius + 0.5 * w->wire, near = lowest < 0.0 ? sum + lowest : sum;
@@ -91,7 +92,7 @@ static inline int dem__touch_screen(const dem_wall *w, dem_vec d, double radius,
     return n;
 }
 
-/* Finds the family and the index of a bar from the number of the element. */
+/* Finds the family and the index of a bar from the index of the element. */
 DEM_INLINE int dem__family_of(int32_t element) { return (int)((uint32_t)element & 1u); }
 DEM_INLINE double dem__index_of(int32_t element) { return (double)((element - dem__family_of(element)) / 2); }
 
@@ -132,7 +133,7 @@ static inline int dem__bar_ends(const dem_wall *w, int family, double index, dem
     for (int k = 0; k < 2; k++) end[k] = dem__from_bar(w, family, dem_vec3(k ? reach : -reach, bar, 0.0));
     return 1;
 }
-/* Finds the first and the last bar of a family near a polyhedron at d. reach: its own [m]. */
+/* Finds the first and the last bar of a family near a polyhedron at d. reach: of the polyhedron [m]. */
 DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double reach, double *first, double *last) {
     const double pitch = w->aperture + w->wire, across = dem__dot(d, w->axis[1 - family]),
                  half = family ? w->half_x : w->half_y;
@@ -141,8 +142,8 @@ DEM_INLINE void dem__bars_near(const dem_wall *w, int family, dem_vec d, double 
     *first = floor(low / pitch + 0.5), *last = floor(high / pitch + 0.5);
 }
 
-/* Shows the edges of a bar and its ends. A half-round bar is a capsule when touched from above, and two sharp edges
-   when touched from below. */
+/* Presents the edges of a bar and its ends to a visitor. A half-round bar is a capsule when touched from above, and two
+   sharp edges when touched from below. */
 static inline void dem__show_bar(const dem_wall *w, int family, double index, dem_vec d, dem__edge_visitor *v) {
     const double half = 0.5 * w->wire;
     const int32_t key = DEM__ELEMENT_KEYS * (2 * (int32_t)index + family + DEM__ELEMENTS_FROM) + DEM_CORNERS_MAX;
@@ -174,7 +175,7 @@ static inline void dem__screen_edges(const dem_wall *w, dem_vec centre, double r
     }
 }
 
-/* Returns whether a screen has lengths, and no more bars and apertures than integers count. */
+/* Returns whether a screen has lengths, and no more bars and apertures than integers can count. */
 static inline int dem__is_deck(const dem_wall *w) {
     const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
     return (w->profile == DEM_ROUND || w->profile == DEM_SEMICIRCLE) && dem__positive(w->aperture) &&

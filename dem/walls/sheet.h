@@ -5,8 +5,9 @@
 
 enum { DEM__RIM_POINTS = 16 }; /* points of a rim at which faces of polyhedra can touch it */
 
-/* Returns the rate of change of the normal n [1/s] where a surface or a rim goes around the axis axis[2]. radial: the
-   part of the place that is perpendicular to it; distance: from the rim to the sphere's centre; 0: not at a rim [m]. */
+/* Returns the rate of change of the normal n [1/s] where a surface or a rim goes around the axis axis[2]. radial:
+   the part of the position that is perpendicular to it; distance: from the rim to the sphere's centre; 0: not at a
+   rim [m]. */
 static inline dem_vec dem__turn_about_axis(const dem_wall *w, dem_vec radial, double distance, dem_vec n, dem_vec u) {
     const double from_axis = dem__length(radial);
     if (!(from_axis > 0.0)) return dem_vec3(0.0, 0.0, 0.0);
@@ -19,7 +20,7 @@ static inline dem_vec dem__turn_about_axis(const dem_wall *w, dem_vec radial, do
     return dem__plus(rate, 1.0 / distance, up);
 }
 
-/* Shows points of a rim as sharp corners. middle: its centre. */
+/* Presents points of a rim as sharp corners. middle: its centre. */
 static inline void dem__show_rim(const dem_wall *w, dem_vec middle, double radius, double reach, int32_t key,
                                  dem__edge_visitor *v) {
     if (!(dem__length(middle) < radius + reach)) return;

@@ -1,12 +1,12 @@
-/* Closed meshes: what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not
-   closed has no inside; in a closed one only points within round-off of the surface depend on how it is cut into
+/* Closed meshes and what is inside them. Reads meshes; owns scratch memory while it works. Promises: a mesh that is not
+   closed has no inside; in a closed one only points within round-off of the surface depend on the division into
    triangles. */
 #pragma once
 #include "mesh.h"
 #include "stl_mesh.h"
 
 /* Returns whether the line from p along +z crosses a triangle. Both triangles of an edge test it with its ends in the
-   same order, so that a line through an edge or a corner crosses the surface as often as one beside it. */
+   same order, so that a line through an edge or a corner crosses the surface as often as a line beside it. */
 static inline int dem__is_under(dem_vec a, dem_vec b, dem_vec c, dem_vec p) {
     const dem_vec corner[3] = {a, b, c};
     int inside = 0;
@@ -59,14 +59,14 @@ static inline int dem__is_inside_mesh(const dem_mesh *m, dem_vec p) {
     return inside;
 }
 
-/* Returns DEM_OK if every edge of a surface has an even number of triangles. Equal corners are one, even with different
-   indices; triangles without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a triangle that
-   is there twice, DEM_TOO_MANY or DEM_OUT_OF_MEMORY. */
+/* Returns DEM_OK if every edge of a surface has an even number of triangles. Corners at the same place are one, even
+   with different indices; triangles without area may close T-junctions. Otherwise returns DEM_BAD_ARGUMENT, also for a
+   triangle that exists twice, DEM_TOO_MANY or DEM_OUT_OF_MEMORY. */
 static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_t triangles, const dem_vec *vertex,
                                            const int32_t *corner) {
     const size_t n = (size_t)triangles;
     dem_stl_report report;
-    dem__workshop shop;
+    dem__mesh_builder shop;
     dem_mesh mesh;
     int closed;
     memset(&report, 0, sizeof report);
@@ -119,7 +119,7 @@ DEM_API dem_region dem_mesh_region(const dem_mesh *mesh) {
     return region;
 }
 
-/* Returns the volume of a closed mesh [m3]; all its triangles may be turned either way. */
+/* Returns the volume of a closed mesh [m3], whichever way all its triangles are oriented. */
 static inline double dem__mesh_volume(const dem_mesh *m) {
     const dem_vec from = dem__mesh_vertex(m, 0, 0);
     double sum = 0.0;

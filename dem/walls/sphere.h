@@ -18,7 +18,7 @@ static inline dem_vec dem__turn_at_sphere(const dem_wall *w, dem_vec d, double r
     return dem__scale(inverse, dem__sub(u, dem__scale(dem__dot(u, n), n)));
 }
 
-/* A solid sphere touches a polyhedron as a corner of a wall does, with all of its surface. */
+/* A solid sphere touches a polyhedron like a corner of a wall, with all of its surface. */
 static inline int dem__sphere_corners(const dem_wall *w) { return w->inside ? DEM__CORNERS_ALL : DEM__CORNERS_NONE; }
 static inline void dem__sphere_edges(const dem_wall *w, dem_vec centre, double reach, dem__edge_visitor *v) {
     (void)reach;

@@ -34,7 +34,7 @@ static inline double dem__little_float(const unsigned char *byte) {
     return (double)value;
 }
 
-/* The number of facets that a binary file's header announces, and the number for which it has bytes. */
+/* How many facets a binary file's header announces, and for how many it has bytes. */
 typedef struct dem__binary_size {
     size_t announced, present, rest; /* rest: bytes after the last whole facet */
 } dem__binary_size;
@@ -46,8 +46,8 @@ static inline dem__binary_size dem__size_of_binary(const unsigned char *bytes, s
     return s;
 }
 
-/* Returns the number of facets to read: all that are present, or, if the header announces fewer and the file does not
-   end with a facet, those that it announces. */
+/* Returns the number of facets to read: all that are present or, if the header announces fewer and the file does not
+   end with a whole facet, those announced. */
 static inline size_t dem__facets_of_binary(const dem__binary_size *s) {
     return s->announced < s->present && s->rest > 0 ? s->announced : s->present;
 }
@@ -71,7 +71,7 @@ static inline void dem__read_facet(const unsigned char *bytes, size_t k, dem__fa
 }
 
 /* Returns whether the bytes are coordinates: three in four facets have corners of 0 or between 1e-15 and 1e15. In other
-   data (compressed, other byte order, two bytes a letter) hardly any have. */
+   data (compressed, other byte order, two bytes a letter) hardly any facets do. */
 static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) {
     const dem__binary_size s = dem__size_of_binary(bytes, size);
     const size_t n = dem__facets_of_binary(&s);
@@ -89,7 +89,7 @@ static inline int dem__has_coordinates(const unsigned char *bytes, size_t size) 
     return good > 0 && good >= n - n / 4;
 }
 
-/* Finds the next word of a text, which ends at a blank of any kind. Returns its length, 0 at the end. */
+/* Finds the next word of a text; any white space ends it. Returns its length, 0 at the end. */
 static inline size_t dem__word(const unsigned char *bytes, size_t size, size_t *at) {
     size_t length = 0;
     while (*at < size && bytes[*at] <= ' ') ++*at;
@@ -107,7 +107,7 @@ static inline int dem__is_word(const unsigned char *bytes, size_t at, size_t len
     return k == length;
 }
 
-/* Parses a decimal number, whatever the locale, to within an ulp or two. Returns NaN if it is none. */
+/* Parses a decimal number, whatever the locale, to within an ulp or two. Returns NaN if it is not a number. */
 static inline double dem__number(const unsigned char *text, size_t length) {
     size_t k = 0;
     int digits = 0, point = 0, exponent = 0, down = 0;
@@ -163,7 +163,7 @@ static inline int dem__begins_with(const unsigned char *bytes, size_t at, size_t
     return length >= n && dem__is_word(bytes, at, n, name);
 }
 
-/* Skips the rest of a line, whose words are a name or a comment. If a facet ends there, the whole text is one line:
+/* Skips the rest of a line, whose words are a name or a comment. If a facet ends on it, the whole text is one line;
    then skips only the word. */
 static inline void dem__skip_line(dem__stl_text *t, size_t length) {
     size_t end = t->at + length, word;
@@ -194,7 +194,7 @@ static inline int dem__fan_start(const dem_vec *corner, int n) {
     return -1;
 }
 
-/* Ends the facet in progress. Keeps its triangles if it is whole. */
+/* Ends the current facet. Keeps its triangles if it is complete. */
 static inline void dem__end_facet(dem__stl_text *t) {
     const int n = t->corners,
               start = t->inside && !t->bad && t->wanted == 0 && n >= 3 ? dem__fan_start(t->corner, n) : -1;
@@ -238,7 +238,7 @@ static inline void dem__read_word_of_facet(dem__stl_text *t, size_t length) {
     } else t->bad = 1;
 }
 
-/* Reads a text. A facet stands between "facet" and "endfacet", or the next "facet"; names and comments are ignored. */
+/* Reads a text. A facet extends from "facet" to "endfacet" or the next "facet". Names and comments are ignored. */
 static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__facet *facets, dem_stl_report *report) {
     dem__stl_text t;
     memset(&t, 0, sizeof t);
@@ -265,8 +265,8 @@ static inline void dem__read_text(const unsigned char *bytes, size_t size, dem__
 
 enum { DEM__STL_UNKNOWN, DEM__STL_TEXT, DEM__STL_BINARY };
 
-/* Returns what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control
-   characters; a binary file has the length that its count gives. Where these two disagree, the numbers must look like
+/* Tells what kind of file it is, from all bytes, because headers may be wrong. A text has hardly any control
+   characters; a binary file has the length that its count gives. If these two disagree, the numbers must look like
    coordinates. */
 static inline int dem__kind_of_stl(const unsigned char *bytes, size_t size) {
     dem_stl_report found;

@@ -1,12 +1,12 @@
-/* A mesh from the facets of an STL file. Owns scratch while it works. Promises: on failure nothing is left allocated.
- */
+/* A mesh from the facets of an STL file. Owns scratch memory while it works. Promises: on failure nothing is left
+   allocated. */
 #pragma once
 #include "stl.h"
 
 /* ---- from facets to a mesh ---- */
 
 /* Working memory for making a mesh. */
-typedef struct dem__workshop {
+typedef struct dem__mesh_builder {
     dem__facet *facets;
     ptrdiff_t n;
     dem__slot *slots; /* `capacity` of them */
@@ -15,9 +15,9 @@ typedef struct dem__workshop {
     ptrdiff_t slivers;
     double weld,
         cell; /* distance up to which corners are one [m]; size of a grid cell [m], 0: only equal coordinates are one */
-} dem__workshop;
+} dem__mesh_builder;
 
-static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *cell) {
+static inline uint64_t dem__key_of_cell(const dem__mesh_builder *s, const double *cell) {
     uint64_t key = 0, bits;
     for (int a = 0; a < 3; a++) {
         const double v = (s->cell > 0.0 ? floor(cell[a] / s->cell) : cell[a]) + 0.0; /* no -0 */
@@ -27,9 +27,9 @@ static inline uint64_t dem__key_of_cell(const dem__workshop *s, const double *ce
     return key | 1;
 }
 
-/* Returns the vertex at a place: an earlier one if there is one within `weld`, otherwise a new one. Vertices are
-   chained from the cells of a grid, which are four times as wide as `weld`: few fit into one cell. */
-static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
+/* Returns the vertex at a place: an earlier one within `weld`, otherwise a new one. Vertices are chained from the cells
+   of a grid, which are four times as wide as `weld`, so that few fit into one cell. */
+static inline int32_t dem__weld(dem__mesh_builder *s, dem_vec *vertex, ptrdiff_t *count, dem_vec p) {
     for (int side = 0; side < (s->cell > 0.0 ? 8 : 1); side++) {
         double place[3];
         int seen = 0;
@@ -56,7 +56,7 @@ static inline int32_t dem__weld(dem__workshop *s, dem_vec *vertex, ptrdiff_t *co
     return fresh;
 }
 
-static inline dem__slot *dem__stl_edge(dem__workshop *s, int32_t a, int32_t b) {
+static inline dem__slot *dem__stl_edge(dem__mesh_builder *s, int32_t a, int32_t b) {
     const uint64_t low = (uint64_t)(a < b ? a : b), high = (uint64_t)(a < b ? b : a);
     dem__slot *slot = dem__find_slot(s->slots, s->capacity, low << 32 | high);
     slot->key = low << 32 | high; /* never 0, as a < b */
@@ -64,7 +64,7 @@ static inline dem__slot *dem__stl_edge(dem__workshop *s, int32_t a, int32_t b) {
 }
 
 /* Counts the three edges of a triangle. */
-static inline void dem__count_edges_of(dem__workshop *s, const int32_t *t) {
+static inline void dem__count_edges_of(dem__mesh_builder *s, const int32_t *t) {
     for (int e = 0; e < 3; e++) {
         const int32_t a = t[e], b = t[(e + 1) % 3];
         dem__slot *slot = dem__stl_edge(s, a, b);
@@ -73,8 +73,8 @@ static inline void dem__count_edges_of(dem__workshop *s, const int32_t *t) {
     }
 }
 
-/* Returns how many edges of a triangle have one other triangle, which runs the other way. */
-static inline int dem__closes(dem__workshop *s, const int32_t *t) {
+/* Returns how many edges of a triangle have exactly one other triangle, in the opposite direction. */
+static inline int dem__closes(dem__mesh_builder *s, const int32_t *t) {
     int closed = 0;
     for (int e = 0; e < 3; e++) {
         const dem__slot *slot = dem__stl_edge(s, t[e], t[(e + 1) % 3]);
@@ -84,10 +84,10 @@ static inline int dem__closes(dem__workshop *s, const int32_t *t) {
     return closed;
 }
 
-/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with the triangles without area.
-   In a fan of these one closes after the other; sixteen passes, forward and backward in turn, suffice for any order
-   that a program writes. */
-static inline void dem__close_junctions(dem__workshop *s) {
+/* Closes T-junctions, where one long edge lies on two short ones and there is no hole, with triangles without area. In
+   a fan of these one closes after the other. Sixteen passes, forward and backward in turn, suffice for any order that a
+   program writes. */
+static inline void dem__close_junctions(dem__mesh_builder *s) {
     int changed = 1;
     for (int pass = 0; pass < 16 && changed; pass++) {
         changed = 0;
@@ -101,9 +101,9 @@ static inline void dem__close_junctions(dem__workshop *s) {
     }
 }
 
-/* Scales the facets and drops those that are not finite. Returns the number that is left; the report gets their
-   bounding box. */
-static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl_report *report) {
+/* Scales the facets and drops those that are not finite. Returns how many are left; the report gets their bounding
+   box. */
+static inline ptrdiff_t dem__keep_finite(dem__mesh_builder *s, double scale, dem_stl_report *report) {
     dem_vec low = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = dem__scale(-1.0, low);
     ptrdiff_t kept = 0;
     for (ptrdiff_t k = 0; k < s->n; k++) {
@@ -128,7 +128,7 @@ static inline ptrdiff_t dem__keep_finite(dem__workshop *s, double scale, dem_stl
 }
 
 /* Returns whether a triangle with the same three corners, in any order, came before. */
-static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
+static inline int dem__is_duplicate(dem__mesh_builder *s, const int32_t *t) {
     const int32_t first = t[0] < t[1] ? (t[0] < t[2] ? t[0] : t[2]) : (t[1] < t[2] ? t[1] : t[2]);
     const int32_t last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
     const uint64_t middle = (uint64_t)t[0] + (uint64_t)t[1] + (uint64_t)t[2] - (uint64_t)first - (uint64_t)last;
@@ -142,7 +142,7 @@ static inline int dem__is_duplicate(dem__workshop *s, const int32_t *t) {
 }
 
 /* Keeps the triangles that have an area and are new; sums area and volume. */
-static inline void dem__keep_triangles(dem__workshop *s, dem_mesh *m, ptrdiff_t n, dem_stl_report *report) {
+static inline void dem__keep_triangles(dem__mesh_builder *s, dem_mesh *m, ptrdiff_t n, dem_stl_report *report) {
     const dem_vec *vertex = (const dem_vec *)(const void *)m->vertex;
     for (ptrdiff_t k = 0; k < n; k++) {
         const int32_t t[3] = {m->triangle[3 * k], m->triangle[3 * k + 1], m->triangle[3 * k + 2]};
@@ -167,7 +167,7 @@ static inline void dem__keep_triangles(dem__workshop *s, dem_mesh *m, ptrdiff_t 
     }
 }
 
-static inline void dem__count_edges(dem__workshop *s, const dem_mesh *m, dem_stl_report *report) {
+static inline void dem__count_edges(dem__mesh_builder *s, const dem_mesh *m, dem_stl_report *report) {
     for (ptrdiff_t k = 0; k < m->triangles; k++) dem__count_edges_of(s, &m->triangle[3 * k]);
     dem__close_junctions(s);
     for (size_t k = 0; k < s->capacity; k++) {
@@ -179,7 +179,8 @@ static inline void dem__count_edges(dem__workshop *s, const dem_mesh *m, dem_stl
 }
 
 /* Fills an empty mesh, whose arrays have room, and the report. */
-static inline void dem__make_mesh(dem_mesh *m, dem__workshop *s, double scale, double weld, dem_stl_report *report) {
+static inline void dem__make_mesh(dem_mesh *m, dem__mesh_builder *s, double scale, double weld,
+                                  dem_stl_report *report) {
     const ptrdiff_t n = dem__keep_finite(s, scale, report);
     if (n == 0) return;
     const double size = dem__length(dem__sub(report->high, report->low));
@@ -199,7 +200,7 @@ DEM_API dem_status dem_read_stl(const void *bytes, size_t size, double scale, do
     const unsigned char *text = (const unsigned char *)bytes;
     dem_stl_report found;
     dem_allocator memory;
-    dem__workshop shop;
+    dem__mesh_builder shop;
     if (!mesh) return DEM_BAD_ARGUMENT;
     memset(mesh, 0, sizeof *mesh);
     memset(&found, 0, sizeof found);

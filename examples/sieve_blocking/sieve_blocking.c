@@ -25,7 +25,6 @@
 
 enum { MOST_READINGS = 200, GRID = 61, CURVE = 241 };
 
-static const double pi = 3.14159265358979323846;
 static const double z95 = 1.96;
 
 /* ---- Table 2 ---- */
@@ -661,7 +660,7 @@ static void check_wish(const program *self, const wish *w) {
 static void complete_wish(const program *self, wish *w) {
     const bool several = w->swept || w->compared;
     if (!is_given(self, "k"))
-        w->K = blocking_toss_indicator(w->frequency, 1e-3 * w->amplitude, w->direction * pi / 180.0, w->slope * pi / 180.0, 9.81);
+        w->K = blocking_toss_indicator(w->frequency, 1e-3 * w->amplitude, w->direction * RIDDLE_PI / 180.0, w->slope * RIDDLE_PI / 180.0, 9.81);
     if (w->sizes) w->x_h = hard_content(self, w->sizes, 1e-3 * w->opening);
     if (self->quick && !is_given(self, "patch")) w->patch.across = several ? 6 : 8;
     if (self->quick && !is_given(self, "vibrated-s")) w->vibrated = several ? 0.25 : 1.0;

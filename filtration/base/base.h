@@ -21,14 +21,15 @@ typedef enum filtration_status { FILTRATION_STATUSES(FILTRATION__ENUM) FILTRATIO
 /* clang-format on */
 FILTRATION_API const char *filtration_status_text(filtration_status status); /* never NULL; static storage */
 
-/* Memory hook: old NULL allocates, new_size 0 frees and returns NULL, otherwise it resizes. fn NULL: malloc, realloc, free. */
+/* Memory hook: old NULL allocates, new_size 0 frees and returns NULL, otherwise it resizes. fn NULL: malloc, realloc,
+   free. */
 typedef struct filtration_memory {
     void *(*fn)(void *user, void *old, size_t old_size, size_t new_size);
     void *user;
 } filtration_memory;
 
-/* Parallel hook: runs task(context, 0 .. tasks - 1), in any order, on any thread, and returns when all are done. fn NULL: OpenMP if the
-   compiler has it, otherwise one after the other. */
+/* Parallel hook: runs task(context, 0 .. tasks - 1), in any order, on any thread, and returns when all are done. fn
+   NULL: OpenMP if the compiler has it, otherwise one after the other. */
 typedef struct filtration_parallel {
     void (*fn)(void *user, int tasks, void (*task)(void *context, int index), void *context);
     void *user;

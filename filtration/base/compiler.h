@@ -17,8 +17,8 @@
 #define FILTRATION__BODIES
 #endif
 
-/* gcc leaves a loop scalar at -O2 if arithmetic may trap or a root may set errno: functions that are compiled for several machines bring
-   their own options, the others those of the header. */
+/* At -O2 gcc does not vectorise a loop if its arithmetic may trap or a root may set errno. Functions that are compiled
+   for several machines therefore bring their own options, the others those of the header. */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
 #define FILTRATION__FAST __attribute__((optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")))
 #else
@@ -49,17 +49,17 @@
 #define FILTRATION__INDEPENDENT
 #endif
 
-/* Functions of which the compiler decides. Without optimisation they are inline by name: gcc then emits every other static function,
-   whether or not anything calls it. */
+/* Functions for which the compiler decides about inlining. Without optimisation they are declared inline, because gcc
+   then emits every other static function, whether or not anything calls it. */
 #if defined(__OPTIMIZE__) || !defined(__GNUC__)
 #define FILTRATION__STATIC static
 #else
 #define FILTRATION__STATIC static inline
 #endif
 
-/* x86-64: the kernels are compiled three times, with AVX-512, with AVX2 and without. The bits are the same, because none fuses. AVX2 has
-   too few registers for a node's populations. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412): there
-   -mavx2 for the whole program gives the speed. */
+/* x86-64: the kernels are compiled three times, with AVX-512, with AVX2 and without. The bits are the same, because
+   none fuses. AVX2 has too few registers for a node's populations. Not on Windows, where gcc does not align the stack
+   for wide vectors (its bug 54412); there -mavx2 for the whole program gives the speed. */
 #if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
 #if defined(__clang__)
 #define FILTRATION__AVX512 "avx512vl,avx512dq"

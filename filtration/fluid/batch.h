@@ -1,4 +1,4 @@
-/* Links in batches: what they need is gathered, computed for many at a time, and stored. */
+/* Links in batches: their data are gathered, computed for many links at a time, and stored. */
 #pragma once
 #include "faces.h"
 
@@ -7,23 +7,25 @@
 #define FILTRATION__BATCH 64 /* links after which a batch is applied, a multiple of FILTRATION__LANES */
 #define FILTRATION__ROOM (2 * FILTRATION__BATCH) /* what it can hold */
 #define FILTRATION__LANES                                                                                              \
-    8 /* parts of a sum, added in their order at the end: the same bits for any width of a vector */
+    8 /* parts of a sum, added in their order at the end, so that bits do not depend on the width of vectors */
 
 /* Links from fluid nodes to a surface. */
 typedef struct filtration__batch {
     int n;
-    ptrdiff_t place[FILTRATION__ROOM]; /* of the node, then where the next step reads what returns */
-    double out[FILTRATION__ROOM], other[FILTRATION__ROOM]; /* what leaves the node along the link, and against it */
+    ptrdiff_t place[FILTRATION__ROOM]; /* of the node; later where the next step reads the returning population */
+    double out[FILTRATION__ROOM], other[FILTRATION__ROOM]; /* population that leaves the node along the link, and
+                                                              against it */
     double behind[FILTRATION__ROOM],
-        free[FILTRATION__ROOM];    /* what leaves the node behind along the link, if that is fluid (1, else 0) */
+        free[FILTRATION__ROOM];    /* population that leaves the node behind along the link, if that is fluid (1, else
+                                      0) */
     double back[FILTRATION__ROOM]; /* what returns */
-    double d[3][FILTRATION__ROOM]; /* the fluid node, then the surface, from the centre */
+    double d[3][FILTRATION__ROOM]; /* from the centre to the fluid node, then to the surface */
     double fraction[FILTRATION__ROOM],
         push[FILTRATION__ROOM]; /* q; weight times c . velocity of the surface, c into the solid */
     double w[FILTRATION__ROOM]; /* weight; 0: nothing is added */
 } filtration__batch;
 
-/* Where the populations of links along one direction are, after the place of the node, whose neighbours all lie in the box. */
+/* Where the populations of links along one direction are, relative to the node, whose neighbours all lie in the box. */
 typedef struct filtration__paths {
     ptrdiff_t out, other, behind, in, node_behind;
 } filtration__paths;
@@ -37,7 +39,8 @@ static inline filtration__paths filtration__paths_of(const filtration__lattice *
     return p;
 }
 
-/* Reads the populations of links of such nodes along one direction; their places become those of what returns. */
+/* Reads the populations of links of such nodes along one direction. Their places become those of the returning
+   populations. */
 FILTRATION__INLINE void filtration__read_batch(const filtration__lattice *l, filtration__batch *b,
                                                const filtration__paths *path) {
     for (int k = 0; k < b->n; k++) {
@@ -73,7 +76,7 @@ static inline int filtration__pad_batch(filtration__batch *b) {
     return end;
 }
 
-/* Stores the populations that return where the next step reads them. */
+/* Stores the returning populations where the next step reads them. */
 FILTRATION__INLINE void filtration__write_batch(filtration__lattice *l, const filtration__batch *b) {
     if (l->single)
         for (int k = 0; k < b->n; k++) ((float *)l->f)[b->place[k]] = (float)b->back[k];
@@ -81,8 +84,8 @@ FILTRATION__INLINE void filtration__write_batch(filtration__lattice *l, const fi
         for (int k = 0; k < b->n; k++) ((double *)l->f)[b->place[k]] = b->back[k];
 }
 
-/* Computes the populations that return: by central linear interpolation (Ginzburg et al. 2008), or half way where there is no second fluid
-   node. end: a multiple of FILTRATION__LANES. */
+/* Computes the returning populations: by central linear interpolation (Ginzburg et al. 2008), or half way where there
+   is no second fluid node. end: a multiple of FILTRATION__LANES. */
 FILTRATION__INLINE void filtration__bounce_lanes(filtration__batch *b, int end) {
     for (int k = 0; k < end; k++) {
         const double q = b->fraction[k], weight = 1.0 / (1.0 + 2.0 * q), push = b->push[k];

@@ -35,7 +35,7 @@ static inline int filtration__collide_row(const filtration__lattice *l, const pt
     return bad;
 }
 
-/* Moves what left a periodic row from its halo to the nodes at the other end, before an even step. */
+/* Before an even step, moves the populations that left a periodic row from its halo to the nodes at the other end. */
 static inline void filtration__fold(filtration__lattice *l, ptrdiff_t row) {
     for (int i = 1; i < l->q; i++) {
         int c = l->c[i][0];
@@ -44,7 +44,7 @@ static inline void filtration__fold(filtration__lattice *l, ptrdiff_t row) {
     }
 }
 
-/* Copies the ends of a periodic row to its halo, where the next odd step reads them, after an even step. */
+/* After an even step, copies the ends of a periodic row to its halo, where the next odd step reads them. */
 static inline void filtration__spread(filtration__lattice *l, ptrdiff_t row) {
     for (int i = 1; i < l->q; i++) {
         int c = l->c[i][0];
@@ -53,7 +53,7 @@ static inline void filtration__spread(filtration__lattice *l, ptrdiff_t row) {
     }
 }
 
-/* l->odd is that of the next step already: this one is of the other kind. */
+/* l->odd already belongs to the next step: this one is of the other kind. */
 static inline void filtration__collide_at(filtration__lattice *l, int y, int z) {
     ptrdiff_t place[FILTRATION__Q], row = filtration__row(l, y, z);
     unsigned char *state = l->row_state + (ptrdiff_t)z * l->ny + y;
@@ -76,8 +76,8 @@ static inline void filtration__task_range(ptrdiff_t n, int task, ptrdiff_t *firs
     *end = n * (task + 1) / FILTRATION__TASKS;
 }
 
-/* Wakes slabs at exact rest next to moving ones. An odd step reads the neighbouring slabs and writes to them, so that motion reaches two
-   slabs farther. always: wakes all. */
+/* Wakes slabs at exact rest next to moving ones. An odd step reads the neighbouring slabs and writes to them, so that
+   motion reaches two slabs farther. always: wakes all. */
 static inline void filtration__wake(filtration__lattice *l, int always) {
     unsigned char *a = l->slab_active;
     int reach = l->odd ? 2 : 0;
@@ -96,8 +96,8 @@ static inline void filtration__wake(filtration__lattice *l, int always) {
     }
 }
 
-/* Returns whether a node lies in a film between surfaces: fewer than half of its neighbours within the box are fluid. The flow there is not
-   resolved; lubrication stands for it. */
+/* Returns whether a node lies in a film between surfaces: fewer than half of its neighbours within the box are fluid.
+   The flow there is not resolved; lubrication replaces it. */
 static inline int filtration__in_film(const filtration__lattice *l, int x, int y, int z) {
     int fluid = 0;
     for (int i = 1; i < l->q; i++) {
@@ -118,8 +118,8 @@ static inline double filtration__film_density(const filtration__lattice *l, int 
     return 0.0;
 }
 
-/* Finds the first node of a row that is too fast or not a number. Solids and films do not count; they are put to rest. Returns 0 if there
-   is none. */
+/* Finds the first node of a row that is too fast or not a number. Solids and films do not count; they are set to rest.
+   Returns 0 if there is none. */
 static inline int filtration__bad_node(filtration__lattice *l, int y, int z, filtration_problem *problem) {
     for (int x = 0; x < l->nx; x++) {
         double u[3] = {0, 0, 0}, r = 0.0;

@@ -18,11 +18,12 @@ typedef struct filtration__face_kind {
     int has_velocity; /* 1: along the face, 2: through it, too */
     int has_pressure;
     int reads_flow; /* 1: enter needs the velocity of the nodes */
-    /* Computes what enters n nodes from what leaves, h. u: their velocity, or 0. NULL: what leaves is what enters. */
+    /* Computes the populations that enter n nodes from those that leave, h. u: their velocity, or 0. NULL: leaving ones
+       enter again. */
     void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK], double *h);
 } filtration__face_kind;
 
-/* Bounce-back half way from a surface that moves along itself, or through which liquid comes. */
+/* Half-way bounce-back from a surface that moves along itself, or through which liquid enters. */
 FILTRATION__STATIC void filtration__enter_wall(const filtration__lattice *l, const filtration__entry *e, int n,
                                                double u[3][FILTRATION__BLOCK], double *h) {
     const signed char *c = l->c[e->i];
@@ -43,6 +44,17 @@ FILTRATION__STATIC void filtration__enter_open(const filtration__lattice *l, con
     }
 }
 
+/* A given pressure where liquid leaves; where it enters, with the energy of a vessel at rest (Bruneau and Fabrie 1994). */
+FILTRATION__STATIC void filtration__enter_outlet(const filtration__lattice *l, const filtration__entry *e, int n,
+                                                 double u[3][FILTRATION__BLOCK], double *h) {
+    const double into = e->face & 1 ? -1.0 : 1.0, *through = u[e->face / 2];
+    filtration__enter_open(l, e, n, u, h);
+    for (int k = 0; k < n; k++) {
+        const double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
+        if (into * through[k] > 0.0) h[k] -= 3.0 * l->w[e->i] * uu;
+    }
+}
+
 /* clang-format off */
 static const filtration__face_kind filtration__face_kinds[] = {
     /* kind                 beyond                 rank  touched velocity pressure reads flow  enter */
@@ -50,7 +62,9 @@ static const filtration__face_kind filtration__face_kinds[] = {
     {FILTRATION_WALL,     FILTRATION__NOTHING,  3, 1, 1, 0, 0, filtration__enter_wall},
     {FILTRATION_PRESSURE, FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_open},
     {FILTRATION_SYMMETRY, FILTRATION__MIRRORED, 1, 0, 0, 0, 0, NULL},
-    {FILTRATION_INFLOW,   FILTRATION__NOTHING,  4, 0, 2, 0, 0, filtration__enter_wall}, /* before walls: all of the flow enters */
+    {FILTRATION_INFLOW,   FILTRATION__NOTHING,  4, 0, 2, 0, 0, filtration__enter_wall}, /* ranks before walls, so that all of
+                                                                                           the flow enters */
+    {FILTRATION_OUTLET,   FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_outlet},
 };
 /* clang-format on */
 
@@ -73,8 +87,8 @@ static inline int filtration__turned(const filtration__lattice *l, int i, int ax
     return i;
 }
 
-/* Moves p, beyond the box by at most one node, into the box: wrapped, or mirrored with the axes as bits in *mirrored. Returns 0 beyond
-   walls and open faces. */
+/* Moves p, beyond the box by at most one node, into the box: wrapped, or mirrored with the axes as bits in *mirrored.
+   Returns 0 beyond walls and open faces. */
 static inline int filtration__inside(const filtration__lattice *l, int p[3], int *mirrored) {
     const int n[3] = {l->nx, l->ny, l->nz};
     *mirrored = 0;
@@ -118,8 +132,8 @@ static inline void filtration__row_velocity(const filtration__lattice *l, int x,
     }
 }
 
-/* Finds how the opposite of direction i enters a node with that many faces beside it (2 bits an axis: low, high). Returns 0 if it does not
-   enter through a face. */
+/* Finds how the opposite of direction i enters a node beside these faces (2 bits an axis: low, high). Returns 0 if it
+   does not enter through a face. */
 static inline int filtration__find_entry(const filtration__lattice *l, int beside, int i, filtration__entry *e) {
     int rank = 0, crossed = 0;
     memset(e, 0, sizeof *e);
@@ -177,7 +191,7 @@ static inline void filtration__wall_node(filtration__lattice *l, int x, int y, i
     }
 }
 
-/* Computes what enters a row from what left it. */
+/* Computes the populations that enter a row from those that left it. */
 static inline void filtration__face_row(filtration__lattice *l, int y, int z) {
     const int at_end = y == 0 || y == l->ny - 1 || z == 0 || z == l->nz - 1;
     const int at_face = (l->ghost_y && (y == 0 || y == l->ny - 1)) || (l->ghost_z && (z == 0 || z == l->nz - 1));
@@ -190,7 +204,7 @@ static inline void filtration__face_row(filtration__lattice *l, int y, int z) {
         filtration__face_block(l, x, l->nx - 1 - x < FILTRATION__BLOCK ? l->nx - 1 - x : FILTRATION__BLOCK, y, z);
 }
 
-/* Mirrored faces read other rows, so faces wait for all rows. */
+/* Mirrored faces read other rows, so they wait until all rows are done. */
 static inline int filtration__faces_wait(const filtration__lattice *l) {
     int wait = 0;
     for (int f = 0; f < 6; f++) wait |= l->face[f]->beyond == FILTRATION__MIRRORED;

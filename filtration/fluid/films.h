@@ -1,12 +1,13 @@
 /* Pressure in films that are too thin for nodes, between spheres, at the solid and at faces; the force on the solid at
-   rest. A pressure has no level: a constant added to it changes no force. */
+   rest. A constant added to the pressure changes no force. */
 #pragma once
 #include "spheres.h"
 
 /* ==== >>films ==== */
 
-/* Adds the pressure on a link between two solids, or through a face, from node (x, y, z) of the sphere along j. There the mean of the
-   densities that the two spheres would have counts for both, so that the film pushes them apart with equal forces. */
+/* Adds the pressure on a link between two solids, or through a face, from node (x, y, z) of the sphere along j. Both
+   spheres get the mean of the densities that each would have there, so that the film pushes them apart with equal
+   forces. */
 static inline void filtration__film_link(filtration__lattice *l, int32_t index, filtration__ball *b, int x, int y,
                                          int z, int j) {
     const int n[3] = {l->nx, l->ny, l->nz};
@@ -43,8 +44,8 @@ FILTRATION__INLINE void filtration__film_part(filtration__lattice *l, int32_t in
     for (int x = first; x <= end; x++) filtration__film_link(l, index, b, x, r->y, r->z, j);
 }
 
-/* Adds the pressure of films. What leaves the surface open (mirrors, spheres that overlap) has the density at the centre, so that a
-   constant pressure moves no sphere. */
+/* Adds the pressure of films. Links that leave the surface open (mirrors, spheres that overlap) get the density at the
+   centre, so that a constant pressure moves no sphere. */
 FILTRATION__STATIC void filtration__film_task(void *context, int task) {
     filtration__lattice *l = (filtration__lattice *)context;
     for (ptrdiff_t n = task; n < l->ball_count; n += FILTRATION__TASKS) {
@@ -56,8 +57,8 @@ FILTRATION__STATIC void filtration__film_task(void *context, int task) {
     }
 }
 
-/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links (Ladd 1994), and the
-   pressure of films under spheres. */
+/* Computes the force of the last step on the solid at rest, in lattice units: the momentum exchanged over its links
+   (Ladd 1994), and the pressure of films under spheres. */
 static inline void filtration__solid_force(const filtration__lattice *l, double force[3]) {
     force[0] = force[1] = force[2] = 0.0;
     for (ptrdiff_t n = 0; n < l->link_count; n++) {

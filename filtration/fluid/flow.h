@@ -29,8 +29,8 @@ FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float
             }
 }
 
-/* Sums over the fluid nodes of a part of the box, in lattice units: deviation of density, momentum, number of nodes, largest squared
-   speed. */
+/* Sums over the fluid nodes of a part of the box, in lattice units: deviation of density, momentum, number of nodes,
+   largest squared speed. */
 static inline void filtration__sum(const filtration__lattice *l, const int low[3], const int high[3], double sum[6]) {
     for (int k = 0; k < 6; k++) sum[k] = 0.0;
     for (int z = low[2]; z < high[2]; z++)
@@ -105,7 +105,7 @@ FILTRATION_API void filtration_fluid_solid_force(const filtration_fluid *fluid, 
 
 /* ---- changes ---- */
 
-/* Takes a definition over, unless it is out of range. */
+/* Adopts a definition, unless it is out of range. */
 static inline filtration_status filtration__change(filtration_fluid *fluid, const filtration_fluid_def *def) {
     if (filtration_fluid_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_ARGUMENT;
     fluid->def = *def;
@@ -136,7 +136,7 @@ FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_f
     return filtration__change(fluid, &def);
 }
 
-/* Computes the populations of a node that a change gives it. */
+/* Computes the new populations of a node. */
 typedef struct filtration__new_flow {
     void (*node)(const filtration_fluid *fluid, const struct filtration__new_flow *flow, int x, int y, int z, double h[FILTRATION__Q]);
     double speed, stress;                                                                /* factors of a rescaled flow [-] */
@@ -162,8 +162,8 @@ static inline int filtration__set_nodes(filtration_fluid *fluid, const filtratio
     return 1;
 }
 
-/* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part as stress: by s and the ratio of relaxation times.
-   Before a collision, half of the force is missing in the momentum. */
+/* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part like a stress: by s and the ratio
+   of relaxation times. Before a collision, the momentum lacks half of the force. */
 FILTRATION__STATIC void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
                                 double h[FILTRATION__Q]) {
     const filtration__lattice *l = fluid->lattice;
@@ -196,8 +196,8 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
     return filtration__change(fluid, &def);
 }
 
-/* Computes a node's equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) : grad u to first
-   order. */
+/* Computes a node's equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) :
+   grad u to first order. */
 FILTRATION__STATIC void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
                                    double h[FILTRATION__Q]) {
     const filtration__lattice *l = fluid->lattice;

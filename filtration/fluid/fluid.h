@@ -50,8 +50,8 @@ static inline double filtration__find_units(const filtration_fluid_def *d, filtr
 
 static inline void filtration__set_units(filtration_fluid *fluid) { fluid->dt = filtration__find_units(&fluid->def, fluid->lattice); }
 
-/* Largest population, and largest pressure, speed and force of a source, in lattice units [-]: no sum of a step or of a reader overflows,
-   and a step tells that the flow diverges. */
+/* Largest population, and largest pressure, speed and force of a source, in lattice units [-]. Below them no sum of a
+   step or of a reader overflows, and a step can tell that the flow diverges. */
 #define FILTRATION__LARGEST_POPULATION 1e25
 #define FILTRATION__LARGEST_SOURCE 1e3
 
@@ -241,7 +241,7 @@ static inline const char *filtration__read_ball(const filtration_fluid *fluid, c
         if (!(fabs(x) < 1e6)) return "centre: within 1e6 voxels";
         if (!(fabs(b->velocity[a]) < 0.5)) return "velocity: below half a voxel a step";
         if (!(fabs(b->spin[a]) * b->radius < 0.5)) return "spin: a surface below half a voxel a step";
-        if (filtration__repeats(l, a)) { /* the image nearest to its last place, or in the box */
+        if (filtration__repeats(l, a)) { /* the image nearest to its last position, or in the box */
             double home = b->steps ? b->centre[a] : 0.5 * (nodes[a] - 1);
             x -= nodes[a] * floor((x - home) / nodes[a] + 0.5);
             if (!(2.0 * b->radius <= nodes[a] * (1.0 + 1e-12))) return "radius: at most half a periodic box";
@@ -279,7 +279,8 @@ static inline double filtration__moved(const filtration__ball *now, const filtra
     return sqrt(dd);
 }
 
-/* Moves a sphere from its last place to the present one: nodes change owner. A radius of 0, before or now, is no sphere. */
+/* Moves a sphere from its last position to the present one: nodes change owner. A radius of 0, before or now, is no
+   sphere. */
 static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, const filtration__ball *now) {
     filtration__ball before = l->balls[n];
     int was = before.radius > 0.0, is = now->radius > 0.0;
@@ -294,7 +295,8 @@ static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, co
     }
 }
 
-/* Reads sphere n of the caller; none beyond his last. Returns OK, BAD_ARGUMENT or TOO_FAST, and the rule that it breaks. */
+/* Reads sphere n of the caller; none beyond the last. Returns OK, BAD_ARGUMENT or TOO_FAST, and the rule that the
+   sphere breaks. */
 static inline filtration_status filtration__next_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
                                                       filtration__ball *now, const char **rule) {
     const filtration__ball *before = &fluid->lattice->balls[n];
@@ -307,7 +309,7 @@ static inline filtration_status filtration__next_ball(const filtration_fluid *fl
     return *rule ? FILTRATION_TOO_FAST : FILTRATION_OK;
 }
 
-/* Moves the spheres to their present places: all or, if one is refused, none. */
+/* Moves the spheres to their present positions: all of them or, if one is refused, none. */
 static inline filtration_status filtration__bring_balls(filtration_fluid *fluid, const filtration_spheres *s) {
     filtration__lattice *l = fluid->lattice;
     filtration__ball now;

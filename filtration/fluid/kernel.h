@@ -1,9 +1,10 @@
 /* Collision of the nodes of a row; read once for doubles and once for floats. */
 
-/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation times, and a third for
-   the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et al. (2002), split by parity. Returns whether
-   a node is faster than the limit or not a number. A call processes `n` nodes from `first` on. The memory of the next row is prefetched
-   into the second cache, because hardware prefetchers follow too few streams. */
+/* Reads population i of node x at p[i][x] and writes it back after collision at p[opposite of i][x]. Two relaxation
+   times, and a third for the trace of the stress (Ginzburg et al. 2008; d'Humieres et al. 2002); forcing after Guo et
+   al. (2002), split by parity. Returns whether a node is faster than the limit or not a number. A call processes `n`
+   nodes from `first` on. The memory of the next row is prefetched into the second cache, because hardware prefetchers
+   follow too few streams. */
 #define FILTRATION__LOAD(i) const FILTRATION__REAL s##i = p##i[x] + p##i##o[x], d##i = p##i[x] - p##i##o[x];
 #define FILTRATION__STORE(i, cu_, cf_, W)                                                                                                  \
     {                                                                                                                                      \
@@ -33,7 +34,8 @@
                            W##_force_odd = (FILTRATION__REAL)(3.0 * (w)) * (1 - half * minus);                                             \
     (void)W##_force_even, (void)W##_force_odd;
 
-/* Density, speed, trace of the non-equilibrium stress. c2: squared length of the outer directions; rest: weight at rest. */
+/* Density, speed, trace of the non-equilibrium stress. c2: squared length of the outer directions; rest: weight at
+   rest. */
 #define FILTRATION__MOMENTS(c2, rest)                                                                                                      \
     if (forced) ux += half * fx, uy += half * fy, uz += half * fz;                                                                         \
     const FILTRATION__REAL h0 = p0[x], r = h0 + (axes + outer), uu = (ux * ux + uy * uy) + uz * uz;                                        \

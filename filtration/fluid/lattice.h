@@ -6,7 +6,7 @@
 
 #define FILTRATION__Q 19     /* largest number of directions */
 #define FILTRATION__LINE 64  /* bytes of a cache line: rows begin on one */
-#define FILTRATION__TASKS 64 /* parts of a step that threads share: a fixed number, so that sums have one order */
+#define FILTRATION__TASKS 64 /* parts of a step that threads share: a fixed number, so that sums have a fixed order */
 #define FILTRATION__FLUID (-1)
 #define FILTRATION__SOLID (-2)
 #define FILTRATION__FRESH (-3) /* left by a sphere, not yet filled */
@@ -29,8 +29,8 @@ typedef struct filtration__link {
     float fraction; /* q [-] */
 } filtration__link;
 
-/* A population that enters a node through a face, the opposite of direction i, which leaves. It follows from the population that leaves the
-   node at `offset` along `along`. */
+/* A population that enters a node through a face, opposite to direction i, which leaves. It is computed from the
+   population that leaves the node at `offset` along `along`. */
 typedef struct filtration__entry {
     signed char i, face, offset[3], along;
 } filtration__entry;
@@ -52,8 +52,10 @@ typedef struct filtration__ball {
 typedef struct filtration__near {
     int32_t other;         /* -1: a face */
     double normal[3], gap; /* towards the other; [nodes], 0 where they touch */
-    double cap;            /* the surface farther along the normal, from the centre, belongs to the gap [nodes] */
-    double push[FILTRATION__PUSHES]; /* along the normal, of its links in the gap, and of a density and slopes of 1 there */
+    double cap;            /* the surface farther than this along the normal, from the centre, belongs to the gap
+                              [nodes] */
+    double push[FILTRATION__PUSHES]; /* along the normal: from its links in the gap, and from a density and slopes of 1
+                                        there */
 } filtration__near;
 
 /* The gaps beside a sphere. */
@@ -88,8 +90,8 @@ typedef struct filtration__lattice {
     filtration__rates rates;
     int periodic_x, half_way, refill;
     int repeats[3]; /* 1: the axis is periodic */
-    /* Of nodes whose neighbours all lie in the box, between steps; the first index is `odd`: where an outgoing and an incoming population
-       is, after the place of the node itself; how far the next node is, in places and in nodes. */
+    /* For nodes whose neighbours all lie in the box, between steps; the first index is `odd`. Where an outgoing and an
+       incoming population is, relative to the node; how far the next node is, in places and in nodes. */
     ptrdiff_t out_at[2][FILTRATION__Q], in_at[2][FILTRATION__Q], next_place[FILTRATION__Q], next_node[FILTRATION__Q];
     int left;                   /* 1: spheres have left nodes since the mass was corrected */
     int odd;                    /* which step of the pair comes next */
@@ -144,9 +146,9 @@ static inline void filtration__put(filtration__lattice *l, ptrdiff_t place, doub
     else ((double *)l->f)[place] = h;
 }
 
-/* Returns where a population is stored at its own node. There is only one lattice, updated in place (Bailey et al. 2009): an even step
-   reads and writes at the node itself, an odd one at its neighbours; both write each outgoing population where they read the opposite one.
-   So there are two kinds of places: `home` and `abroad`. */
+/* Returns where a population is stored at its own node. There is only one lattice, updated in place (Bailey et al.
+   2009): an even step reads and writes at the node itself, an odd one at its neighbours. Both write each outgoing
+   population where they read the opposite one. So a population is stored `home` or `abroad`. */
 static inline ptrdiff_t filtration__home(const filtration__lattice *l, int x, int y, int z, int i) {
     return filtration__place(l, filtration__row(l, y, z), i, x);
 }

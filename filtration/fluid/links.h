@@ -54,7 +54,8 @@ static inline void filtration__point(const filtration_fluid_def *def, int x, int
     point[0] = (x + 0.5) * def->voxel, point[1] = (y + 0.5) * def->voxel, point[2] = (z + 0.5) * def->voxel;
 }
 
-/* Returns whether the neighbour of a node along i belongs to the solid at rest; beyond walls and open faces there is none. */
+/* Returns whether the neighbour of a node along i belongs to the solid at rest; beyond walls and open faces there is
+   none. */
 static inline int filtration__meets_solid(const filtration__lattice *l, int x, int y, int z, int i) {
     int p[3] = {x + l->c[i][0], y + l->c[i][1], z + l->c[i][2]}, mirrored;
     return filtration__inside(l, p, &mirrored) && l->owner[filtration__node(l, p[0], p[1], p[2])] == FILTRATION__SOLID;

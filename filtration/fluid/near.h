@@ -1,28 +1,29 @@
-/* Spheres so near to each other or to a wall that the lattice does not resolve how the liquid leaves the gap. There the
-   lattice's force along the line of centres gives way to lubrication; the force of the liquid around the gap stays. */
+/* Spheres so close to each other or to a wall that the lattice does not resolve how the liquid leaves the gap. There
+   lubrication replaces the lattice's force along the line of centres. The force of the liquid around the gap stays. */
 #pragma once
 #include "batch.h"
 #include "../../base/portable_math.h"
 
 /* ==== >>near ==== */
 
-/* The gap between two spheres at some distance from their line is h + rho^2 / (2 r), r: reduced radius. Where it is
-   below `cap`, the pressure is that of lubrication: integrated, 6 pi mu r^2 v (1 / h - 1 / cap). 1.75 voxels: calibrated
-   (docs/filtration.md, two spheres). */
+/* The gap between two spheres at a distance rho from their line is h + rho^2 / (2 r), r: reduced radius. Where it is
+   below `cap`, the pressure is that of lubrication; integrated: 6 pi mu r^2 v (1 / h - 1 / cap). 1.75 voxels:
+   calibrated (docs/filtration.md, two spheres). */
 #define FILTRATION__CAP 1.75
 #define FILTRATION__WALL_CAP 1.0 /* at a wall, which lies between two nodes */
-/* The same force at this gap [voxel] acts below it, because a larger one would need an implicit step:
-   filtration_lubrication_force with this cutoff adds what is missing. */
+/* Below this gap [voxel] the force at this gap acts, because a larger one would need an implicit step.
+   filtration_lubrication_force with this cutoff adds the rest. */
 #define FILTRATION__FILM (2.0 / 3.0)
 
-/* Sets the cap of a gap, up to `most`, beside a sphere of that radius; share: of the gap's widening that the other surface does. */
+/* Sets the cap of a gap, up to `most`, beside a sphere of that radius. share: part of the gap's widening that is due to
+   the other surface. */
 static inline void filtration__set_cap(filtration__near *f, double radius, double gap, double most, double share) {
     f->gap = gap > 0.0 ? gap : 0.0;
     f->cap = radius - (most - f->gap) * (1.0 - share);
     if (!(f->cap > 0.0)) f->cap = 0.0;
 }
 
-/* Lists the spheres near sphere n, in their order, and the walls; at most FILTRATION__NEAR. */
+/* Lists the spheres near sphere n, in their order, and the walls: at most FILTRATION__NEAR. */
 static inline void filtration__find_near(const filtration__lattice *l, ptrdiff_t n, filtration__gaps *gaps) {
     const int nodes[3] = {l->nx, l->ny, l->nz};
     const filtration__ball *b = &l->balls[n];
@@ -53,8 +54,8 @@ static inline void filtration__find_near(const filtration__lattice *l, ptrdiff_t
     }
 }
 
-/* Adds for the links within the cap the force along the normal, and what a density of 1 and a slope of 1 along each axis would give.
-   along: of what a link brings, the part along the normal. */
+/* Adds, for the links within the cap, the force along the normal, and the forces that a density of 1 and a slope of 1
+   along each axis would give. along: the part along the normal of what a link carries. */
 FILTRATION__INLINE void filtration__push_lanes(const filtration__batch *s, int end, const double normal[3], double cap,
                                                double along, double part[FILTRATION__PUSHES][FILTRATION__LANES]) {
     const double nx = normal[0], ny = normal[1], nz = normal[2];
@@ -83,8 +84,8 @@ static inline int filtration__may_reach(const filtration__ball *b, const filtrat
              f->cap - 1e-6 * b->radius);
 }
 
-/* Returns the force along the normal that the lattice's links within the cap exert on the sphere, over that of the line fitted to its
-   density: a constant pressure has none. */
+/* Returns the force along the normal that the lattice's links within the cap exert on the sphere, beyond that of the
+   line fitted to its density, so that a constant pressure gives none. */
 static inline double filtration__cap_force(const filtration__ball *b, const filtration__near *f) {
     return f->push[0] - f->push[1] * b->density - f->push[2] * b->slope[0] - f->push[3] * b->slope[1] -
            f->push[4] * b->slope[2];
@@ -96,8 +97,8 @@ static inline double filtration__film_rate(double r, double gap, double most, do
     return 6.0 * RIDDLE_PI * viscosity * r * r * (1.0 / h - 1.0 / most);
 }
 
-/* Exchanges the lattice's force in the gaps beside sphere n for lubrication: between two spheres the mean of both forces, so that what each
-   gets is equal and opposite. */
+/* Replaces the lattice's force in the gaps beside sphere n by lubrication: between two spheres the mean of both forces,
+   so that they get equal and opposite ones. */
 static inline void filtration__lubricate(filtration__lattice *l, ptrdiff_t n, double viscosity) {
     filtration__ball *b = &l->balls[n];
     for (int m = 0; m < l->gaps[n].count; m++) {

@@ -1,10 +1,11 @@
-/* Steady flow through what stands in the box. */
+/* Steady flow through the solids in the box. */
 #pragma once
 #include "flow.h"
 
 /* ==== >>permeability ==== */
 
-/* Returns the steps between two checks: the time in which momentum spreads over a sixteenth of the shortest side, at least 20. */
+/* Returns the steps between two checks: the time in which momentum spreads over a sixteenth of the shortest side, at
+   least 20. */
 static inline int64_t filtration__interval(const filtration_fluid *fluid) {
     double n = fluid->def.nodes[0];
     for (int a = 1; a < 3; a++)

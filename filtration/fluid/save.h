@@ -117,7 +117,7 @@ static inline filtration_status filtration__read_arrays(filtration_fluid *fluid,
     return stored == sum ? FILTRATION_OK : FILTRATION_BAD_DATA;
 }
 
-/* Marks the solid's nodes again, because a damaged save may have changed the map. */
+/* Marks the solid's nodes again, because a damaged save may have changed them. */
 static inline void filtration__remark(filtration_fluid *fluid) {
     filtration__lattice *l = fluid->lattice;
     for (size_t k = 0; k < filtration__nodes(l); k++) l->owner[k] = FILTRATION__FLUID;

@@ -4,7 +4,8 @@
 
 /* ==== >>shear ==== */
 
-/* Computes the velocity at a point between nodes, trilinearly. Solid nodes have the velocity of the sphere that owns them. */
+/* Computes the velocity at a point between nodes, trilinearly. Solid nodes have the velocity of the sphere that owns
+   them. */
 static inline void filtration__velocity_at(const filtration__lattice *l, const double at[3], double u[3]) {
     int base[3], mirrored;
     double part[3];
@@ -32,7 +33,7 @@ static inline void filtration__velocity_at(const filtration__lattice *l, const d
     }
 }
 
-/* Returns whether a point of a surface lies in the box; beyond a mirror it is the mirror's image that has the force. */
+/* Returns whether a point of a surface lies in the box; beyond a mirror the image carries the force. */
 static inline int filtration__in_box(const filtration__lattice *l, const double centre[3], const double d[3]) {
     const int n[3] = {l->nx, l->ny, l->nz};
     for (int a = 0; a < 3; a++) {
@@ -42,8 +43,8 @@ static inline int filtration__in_box(const filtration__lattice *l, const double 
     return 1;
 }
 
-/* (9) Computes F = mu / dx * integral of the tangential relative velocity one voxel from the surface, as far as it lies in the box. Points
-   are spread evenly by a golden spiral, about one on a voxel's face. */
+/* (9) Computes F = mu / dx * integral of the tangential relative velocity one voxel from the surface, as far as it lies
+   in the box. Points are spread evenly by a golden spiral, about one on a voxel's face. */
 static inline void filtration__shear_force(const filtration__lattice *l, double viscosity, filtration__ball *b) {
     int points = (int)(12.566370614359172 * b->radius * b->radius) + 64;
     double area = 12.566370614359172 * b->radius * b->radius / points, cosine = 1.0, sine = 0.0;

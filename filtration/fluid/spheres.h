@@ -38,8 +38,8 @@ static inline int32_t filtration__cover(const filtration__lattice *l, const int 
     return FILTRATION__FRESH;
 }
 
-/* Makes `index` the owner of nodes that are inside `now` and not inside `before` (NULL: nothing). With leave 1, and both exchanged, such
-   nodes are left. */
+/* Makes `index` the owner of nodes that are inside `now` and not inside `before` (NULL: nothing). With leave 1, and
+   both exchanged, the sphere leaves such nodes. */
 static inline void filtration__swap_nodes(filtration__lattice *l, ptrdiff_t index, const filtration__ball *now,
                                           const filtration__ball *before, int leave) {
     int y0, y1, z0, z1, mirrored;
@@ -69,7 +69,8 @@ static inline void filtration__surface_velocity(const filtration__ball *b, const
     u[2] = b->velocity[2] + b->spin[0] * d[1] - b->spin[1] * d[0];
 }
 
-/* Sums over the links of a sphere, weighted as the lattice is: of the density at its surface and of places, for a line fitted to it. */
+/* Sums over the links of a sphere, weighted as the lattice is: of the density at its surface and of places, for a line
+   fitted to it. */
 typedef struct filtration__surface {
     double weight, density, place[3], rise[3]; /* sums of w, w r, w d, w r d */
     double spread[6];                          /* of w d d: xx, yy, zz, yz, zx, xy */
@@ -99,9 +100,9 @@ FILTRATION__INLINE void filtration__cut_lanes(const filtration__ball *b, const d
     for (int k = 0; k < end; k++) {
         const double dx = s->d[0][k], dy = s->d[1][k], dz = s->d[2][k], cd = -(dx * cx) - dy * cy - dz * cz,
                      rest = cd * cd - cc * (dx * dx + dy * dy + dz * dz - rr);
-        along[k] = cd, root[k] = 0.5 * (rest + fabs(rest)); /* 0 where it would be below: a link that grazes */
+        along[k] = cd, root[k] = 0.5 * (rest + fabs(rest)); /* 0 where it would be negative: a link that grazes */
     }
-    for (int k = 0; k < end; k++) root[k] = sqrt(root[k]); /* alone: gcc takes errno for control flow */
+    for (int k = 0; k < end; k++) root[k] = sqrt(root[k]); /* a loop of its own: gcc takes errno for control flow */
     FILTRATION__INDEPENDENT
     for (int k = 0; k < end; k++) {
         const double q = half + share * (-along[k] - root[k]);
@@ -116,7 +117,8 @@ FILTRATION__CLONES(filtration__cut_batch,
                    (const filtration__ball *b, const double *c, filtration__batch *s, int end, int half_way),
                    (b, c, s, end, half_way), filtration__cut_lanes(b, c, s, end, half_way))
 
-/* Adds the momentum exchange of links, Galilean invariant (Wen et al. 2014). Half of what goes and comes is w times the density there. */
+/* Adds the momentum exchange of links, Galilean invariant (Wen et al. 2014). Half of the sum of the outgoing and
+   returning population is w times the density there. */
 FILTRATION__INLINE void filtration__exchange_lanes(const filtration__ball *b, const double *c,
                                                    const filtration__batch *s, int end,
                                                    double part[FILTRATION__SUMS][FILTRATION__LANES]) {
@@ -153,8 +155,8 @@ static inline double filtration__add_lanes(const double part[FILTRATION__LANES])
     return sum;
 }
 
-/* Fits density + slope . d to the density at a sphere's links, by least squares; the more of the surface is hidden, the more the slope is
-   held down. A constant density is met exactly. */
+/* Fits density + slope . d to the density at a sphere's links, by least squares. The more of the surface is hidden, the
+   more the slope is reduced. A constant density is met exactly. */
 static inline void filtration__fit_density(filtration__ball *b, const filtration__surface *s) {
     double mean[3], m[6], right[3], minor[3];
     b->density = b->slope[0] = b->slope[1] = b->slope[2] = 0.0;
@@ -193,7 +195,7 @@ static inline void filtration__bounce_ball(filtration__lattice *l, ptrdiff_t n, 
     filtration__write_batch(l, s);
     filtration__exchange_batch(b, c, s, end, v->part);
     const double low = s->d[2][0] - 1.0,
-                 high = s->d[2][s->n - 1] + 1.0; /* links come in the order of z, and are shorter than that */
+                 high = s->d[2][s->n - 1] + 1.0; /* links are sorted by z, and shorter than that */
     for (int m = 0; m < gaps->count; m++)
         if (filtration__may_reach(b, &gaps->near[m], low, high))
             filtration__push_batch(s, end, gaps->near[m].normal, gaps->near[m].cap,
@@ -202,7 +204,8 @@ static inline void filtration__bounce_ball(filtration__lattice *l, ptrdiff_t n, 
     s->n = 0;
 }
 
-/* Returns whether node s of the sphere has along j a fluid node p, which then lies in the box; otherwise counts a film. */
+/* Returns whether node s of the sphere has a fluid neighbour p along j, which then lies in the box; otherwise counts a
+   film. */
 static inline int filtration__meets_fluid(const filtration__lattice *l, int32_t index, filtration__ball *b, int s[3],
                                           int p[3]) {
     int mirrored;
@@ -221,8 +224,8 @@ typedef struct filtration__run {
     ptrdiff_t place, node;    /* of x = 0 */
 } filtration__run;
 
-/* Gathers links from nodes first .. end of a row, fewer than FILTRATION__BATCH, whose neighbours have all neighbours in the box. Without
-   branches, because where links are follows no pattern. */
+/* Gathers links from nodes first .. end of a row, fewer than FILTRATION__BATCH, whose neighbours' neighbours all exist.
+   Without branches, because the places of links follow no pattern. */
 FILTRATION__INLINE void filtration__gather_row(const filtration__lattice *l, int32_t index, filtration__ball *b,
                                                filtration__visit *v, const filtration__run *r, int j, int first,
                                                int end) {
@@ -247,8 +250,8 @@ FILTRATION__INLINE void filtration__gather_row(const filtration__lattice *l, int
     s->n = k, b->films += films;
 }
 
-/* Gathers the links of nodes first .. end of a row along j; applies them where there is no more room. inner: the row of their neighbours
-   has all neighbours in the box, but for its ends. */
+/* Gathers the links of nodes first .. end of a row along j, and applies them when the batch is full. inner: all
+   neighbours of the row of their neighbours lie in the box, but for its ends. */
 FILTRATION__INLINE void filtration__gather_part(filtration__lattice *l, int32_t index, filtration__ball *b,
                                                 filtration__visit *v, const filtration__run *r, int j, int inner,
                                                 int first, int end) {
@@ -277,7 +280,7 @@ FILTRATION__INLINE void filtration__gather_part(filtration__lattice *l, int32_t 
 typedef void (*filtration__part_fn)(filtration__lattice *l, int32_t index, filtration__ball *b, filtration__visit *v,
                                     const filtration__run *r, int j, int inner, int first, int end);
 
-/* A block of rows of a sphere, along y and z, that are visited together; with the rows beside it. */
+/* A block of rows of a sphere, along y and z, that are visited together with the rows beside it. */
 enum { FILTRATION__ROWS = 32, FILTRATION__SIZE = FILTRATION__ROWS + 2 };
 typedef struct filtration__block {
     int count, from[FILTRATION__SIZE * FILTRATION__SIZE],
@@ -308,7 +311,8 @@ static inline void filtration__list_rows(const filtration__lattice *l, const fil
         }
 }
 
-/* Visits the links of a block of rows, direction by direction: in every row those of nodes whose neighbour along j is outside. */
+/* Visits the links of a block of rows, direction by direction: in every row those of nodes whose neighbour along j is
+   outside. */
 FILTRATION__INLINE void filtration__block_links(filtration__lattice *l, int32_t index, filtration__ball *b,
                                                 filtration__visit *v, const filtration__block *rows,
                                                 const filtration__part_fn part) {
@@ -382,7 +386,8 @@ FILTRATION__STATIC void filtration__ball_task(void *context, int task) {
     }
 }
 
-/* Returns the deviation of density, and the velocity, of a node between steps, from the populations that the next step reads. */
+/* Returns the deviation of density, and the velocity, of a node between steps, from the populations that the next step
+   reads. */
 static inline double filtration__moments(const filtration__lattice *l, int x, int y, int z, double u[3]) {
     double r = 0.0;
     for (int a = 0; a < 3; a++) u[a] = 0.5 * l->rates.force[a];
@@ -394,8 +399,8 @@ static inline double filtration__moments(const filtration__lattice *l, int x, in
     return r;
 }
 
-/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. Without a fluid neighbour: the density at the
-   sphere's surface. */
+/* Sets the populations of a node that a sphere has left. d: from the sphere's centre. Without a fluid neighbour: the
+   density at the sphere's surface. */
 static inline void filtration__fill(filtration__lattice *l, const filtration__ball *b, int x, int y, int z,
                                     const double d[3]) {
     double r = 0.0, u[3], near_u[3] = {0, 0, 0}, best = -HUGE_VAL, near_r = 0.0, mean[FILTRATION__Q] = {0};

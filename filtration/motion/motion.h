@@ -75,8 +75,9 @@ typedef struct filtration__touch {
     double force[3];                     /* on the first [N] */
 } filtration__touch;
 
-/* Computes the force along the normal: Hertz with Tsuji's damping, which pulls at the end of a contact (a push clipped at 0 would need
-   another damping for the same restitution). Returns it without lubrication, which is implicit in the closing velocity. */
+/* Computes the force along the normal: Hertz with Tsuji's damping, which pulls at the end of a contact (a force clipped
+   at 0 would need another damping for the same restitution). Returns it without lubrication, which is implicit in the
+   closing velocity. */
 static inline double filtration__touch_normal(const filtration_motion_def *def, const filtration_fluid *fluid, double h,
                                               double damping, double closing, filtration__touch *t) {
     double push = 0.0, film = 0.0;
@@ -96,8 +97,9 @@ static inline double filtration__touch_normal(const filtration_motion_def *def, 
     return push;
 }
 
-/* Computes the force of a contact: along the normal, or the friction (Coulomb's, which at most stops sliding within a sub-step). Friction
-   comes after all normal forces, so that it sees no velocity that another contact takes away: spheres come to rest. */
+/* Computes the force of a contact: along the normal, or the friction (Coulomb's, which at most stops sliding within a
+   sub-step). Friction comes after all normal forces, so that it does not act on a velocity that another contact
+   removes. Spheres can thus come to rest. */
 static inline void filtration__touch_force(const filtration_motion_def *def, const filtration_fluid *fluid, double h,
                                            double damping, int friction, filtration__touch *t) {
     const double closing = filtration__dot(t->velocity, t->normal),
@@ -246,7 +248,7 @@ static inline void filtration__push(const filtration_motion_def *def, const filt
     }
 }
 
-/* Returns whether the numbers of sphere n are in range, and with them the speed that weight, fluid and films give it. */
+/* Returns whether the numbers of sphere n are in range, and also the speed that weight, fluid and films give it. */
 static inline int filtration__can_move(const filtration_motion_def *def, const filtration_fluid *fluid,
                                        const filtration_spheres *s, ptrdiff_t n, double share) {
     const double r = s->radius[n], m = filtration__sphere_mass(def, r), light = 1.0 - fluid->def.density / def->density;

@@ -2,7 +2,8 @@
 #pragma once
 #include "evaluate.h"
 
-/* Fits the line of logarithms with weights 1 / (error^2 + between^2), error the runs' own; between HUGE_VAL: equal weights. */
+/* Fits the line of logarithms with weights 1 / (error^2 + between^2), error the runs' own; between HUGE_VAL: equal
+   weights. */
 static inline filtration__kind filtration__fit_law(size_t n, const double *pressure, const double *value,
                                                    const double *error, double reference, double between) {
     double weights = 0.0, mean_x = 0.0, mean_y = 0.0, sxx = 0.0, sxy = 0.0, logs = 0.0;
@@ -33,8 +34,8 @@ static inline filtration__kind filtration__fit_law(size_t n, const double *press
     return kind;
 }
 
-/* The mean over what the runs may scatter beyond their errors: nothing, as much again, three times, or so much more that these do not
-   matter. The size of the scatter follows from the departures from the law. */
+/* The mean over how much runs may scatter beyond their errors: not at all, as much again, three times as much, or so
+   much that the errors do not matter. The size of the scatter follows from the departures from the law. */
 static inline void filtration__mix_laws(size_t n, const double *pressure, const double *value, const double *error,
                                         double reference, double confidence, filtration__mixture *m) {
     static const double beyond[] = {0.0, 1.0, 3.0};
@@ -108,7 +109,7 @@ FILTRATION_API filtration_status filtration_fit_compressibility(size_t runs, con
     if (!filtration__is_finite(m.slope) || !filtration__is_positive(at)) return FILTRATION_NO_SOLUTION;
     const double of_slope = filtration__error_of(&m, 0.0, 1.0), of_level = filtration__error_of(&m, 1.0, 0.0);
     const double of_middle = filtration__error_of(&m, 1.0, middle), most = of_slope * of_level;
-    double both = 0.0; /* such that the interval in the middle of the pressures is right, too */
+    double both = 0.0; /* so that the interval in the middle of the pressures is right, too */
     if (fabs(middle) > 1e-9)
         both = (of_middle * of_middle - of_level * of_level - middle * middle * of_slope * of_slope) / (2.0 * middle);
     both = both > most ? most : both < -most ? -most : both;

@@ -60,21 +60,22 @@ FILTRATION_API filtration_status filtration_curve_check_def(const filtration_cur
     return bad ? FILTRATION_BAD_DEF : FILTRATION_OK;
 }
 
-/* How far the readings of a stretch bend: the departure of a parabola and a cubic from the line, over the mean ordinate; the probability
-   that chance alone would bend it as much (F test with 2 and n - 4 degrees of freedom), for the likeliest kind of scatter; the drift of
-   the balance that would bend it so, in shares of the end. A parabola alone would miss an S-shaped curve (flat, steep, less steep). */
+/* How far the readings of a stretch bend: the departure of a parabola and a cubic from the line, over the mean
+   ordinate; the probability that chance alone would bend it as much (F test with 2 and n - 4 degrees of freedom), for
+   the likeliest kind of scatter; the drift of the balance that would bend it so, in shares of the end. A parabola alone
+   would miss an S-shaped curve (flat, steep, less steep). */
 typedef struct filtration__bend {
     double size, chance, drift;
 } filtration__bend;
 
 #define FILTRATION__CERTAIN                                                                                            \
-    0.2 /* factor of the level: a bend that is no longer put down to chance where all readings are to count */
+    0.2 /* factor of the level: below it, a bend is not attributed to chance even where all readings are to count */
 
 static inline filtration__bend filtration__find_bend(const filtration__readings *r, size_t first, size_t last,
                                                      const filtration__line *line) {
     filtration__bend bend = {0.0, 1.0, 0.0};
     filtration__kind kind, best = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, {0.0, 0.0}, 0.0, 0.0, 0.0, {0.0, 0.0}};
-    if (line->n < 6) return bend; /* a bend would be a guess */
+    if (line->n < 6) return bend; /* too few readings to tell a bend */
     for (int k = 0; k < FILTRATION__FITS; k++) {
         if (!filtration__is_thought_of(r->def, k) || !filtration__roughs[k % FILTRATION__ROUGHS].for_bend) continue;
         filtration__fit_kind(r, first, last, line, 2, k / FILTRATION__ROUGHS,
@@ -88,16 +89,17 @@ static inline filtration__bend filtration__find_bend(const filtration__readings 
     return bend;
 }
 
-/* Returns whether a stretch is straight: it bends no more than chance would bend it, or than the tolerance. level: the smallest
-   probability. */
+/* Returns whether a stretch is straight: it bends no more than chance would bend it, or than the tolerance. level: the
+   smallest probability. */
 static inline int filtration__is_straight(const filtration__readings *r, const filtration__line *line,
                                           const filtration__bend *bend, double level) {
     return line->sxx > 0.0 && (bend->chance >= level || bend->size <= r->def->tolerance + FILTRATION__ROUNDING);
 }
 
-/* Finds the straight stretch over the widest range of volumes, among up to `grid` starts and ends; first and last stay if there is none.
-   Then cuts off a fifth at an end beyond which the curve bends: the test passes readings whose bend is hidden by scatter, and they would
-   bias the line (without the cut, 95 % intervals hold in 83 % of trials; tests/test_filtration_process.c). */
+/* Finds the straight stretch over the widest range of volumes, among up to `grid` starts and ends. If there is none,
+   first and last stay. Then cuts off a fifth at an end beyond which the curve bends: the test admits readings whose
+   bend is hidden by scatter, and they would bias the line (without the cut, 95 % intervals hold in 83 % of trials;
+   tests/test_filtration_process.c). */
 static inline void filtration__longest_straight(const filtration__readings *r, size_t *first_reading,
                                                 size_t *last_reading) {
     const size_t first = *first_reading, last = *last_reading, readings = last - first + 1,
@@ -131,8 +133,8 @@ static inline filtration_estimate filtration__estimate(double value, double erro
     return e;
 }
 
-/* Returns an estimate that is `factor` times another one. The factor has a relative standard error of its own, known well (Welch 1947 and
-   Satterthwaite 1946 for the degrees of freedom). */
+/* Returns an estimate that is `factor` times another one. The factor has its own relative standard error, which is
+   known well (Welch 1947 and Satterthwaite 1946 for the degrees of freedom). */
 static inline filtration_estimate filtration__times(filtration_estimate e, double factor, double relative,
                                                     double confidence, double freedom) {
     const double value = factor * e.value, of_fit = fabs(factor) * e.error, of_factor = fabs(value) * relative;
@@ -150,7 +152,7 @@ static inline void filtration__clear_curve(filtration_curve *c) {
     c->pressure = c->viscosity = c->area = c->confidence = c->smallest = c->largest = (double)NAN;
 }
 
-/* Returns whether the volume runs backwards after the start, by more than readings scatter. */
+/* Returns whether the volume falls after the start, by more than readings scatter. */
 static inline int filtration__falls(const filtration__readings *r, size_t n) {
     double largest = 0.0, highest = 0.0;
     for (size_t i = 0; i < n; i++)
@@ -164,7 +166,7 @@ static inline int filtration__falls(const filtration__readings *r, size_t n) {
     return 0;
 }
 
-/* Checks the readings; least: number of them that is needed; first and last: the outermost ones that count. */
+/* Checks the readings. least: how many are needed; first and last: the outermost ones that count. */
 static inline filtration_status filtration__take(filtration__readings *r, size_t n, size_t least, size_t *first,
                                                  size_t *last, size_t *count) {
     double x, y, u;
@@ -215,7 +217,7 @@ static inline void filtration__intervals(const filtration__readings *r, size_t f
     if (n < FILTRATION__FEW && !r->def->independent && c->scatter > FILTRATION__ROUNDING)
         c->remarks |= FILTRATION_REMARK_FEW;
     const double certain = FILTRATION__CERTAIN * r->def->bend_level;
-    if (bend->chance < certain && bend->size > FILTRATION__ROUNDING) { /* seen, though within the tolerance */
+    if (bend->chance < certain && bend->size > FILTRATION__ROUNDING) { /* significant, though within the tolerance */
         c->remarks |= FILTRATION_REMARK_DRIFT;
         if (bend->drift > m.drift) m.drift = bend->drift;
     }

@@ -2,7 +2,8 @@
 #pragma once
 #include "process_laws.h"
 
-#define FILTRATION__ROUNDING 1e-12 /* share of t / V below which bend and scatter are of the numbers, not of the filter */
+#define FILTRATION__ROUNDING 1e-12 /* share of t / V below which bend and scatter stem from rounded numbers, not from
+                                      the filter */
 #define FILTRATION__FEW 20.0 /* readings that do not tell whether neighbours are alike */
 
 /* ---- size distributions ---- */
@@ -83,8 +84,8 @@ FILTRATION_API filtration_status filtration_operation_check(const filtration_ope
     return bad ? FILTRATION_BAD_ARGUMENT : FILTRATION_OK;
 }
 
-/* Returns the fraction q of the pressure difference dp that lies in the cake: q^(1-n) = k (1 - q), k: resistance of the cake at dp over the
-   medium's. Solved by Newton's method from the left of the root of a concave function. */
+/* Returns the fraction q of the pressure difference dp that lies in the cake: q^(1-n) = k (1 - q), k: resistance of the
+   cake at dp over the medium's. Solved by Newton's method from the left of the root of a concave function. */
 static inline double filtration__cake_share(const filtration_operation *o, double w) {
     const double n = o->compressibility;
     if (o->medium == 0.0) return 1.0;
@@ -110,8 +111,8 @@ static inline double filtration__total_resistance(const filtration_operation *o,
     return o->product * riddle_pow(in_cake / o->reference, o->compressibility) * w + o->medium;
 }
 
-/* Returns the integral of the resistance over w: in closed form for an incompressible cake, otherwise with 8 Gauss points in panels that
-   halve towards the start, where the cake takes up the pressure. */
+/* Returns the integral of the resistance over w: in closed form for an incompressible cake, otherwise with 8 Gauss
+   points in panels that halve towards the start, where the cake takes up the pressure. */
 static inline double filtration__resistance_integral(const filtration_operation *o, double from, double to) {
     static const double node[4] = {0.18343464249564980494, 0.52553240991632898582, 0.79666647741362673959, 0.96028985649753623168};
     static const double weight[4] = {0.36268378337836198297, 0.31370664587788728734, 0.22238103445337447054, 0.10122853629037625915};
@@ -194,14 +195,15 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
     if (!point || !(time >= 0.0 && filtration__is_finite(time)) || filtration_change_over(o, &start) != FILTRATION_OK)
         return FILTRATION_BAD_ARGUMENT;
     if (time <= start.time) return filtration_at_volume(o, start.time > 0.0 ? time * o->rate : 0.0, point);
-    /* starts as if the cake were incompressible, with its resistance at the pressure: the volume is too small */
+    /* starts as if the cake were incompressible, with its resistance at the pressure: that volume is too small */
     const double factor = o->viscosity / (o->pressure * o->area);
     const double stiff = o->product * riddle_pow(o->pressure / o->reference, o->compressibility);
     const double slope = 0.5 * factor * stiff / o->area, intercept = factor * (stiff * start.volume / o->area + o->medium);
     double volume = start.volume + filtration_volume_of_time(slope, intercept, time - start.time);
     *point = filtration__pressure_point(o, &start, volume);
     if (o->compressibility > 0.0 && filtration__is_finite(point->time)) {
-        for (int i = 0; point->time < time; i++) { /* goes to the right of the root, then Newton's method: time is convex in volume */
+        /* goes to the right of the root, then uses Newton's method: time is convex in volume */
+        for (int i = 0; point->time < time; i++) {
             if (i == 100) return FILTRATION_NO_SOLUTION;
             volume = start.volume + 2.0 * (volume - start.volume);
             *point = filtration__pressure_point(o, &start, volume);

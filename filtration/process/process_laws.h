@@ -77,8 +77,8 @@ static inline double filtration_kozeny_carman(double porosity, double d, double 
     return constant * ratio * ratio / (porosity * porosity * porosity);
 }
 
-/* Returns the porosity y^2, where s y^3 + y^2 = 1 and s = d sqrt(r_K / constant); by Newton's method from the right of the root of a convex
-   function. */
+/* Returns the porosity y^2, where s y^3 + y^2 = 1 and s = d sqrt(r_K / constant); by Newton's method from the right of
+   the root of a convex function. */
 static inline double filtration_kozeny_porosity(double specific, double d, double constant) {
     if (!(specific > 0.0 && d > 0.0 && constant > 0.0)) return (double)NAN;
     const double s = d * sqrt(specific / constant);

@@ -1,15 +1,16 @@
-/* A straight line through readings whose scatter is not known: how it grows with the volume, and how far neighbours are
-   alike. */
+/* A straight line through readings whose scatter is unknown: how it grows with the volume, and how similar neighbours
+   are. */
 #pragma once
 #include "process.h"
 
-/* An error is white noise with the variance `white`, and a part that keeps a share of its value and gets something new at each reading. */
+/* An error is white noise with the variance `white`, plus a part that keeps a share of its value and gets a random step
+   at each reading. */
 typedef struct filtration__roughness {
     double keeps, step, white, prior; /* step, white: variances */
-    int for_bend;                     /* 1: one of those that tell a bend from scatter (three are enough) */
+    int for_bend;                     /* 1: used to tell a bend from scatter (three kinds are enough) */
 } filtration__roughness;
 
-/* A drift of the balance in proportion to time: what it changes at the end, over the scatter of a reading there. */
+/* A drift of the balance in proportion to time: its effect at the end, over the scatter of a reading there. */
 typedef struct filtration__drifting {
     double size, prior;
 } filtration__drifting;
@@ -25,8 +26,10 @@ static const filtration__drifting filtration__drifts[FILTRATION__DRIFTS] = {{0.0
 static const double filtration__weight_prior[FILTRATION__WEIGHTS] = {1.0, 1.0, 0.5, 0.5};
 static const filtration__roughness filtration__roughs[FILTRATION__ROUGHS] = {
     {0.0, 0.0, 1.0, 1.0, 1},                                                      /* independent errors */
-    {0.3, 0.91, 0.0, 1.0, 0}, {0.6, 0.64, 0.0, 1.0, 1}, {0.8, 0.36, 0.0, 1.0, 0}, /* each like the one before, of variance 1 */
-    {1.0, 0.03, 1.0, 0.5, 0}, {1.0, 0.3, 1.0, 0.5, 1},  {1.0, 1.0, 0.0, 0.5, 0}}; /* errors that add up, as of a balance that wanders */
+    /* each similar to the one before, of variance 1 */
+    {0.3, 0.91, 0.0, 1.0, 0}, {0.6, 0.64, 0.0, 1.0, 1}, {0.8, 0.36, 0.0, 1.0, 0},
+    {1.0, 0.03, 1.0, 0.5, 0}, {1.0, 0.3, 1.0, 0.5, 1},  {1.0, 1.0, 0.0, 0.5, 0}}; /* errors that add up, as those of a
+                                                                                     wandering balance */
 
 /* The readings, and the scales that keep sums in the range of doubles. */
 typedef struct filtration__readings {
@@ -35,8 +38,8 @@ typedef struct filtration__readings {
     double x_scale, y_scale;
 } filtration__readings;
 
-/* Computes the abscissa V + V1, the ordinate (t - t1) / (V - V1) and the volume u = V - V1 of reading i, scaled. Returns 0 if it is left
-   out. */
+/* Computes the abscissa V + V1, the ordinate (t - t1) / (V - V1) and the volume u = V - V1 of reading i, scaled.
+   Returns 0 if it is left out. */
 static inline int filtration__reading(const filtration__readings *r, size_t i, double *x, double *y, double *u) {
     const filtration_curve_def *d = r->def;
     const double t = r->time[i] - d->start_time, V = r->volume[i] - d->start_volume;
@@ -47,7 +50,8 @@ static inline int filtration__reading(const filtration__readings *r, size_t i, d
     return 1;
 }
 
-/* A line y = mean_y + slope (x - mean_x) by least squares of t, which small volumes cannot upset: what the kinds of scatter correct. */
+/* A line y = mean_y + slope (x - mean_x) by least squares of t, which small volumes cannot upset. The kinds of scatter
+   correct it. */
 typedef struct filtration__line {
     size_t n;
     double mean_x, mean_y, sxx, slope, low, high, end; /* low, high: range of x; end: largest u */
@@ -73,7 +77,7 @@ static inline void filtration__plain_line(const filtration__readings *r, size_t 
     line->slope = line->sxx > 0.0 ? sxy / line->sxx : 0.0;
 }
 
-/* Returns the ordinate of the line, and in rate dt / dV there; a line that reaches 0 is cut off. */
+/* Returns the ordinate of the line at a volume, and in rate dt / dV there; a line that reaches 0 is cut off. */
 static inline double filtration__on_line(const filtration__line *line, double x, double u, double *rate) {
     const double rise = line->slope > 0.0 ? line->slope : 0.0, least = 0.05 * line->mean_y;
     double y = line->mean_y + rise * (x - line->mean_x);
@@ -82,8 +86,8 @@ static inline double filtration__on_line(const filtration__line *line, double x,
     return y;
 }
 
-/* Returns the factor by which a reading's ordinate has the scatter of the others: V over the error of t, which is constant (weight 0), that
-   of a constant error of V (1), in proportion to V (2), or to t (3). */
+/* Returns the factor that gives a reading's ordinate the scatter of the others: V over the error of t, where that is
+   constant (weight 0), that of a constant error of V (1), in proportion to V (2), or to t (3). */
 static inline double filtration__factor(const filtration__readings *r, const filtration__line *line, int weight, double x, double u) {
     const filtration_curve_def *d = r->def;
     double rate;
@@ -95,19 +99,19 @@ static inline double filtration__factor(const filtration__readings *r, const fil
     return weight == 0 ? u : weight == 1 ? u / rate : weight == 2 ? 1.0 : 1.0 / y;
 }
 
-/* What a kind of scatter makes of the readings. */
+/* The readings seen through one kind of scatter. */
 typedef struct filtration__kind {
     double level, slope;                  /* corrections of the plain line at mean_x */
     double of_level, of_both, of_slope;   /* inverse of the normal matrix */
-    double squares, likelihood;           /* what the line leaves; logarithm of the likelihood, but for a constant */
+    double squares, likelihood;           /* residual sum of squares; logarithm of the likelihood, up to a constant */
     double drifted[2];                    /* change of level and slope by a drift of the balance by `end` at the last reading */
     double drift;                         /* that drift, if there is one: shares of end */
     double bent_squares, bent_likelihood; /* with a parabola and a cubic in addition */
     double coefficient[2];                /* of them, over half the range */
 } filtration__kind;
 
-/* Turns the first `pivots` columns of the normal matrix g [n][n] (lower half) into Cholesky's factor, the rest into what remains of it.
-   Returns the logarithm of the factor's determinant. */
+/* Turns the first `pivots` columns of the normal matrix g [n][n] (lower half) into Cholesky's factor, the rest into
+   what remains of it. Returns the logarithm of the factor's determinant. */
 static inline double filtration__decompose(double *g, int n, int pivots) {
     double determinant = 0.0;
     for (int k = 0; k < pivots; k++) {
@@ -121,8 +125,8 @@ static inline double filtration__decompose(double *g, int n, int pivots) {
     return determinant;
 }
 
-/* Sums the normal matrix of level, slope, parabola, cubic, drift and the plain line's residual, each made independent by the prediction
-   from the readings before (Kalman 1960). Returns the logarithm of the factor between densities. */
+/* Sums the normal matrix of level, slope, parabola, cubic, drift and the plain line's residual, each made independent
+   by the prediction from the readings before (Kalman 1960). Returns the logarithm of the factor between densities. */
 enum { FILTRATION__COLUMNS = 6 };
 static inline double filtration__normal_matrix(const filtration__readings *r, size_t first, size_t last, const filtration__line *line,
                                                int weight, const filtration__roughness *rough,
@@ -158,9 +162,9 @@ static inline double filtration__normal_matrix(const filtration__readings *r, si
     return logs + riddle_log(product);
 }
 
-/* Fits a level, or a level and a slope (unknowns 1, 2), by the normal matrix of a kind of scatter. drift: standard error
-   of an ordinate at the line's end by a drift of the balance, over that of a reading there; 0: none. It is an unknown
-   that is expected to be 0, which an observation of its own says. */
+/* Fits a level, or a level and a slope (unknowns 1, 2), by the normal matrix of a kind of scatter. drift: standard
+   error of an ordinate at the line's end by a drift of the balance, over that of a reading there; 0: none. The drift is
+   an unknown with the expectation 0, which enters as an observation. */
 static inline void filtration__fit_line(double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], double drift, double rate,
                                         double logs, double least, int unknowns, const filtration__line *line,
                                         filtration__kind *kind) {
@@ -193,7 +197,7 @@ static inline void filtration__fit_line(double g[FILTRATION__COLUMNS][FILTRATION
     if (drift > 0.0) kind->likelihood += riddle_log(expected);
 }
 
-/* Fits the same with a parabola and a cubic in addition. */
+/* The same fit with a parabola and a cubic in addition. */
 static inline void filtration__fit_bend(double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], double logs, double least,
                                         const filtration__line *line, filtration__kind *kind) {
     const int columns[5] = {0, 1, 2, 3, 5};
@@ -207,7 +211,8 @@ static inline void filtration__fit_bend(double g[FILTRATION__COLUMNS][FILTRATION
     kind->coefficient[0] = bent[2][2] > 0.0 ? (bent[4][2] - bent[3][2] * kind->coefficient[1]) / bent[2][2] : 0.0;
 }
 
-/* Fits one kind of scatter without and with drifts of the balance that nobody has stated: fills drifts entries. */
+/* Fits one kind of scatter, without a drift of the balance and with drifts that were not stated: fills drifts
+   entries. */
 static inline void filtration__fit_kind(const filtration__readings *r, size_t first, size_t last, const filtration__line *line,
                                         int unknowns, int weight, const filtration__roughness *rough, int drifts,
                                         filtration__kind *kind) {
@@ -220,7 +225,7 @@ static inline void filtration__fit_kind(const filtration__readings *r, size_t fi
     filtration__fit_bend(g, logs, least, line, kind);
 }
 
-/* The kinds that are thought of: all, or those that the definition leaves. */
+/* Returns whether a kind is considered: all are, or those that the definition leaves. */
 static inline int filtration__is_thought_of(const filtration_curve_def *d, int kind) {
     const int weights = d->time_error > 0.0 || d->volume_error > 0.0 ? 1 : FILTRATION__WEIGHTS;
     return kind / FILTRATION__ROUGHS < weights && (!d->independent || kind % FILTRATION__ROUGHS == 0);
@@ -233,10 +238,10 @@ typedef struct filtration__mixture {
     filtration__kind kind[FILTRATION__KINDS];
     double level, slope, drifted[2], rough; /* means */
     double freedom, confidence, student;
-    double drift; /* of the balance by the last reading, a standard error, in shares of the line's end */
+    double drift; /* standard error of the balance at the last reading, in shares of the line's end */
 } filtration__mixture;
 
-/* Computes the means. The line is that without a drift that nobody has stated: it only widens the range. */
+/* Computes the means. The line is the one without an unstated drift, which only widens the range. */
 static inline void filtration__average(filtration__mixture *m, int drifts) {
     double sum = 0.0, still = 0.0;
     for (int k = 0; k < m->n; k++) {
@@ -277,8 +282,8 @@ static inline void filtration__mix(const filtration__readings *r, size_t first, 
     filtration__average(m, drifts);
 }
 
-/* Returns the standard error of level times the level and slope times the slope: with Student's factor it gives the half width of the
-   interval about the mean that holds the confidence, with the drift's part. */
+/* Returns the standard error of level times the level and slope times the slope. With Student's factor it gives the
+   half width of the interval about the mean that holds the confidence, including the drift's part. */
 static inline double filtration__error_of(const filtration__mixture *m, double level, double slope) {
     const double centre = level * m->level + slope * m->slope;
     double mean[FILTRATION__KINDS], scale[FILTRATION__KINDS], low = 0.0, high = 0.0, half = 0.0;

@@ -6,7 +6,8 @@
 
 /* ==== >>settling: drag of one sphere over Stokes' 3 pi mu d v [-]; NaN outside the stated range ==== */
 
-/* Returns the terminal velocity by Stokes' law, (density difference) g d^2 / (18 mu) [m/s]; d > 0 [m], mu > 0 [Pa s]. */
+/* Returns the terminal velocity by Stokes' law, (density difference) g d^2 / (18 mu) [m/s]; d > 0 [m], mu > 0 [Pa s].
+   */
 static inline double filtration_stokes_velocity(double density_difference, double gravity, double d, double mu) {
     return d > 0.0 && mu > 0.0 ? density_difference * gravity * d * d / (18.0 * mu) : (double)NAN;
 }
@@ -16,8 +17,8 @@ static inline double filtration_schiller_naumann(double reynolds) {
     return reynolds >= 0.0 && reynolds <= 1000.0 ? 1.0 + 0.15 * riddle_pow(reynolds, 0.687) : (double)NAN;
 }
 
-/* Returns the factor on the axis of a cylinder of diameter D; ratio = d / D, 0 .. below 1. The paper's (13): Ladenburg (1907) with Faxen's
-   constant, first order. */
+/* Returns the factor on the axis of a cylinder of diameter D; ratio = d / D, 0 .. below 1. The paper's (13): Ladenburg
+   (1907) with Faxen's constant, first order. */
 static inline double filtration_wall_ladenburg(double ratio) { return ratio >= 0.0 && ratio < 1.0 ? 1.0 + 2.104 * ratio : (double)NAN; }
 
 /* Returns the same by Faxen (1922): good to a ratio of about 0.3; NaN from 0.6 on. */
@@ -34,8 +35,8 @@ static inline double filtration_wall_haberman_sayre(double ratio) {
     return (1.0 - 0.75857 * fifth) / (1.0 - 2.1050 * ratio + 2.0865 * cube - 1.7068 * fifth + 0.72603 * fifth * ratio);
 }
 
-/* Returns the factor towards a plane by Brenner (1961), without inertia; gap over the radius > 0. Exact; below 1e-3 the two leading terms
-   of lubrication. */
+/* Returns the factor towards a plane by Brenner (1961), without inertia; gap over the radius > 0. Exact; below 1e-3 the
+   two leading terms of lubrication. */
 static inline double filtration_wall_brenner(double gap_over_radius) {
     const double gap = gap_over_radius;
     if (!(gap > 0.0)) return (double)NAN;

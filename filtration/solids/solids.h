@@ -6,8 +6,8 @@
 
 /* ==== >>solids ==== */
 
-/* Finds the sign change of the distance along a link by regula falsi, which halves the weight of an end that stays (Dowell and Jarratt
-   1971). */
+/* Finds the sign change of the distance along a link by regula falsi, which halves the weight of an end that stays
+   (Dowell and Jarratt 1971). */
 FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3],
                                            const double in_solid[3]) {
     double low = 0.0, high = 1.0, point[3];
@@ -17,7 +17,7 @@ FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const 
     int side = 0;
     for (int i = 0; i < 60 && high - low > 1e-9; i++) {
         double q = at_high < 0.0 ? low + (high - low) * at_low / (at_low - at_high) : high;
-        if (i % 3 == 2) q = 0.5 * (low + high); /* bisects every third time, for a guaranteed speed */
+        if (i % 3 == 2) q = 0.5 * (low + high); /* bisects every third time, which guarantees convergence */
         for (int a = 0; a < 3; a++) point[a] = fluid[a] + q * (in_solid[a] - fluid[a]);
         const double here = solid->distance(solid->self, point);
         if (here == 0.0) return q;
@@ -53,7 +53,7 @@ static inline double filtration__cloth_side(const filtration_cloth *cloth, int w
     return over == warp ? 1.0 : -1.0;
 }
 
-/* Returns the height of a wire's axis above the plane at the place s along it, and its first two derivatives. */
+/* Returns the height of a wire's axis above the plane at the position s along it, and its first two derivatives. */
 static inline double filtration__cloth_axis(const filtration_cloth *cloth, int warp, int own, double s, double *first,
                                             double *second) {
     const double pitch = cloth->wire + cloth->opening, place = s / pitch - 0.5, crossing = floor(place),
@@ -69,8 +69,8 @@ static inline double filtration__cloth_axis(const filtration_cloth *cloth, int w
     return height;
 }
 
-/* Returns the square of the distance from a point to the axis of a wire at the place s along it, and half of its first and second
-   derivatives by s. aside, along, z: the point relative to the wire's middle line. */
+/* Returns the square of the distance from a point to the axis of a wire at the position s along it, and half of its
+   first and second derivatives by s. aside, along, z: the point relative to the wire's middle line. */
 static inline double filtration__axis_distance(const filtration_cloth *cloth, int warp, int own, double aside,
                                                double along, double z, double s, double *slope, double *curve) {
     double first, second;
@@ -80,7 +80,7 @@ static inline double filtration__axis_distance(const filtration_cloth *cloth, in
     return way * way + aside * aside + away * away;
 }
 
-/* Moves a place s along a wire's axis, whose squared distance is `least`, to the nearest one by Newton's method. */
+/* Moves a position s along a wire's axis, whose squared distance is `least`, to the nearest one by Newton's method. */
 static inline void filtration__nearest_place(const filtration_cloth *cloth, int warp, int own, double aside,
                                              double along, double z, double *s, double *least) {
     double slope, curve, ignored[2];
@@ -99,7 +99,8 @@ static inline void filtration__nearest_place(const filtration_cloth *cloth, int 
     }
 }
 
-/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several places on its axis, refined. */
+/* Returns the distance from a point to the surface of a wire, negative inside: the nearest of several positions on its
+   axis, refined. */
 static inline double filtration__wire_distance(const filtration_cloth *cloth, int warp, int own, double aside,
                                                double along, double z) {
     double slope, curve, best = along;
@@ -115,8 +116,8 @@ static inline double filtration__wire_distance(const filtration_cloth *cloth, in
     return sqrt(least) - 0.5 * cloth->wire;
 }
 
-/* Returns the distance to the nearest wire of one direction. across: the place across the wires; along: along them. A wire is no nearer
-   than its axis is, seen from above. */
+/* Returns the distance to the nearest wire of one direction. across, along: position across and along the wires. A wire
+   is no closer than its axis in the plan view. */
 static inline double filtration__wires_distance(const filtration_cloth *cloth, int warp, double across, double along,
                                                 double z, double nearest) {
     const double pitch = cloth->wire + cloth->opening, radius = 0.5 * cloth->wire;
@@ -139,7 +140,7 @@ FILTRATION_API double filtration_cloth_distance(const filtration_cloth *cloth, c
     const double most = 1e9 * pitch;
     if (!(fabs(x) < most && fabs(y) < most && fabs(z) < 1e100 && pitch < 1e100) ||
         !(cloth->reach >= 0.0 && cloth->reach <= 4.0 * pitch))
-        return (double)NAN; /* more wires than integers count, or a cloth that filtration_cloth_make did not make */
+        return (double)NAN; /* more wires than integers can count, or a cloth that filtration_cloth_make did not make */
     if (above > cloth->reach) return above;
     const double nearest = filtration__wires_distance(cloth, 1, x, y, z, cloth->reach);
     return filtration__wires_distance(cloth, 0, y, x, z, nearest);
@@ -149,8 +150,8 @@ static inline double filtration__cloth_at(const void *self, const double point[3
     return filtration_cloth_distance((const filtration_cloth *)self, point);
 }
 
-/* Lists the places of a wire that are near to a sphere: at each place where its axis comes no nearer on either side. A wire in a bend may
-   touch a sphere twice. */
+/* Lists the places of a wire that are near a sphere: wherever its axis is locally nearest. A wire in a bend may touch a
+   sphere twice. */
 static inline int filtration__wire_touch(const filtration_cloth *cloth, int warp, int own, const double centre[3],
                                          double radius, double reach, int most, filtration_near *near) {
     const double along = centre[warp ? 1 : 0] - cloth->offset[warp ? 1 : 0];
@@ -209,7 +210,8 @@ typedef struct filtration__bed_entry {
     int image[3]; /* in multiples of the box's edges */
 } filtration__bed_entry;
 
-/* Returns the distance from a point to the axis of a fibre, or to the centre of a sphere (b NULL), and the way there. */
+/* Returns the distance from a point to the axis of a fibre, or to the centre of a sphere (b NULL), and the way there.
+   */
 static inline double filtration__axis_way(const double point[3], const double *a, const double *b, double way[3]) {
     double along = 0.0, length = 0.0, square = 0.0;
     for (int k = 0; k < 3 && b; k++)
@@ -225,7 +227,7 @@ static inline double filtration__axis_way(const double point[3], const double *a
     return sqrt(square);
 }
 
-/* Finds the range of cells that object i, moved by an image, can be near to. Returns 0 if there are none. */
+/* Finds the range of cells near which object i, moved by an image, can be. Returns 0 if there are none. */
 static inline int filtration__bed_range(const filtration_bed *bed, ptrdiff_t i, const int image[3], int from[3],
                                         int to[3]) {
     for (int k = 0; k < 3; k++) {
@@ -252,7 +254,8 @@ static inline void filtration__bed_images(const filtration_bed *bed, ptrdiff_t i
     }
 }
 
-/* Counts the entries of each cell in start[cell + 1] (entry NULL), or stores them; start[cell] is then where the next one goes. */
+/* Counts the entries of each cell in start[cell + 1] (entry NULL), or stores them; start[cell] is then where the next
+   one goes. */
 static inline void filtration__bed_file(const filtration_bed *bed, size_t *start, filtration__bed_entry *entry) {
     int low[3], high[3], image[3], from[3], to[3];
     for (ptrdiff_t i = 0; i < bed->n; i++) {
@@ -341,7 +344,7 @@ FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdif
     return FILTRATION_OK;
 }
 
-/* Finds the cell of a point, which is moved into the box along periodic axes. */
+/* Finds the cell of a point, which is wrapped into the box along periodic axes. */
 static inline size_t filtration__bed_cell(const filtration_bed *bed, const double point[3], double inside[3]) {
     int cell[3];
     for (int k = 0; k < 3; k++) {

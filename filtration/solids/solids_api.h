@@ -10,24 +10,28 @@ typedef struct filtration_near {
     double normal[3]; /* unit vector from the sphere's centre to the surface */
 } filtration_near;
 
-/* A solid at rest, described by functions of the caller, which are called in filtration_fluid_init and when spheres touch it. */
+/* A solid at rest, described by functions of the caller. filtration_fluid_init calls them, and filtration_move where spheres
+   touch the solid. */
 typedef struct filtration_solid {
-    /* Signed distance from a point to the surface [m], > 0 in the fluid. Its sign and its zero must be right; elsewhere it may be smaller
-       than the true distance, never larger. Points may lie up to a voxel outside the box, where periodic solids repeat. NULL: no solid. */
+    /* Signed distance from a point to the surface [m], > 0 in the fluid. Its sign and its zero must be right; elsewhere
+       it may be less than the true distance, never more. Points may lie up to a voxel outside the box, where periodic
+       solids repeat. NULL: no solid. */
     double (*distance)(const void *self, const double point[3]);
-    /* Fraction of the way from a fluid point to a solid one at which the surface lies [-], above 0 .. 1. NULL: computed from `distance`. */
+    /* Fraction of the way from a fluid point to a solid one at which the surface lies [-], above 0 .. 1. NULL: computed
+       from `distance`. */
     double (*cut)(const void *self, const double fluid[3], const double solid[3]);
     const void *self;
-    /* Lists at most `most` places with a gap below `reach` to a sphere, one for each wire or body that it may touch; returns their number.
-       For filtration_move. NULL: the nearest place, from differences of `distance`. */
+    /* Lists at most `most` places with a gap below `reach` to a sphere, one for each wire or body that it may touch.
+       Returns how many. For filtration_move. NULL: the nearest place, from differences of `distance`. */
     int (*touch)(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near);
 } filtration_solid;
 
-/* The solids below keep their own data. filtration_..._solid() returns a filtration_solid that points to these data, which must outlive the
-   fluid. */
+/* The solids below keep their own data. filtration_..._solid() returns a filtration_solid that points to these data,
+   which must outlive the fluid. */
 
-/* Returns the fraction of the way from a point in the fluid to one in the solid at which the surface lies [-], 0 .. 1, from the distance
-   alone, to 1e-9. For links shorter than the space between two surfaces. NaN if both ends are on the same side. */
+/* Returns the fraction of the way from a point in the fluid to one in the solid at which the surface lies [-], 0 ..
+   1, from the distance alone, to 1e-9. The points must be closer than two surfaces. NaN if both ends are on the same
+   side. */
 FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3], const double in_solid[3]);
 
 typedef enum filtration_weave {
@@ -35,28 +39,30 @@ typedef enum filtration_weave {
     FILTRATION_TWILL_WEAVE  /* 2/2 twill: over two, under two: repeats after 4 wires */
 } filtration_weave;
 
-/* Woven wire cloth in a plane z = centre, of round wires at x, y = offset + (i + 1/2) pitch, pitch = wire + opening. At crossings their
-   axes are wire / 2 above or below the plane; between crossings on the same side they are straight, between two sides half a cosine wave. A
-   section perpendicular to the sloping axis is a circle. Warp wires lie along y, above the weft at crossing (i, j) where (i + j) mod 4 < 2
-   (twill) or (i + j) mod 2 = 0 (plain). */
+/* Woven wire cloth in a plane z = centre, made of round wires at x, y = offset + (i + 1/2) pitch, pitch = wire +
+   opening. At crossings their axes are wire / 2 above or below the plane. Between crossings on the same side they are
+   straight, between crossings on opposite sides half a cosine wave. A cross-section perpendicular to the sloping axis
+   is a circle. Warp wires lie along y, above the weft at crossing (i, j) if (i + j) mod 4 < 2 (twill) or (i + j) mod 2
+   = 0 (plain). */
 typedef struct filtration_cloth {
     double wire;    /* diameter [m] > 0 */
     double opening; /* between two wires [m] > 0 */
     filtration_weave weave;
     double centre; /* z of the plane [m] */
     double reach;  /* distances above this may be returned too small [m] > 0; at least the largest sphere's radius */
-    double offset[2]; /* by which the weave is shifted along x, y [m]; finite. Coarse voxels see another cloth at each place */
+    double offset[2]; /* shift of the weave along x, y [m]; finite. Coarse voxels resolve a different cloth at each
+                         shift */
 } filtration_cloth;
 
-/* Makes a cloth with a reach of 4 wires and no offset. BAD_ARGUMENT: wire or opening not > 0 and finite, centre not finite, unknown
-   weave. */
+/* Makes a cloth with a reach of 4 wires and no offset. BAD_ARGUMENT: wire or opening not > 0 and finite, centre not
+   finite, unknown weave. */
 FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening, filtration_weave weave,
                                                        double centre);
-/* Returns the length after which the cloth repeats along x and y [m]; a periodic box is a multiple of it. */
+/* Returns the length after which the cloth repeats along x and y [m]. A periodic box must be a multiple of it. */
 static inline double filtration_cloth_period(const filtration_cloth *cloth) {
     return (cloth->wire + cloth->opening) * (cloth->weave == FILTRATION_TWILL_WEAVE ? 4.0 : 2.0);
 }
-/* Returns the fraction of the plane that is open, seen from above: (opening / pitch)^2 [-]. */
+/* Returns the open fraction of the plane in plan view: (opening / pitch)^2 [-]. */
 static inline double filtration_cloth_open_area(const filtration_cloth *cloth) {
     const double ratio = cloth->opening / (cloth->wire + cloth->opening);
     return ratio * ratio;
@@ -82,8 +88,8 @@ typedef struct filtration_bed {
     struct filtration__bed_entry *entry;
 } filtration_bed;
 
-/* Makes a bed. The arrays are kept, not copied. memory NULL: malloc. After an error the bed is empty and may be freed. BAD_ARGUMENT: a
-   number is not finite; a radius, an edge of the box or the reach is not > 0. NO_MEMORY. */
+/* Makes a bed. The arrays are kept, not copied. memory NULL: malloc. After an error the bed is empty and may be freed.
+   BAD_ARGUMENT: a number is not finite; a radius, an edge of the box or the reach is not > 0. NO_MEMORY. */
 FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdiff_t n, const double *a, const double *b,
                                                      const double *radius, const double box[3], const int periodic[3], double reach,
                                                      const filtration_memory *memory);

@@ -20,6 +20,7 @@ struct report {
     const char *folder;
     row_table rows;
     load_maps *loads;
+    separation *separation; /* at the end; NULL: none */
     double loaded; /* ticks that are in the maps */
     double *frame;                  /* times of the frames [s] */
     int frames, frame_room;
@@ -383,7 +384,8 @@ const char *report_write(report *r) {
     write_rows(r);
     if (r->s->def->output.passed) write_passed(r);
     if (r->rows.n > 1 && draw_curves(r) == 0) add_name(r, "curves.svg");
-    scene_results_write(&r->rows, r->folder, add_result, r);
+    r->separation = scene_separation(r->s);
+    scene_results_write(&r->rows, r->separation, r->folder, add_result, r);
     load_maps_write(r->loads, r->folder, add_result, r);
     if (!r->drawn) draw_picture(r);
     if (r->pictured) add_name(r, "scene.png");
@@ -407,12 +409,12 @@ void report_json(const report *r, json *j) {
     json_object_begin(j, "means_of_second_half");
     if (j && rows->n >= 4 * STEADY_BLOCKS) each_mean(r, json_mean, j);
     json_object_end(j);
-    scene_results_json(rows, j);
+    scene_results_json(rows, r->separation, j);
     json_integer(j, "rows", rows->n);
     json_integer(j, "frames", r->frames);
 }
 
-void report_say(const report *r) { scene_results_say(&r->rows); }
+void report_say(const report *r) { scene_results_say(&r->rows, r->separation); }
 
 int report_exchange(report *r, scene_state *io) {
     const output_def *o = &r->s->def->output;
@@ -439,6 +441,7 @@ int report_exchange(report *r, scene_state *io) {
 void report_free(report *r) {
     if (!r) return;
     rows_free(&r->rows);
+    scene_separation_free(r->separation);
     free(r->frame);
     r->frame = NULL;
 }

@@ -98,7 +98,9 @@ static void name_columns(row_table *r) {
         for (int g = 0; g < s->groups && def->measure.by_class; g++)
             add(r, ROW_CLASS, m[k].part.where, "%.40s_%.48s_kg", m[k].part.name, s->group[g].name);
     }
+    r->mixing_from = r->columns;
     for (int k = 0; k < def->measure.mixing.n; k++) add(r, ROW_VALUE, x[k].part.where, "%.60s_lacey", x[k].part.name);
+    r->heaps_from = r->columns;
     for (int k = 0; k < def->measure.heaps.n; k++)
         add(r, ROW_VALUE, h[k].part.where, "%.60s_angle_deg", h[k].part.name);
     if (s->wet) add(r, ROW_VALUE, def->part.where, "bridges"), add(r, ROW_VALUE, def->part.where, "liquid_kg");

@@ -29,6 +29,7 @@ typedef struct row_table {
     double *of_group, *of_all; /* for cells of mixing */
     int bodies;                /* 1: a particle may have several spheres */
     int powered;               /* 1: some wall moves */
+    int mixing_from, heaps_from; /* columns of the first of each */
 } row_table;
 
 /* 0, or -1 with the message in the file: two columns of one name, a region that is none. */

@@ -22,13 +22,13 @@ typedef struct split_class {
     double share_low, share_high;
 } split_class;
 
-typedef struct separation {
+struct separation {
     split_class *class; /* [n] by size */
     int n, full;        /* full: those of which something came */
     double cut, time;   /* [m], [s] */
     int reached;        /* the curve passes 25, 50 and 75 % */
     screen_separation value, low, high;
-} separation;
+};
 
 static void add(tally *sum, const tally *t, double sign) {
     sum->count += sign * t->count, sum->mass += sign * t->mass, sum->sized += sign * t->sized,
@@ -138,12 +138,11 @@ static void measure(separation *p) {
     if (n > 0) count_by_cut(p);
 }
 
-/* 0: there is none. Free p->class. */
-static int find_separation(const scene *s, separation *p) {
-    memset(p, 0, sizeof *p);
-    if (!s->def->measure.separation.part.where) return 0;
-    p->class = calloc((size_t)s->groups + 1, sizeof *p->class);
-    if (!p->class) return 0;
+separation *scene_separation(const scene *s) {
+    if (!s->def->measure.separation.part.where) return NULL;
+    separation *p = calloc(1, sizeof *p);
+    if (p) p->class = calloc((size_t)s->groups + 1, sizeof *p->class);
+    if (!p || !p->class) return free(p), NULL;
     p->cut = scene_cut(s);
     p->time = scene_time(s) - s->def->measure.separation.from;
     count_classes(s, p);
@@ -151,7 +150,12 @@ static int find_separation(const scene *s, separation *p) {
     qsort(p->class, (size_t)p->n, sizeof *p->class, smaller_first);
     if (p->n > CLASSES) p->n = CLASSES;
     measure(p);
-    return 1;
+    return p;
+}
+
+void scene_separation_free(separation *p) {
+    if (p) free(p->class);
+    free(p);
 }
 
 static void write_separation(const separation *p, riddle_io_file *file) {
@@ -285,23 +289,19 @@ static const char *heap_state(const heap_slope *slope) {
 
 static void visit_last(const row_table *r, result_fn *visit, void *user) {
     const measure_def *m = &r->s->def->measure;
-    const mixing_def *x = m->mixing.item;
     const heap_def *h = m->heaps.item;
-    char name[NAME];
-    for (int k = 0; k < m->mixing.n && r->n > 0; k++) {
-        snprintf(name, sizeof name, "%.60s_lacey", x[k].part.name);
-        visit(user, name, rows_at(r, r->n - 1, rows_column(r, name)), none, none,
+    for (int k = 0; k < m->mixing.n && r->n > 0; k++)
+        visit(user, r->column[r->mixing_from + k].name, rows_at(r, r->n - 1, r->mixing_from + k), none, none,
               "Lacey's index at the end: (s0^2 - s^2)/(s0^2 - sr^2)");
-    }
     for (int k = 0; k < m->heaps.n && r->n > 0; k++) {
         const heap_slope slope = slope_now(r->s, &h[k]);
-        snprintf(name, sizeof name, "%.60s_angle_deg", h[k].part.name);
-        visit(user, name, rows_at(r, r->n - 1, rows_column(r, name)), none, none, heap_state(&slope));
+        visit(user, r->column[r->heaps_from + k].name, rows_at(r, r->n - 1, r->heaps_from + k), none, none,
+              heap_state(&slope));
     }
 }
 
 static void visit_all(const row_table *r, const separation *p, result_fn *visit, void *user) {
-    if (p->class) visit_separation(p, visit, user);
+    if (p) visit_separation(p, visit, user);
     visit_exits(r->s, visit, user);
     visit_walls(r->s, visit, user);
     visit_last(r, visit, user);
@@ -320,32 +320,28 @@ static void json_result(void *user, const char *name, double value, double low, 
     json_object_end(user);
 }
 
-void scene_results_write(const row_table *r, const char *folder, void (*wrote)(void *user, const char *name), void *user) {
-    separation p;
-    find_separation(r->s, &p);
+void scene_results_write(const row_table *r, const separation *p, const char *folder,
+                         void (*wrote)(void *user, const char *name), void *user) {
     riddle_io_file *file = riddle_io_open(folder, "results.csv");
     riddle_io_print(file, "result,what,value,low95,high95\n");
-    visit_all(r, &p, write_result, file);
+    visit_all(r, p, write_result, file);
     if (riddle_io_close(file) == RIDDLE_IO_OK) wrote(user, "results.csv");
-    if (!p.class) return;
+    if (!p) return;
     file = riddle_io_open(folder, "separation.csv");
-    write_separation(&p, file);
+    write_separation(p, file);
     if (riddle_io_close(file) == RIDDLE_IO_OK) wrote(user, "separation.csv");
-    if (p.full > 0 && draw_separation(r->s, &p, folder) == 0) wrote(user, "partition.svg");
-    free(p.class);
+    if (p->full > 0 && draw_separation(r->s, p, folder) == 0) wrote(user, "partition.svg");
 }
 
-void scene_results_json(const row_table *r, json *j) {
-    separation p;
+void scene_results_json(const row_table *r, const separation *p, json *j) {
     if (!j) return;
-    find_separation(r->s, &p);
     json_object_begin(j, "results");
-    visit_all(r, &p, json_result, j);
+    visit_all(r, p, json_result, j);
     json_object_end(j);
-    if (!p.class) return;
+    if (!p) return;
     json_array_begin(j, "separation");
-    for (int k = 0; k < p.n; k++) {
-        const split_class *c = &p.class[k];
+    for (int k = 0; k < p->n; k++) {
+        const split_class *c = &p->class[k];
         json_object_begin(j, NULL);
         json_number(j, "low_m", c->low), json_number(j, "high_m", c->high), json_number(j, "size_m", c->size);
         json_number(j, "fed_kg", c->fed.mass), json_number(j, "fine_kg", c->fine.mass),
@@ -354,23 +350,20 @@ void scene_results_json(const row_table *r, json *j) {
         json_object_end(j);
     }
     json_array_end(j);
-    free(p.class);
 }
 
-void scene_results_say(const row_table *r) {
+void scene_results_say(const row_table *r, const separation *p) {
     const heap_def *h = r->s->def->measure.heaps.item;
-    separation p;
-    if (find_separation(r->s, &p)) {
-        const screen_separation *v = &p.value;
+    if (p) {
+        const screen_separation *v = &p->value;
         if (v->d50 == v->d50) common_print("separation: d50 %.4g mm", 1e3 * v->d50);
-        else common_print("separation: no d50 (the curve of %d classes does not rise through one half)", p.full);
-        if (v->d50 == v->d50 && p.low.d50 == p.low.d50)
-            common_print(" (%.4g to %.4g)", 1e3 * p.low.d50, 1e3 * p.high.d50);
-        if (p.reached) common_print(", Ep %.3g mm", 1e3 * v->ecart);
+        else common_print("separation: no d50 (the curve of %d classes does not rise through one half)", p->full);
+        if (v->d50 == v->d50 && p->low.d50 == p->low.d50)
+            common_print(" (%.4g to %.4g)", 1e3 * p->low.d50, 1e3 * p->high.d50);
+        if (p->reached) common_print(", Ep %.3g mm", 1e3 * v->ecart);
         if (v->efficiency == v->efficiency)
-            common_print(", efficiency %.3g at %.4g mm (Hancock)", v->efficiency, 1e3 * p.cut);
+            common_print(", efficiency %.3g at %.4g mm (Hancock)", v->efficiency, 1e3 * p->cut);
         common_print("\n");
-        free(p.class);
     }
     for (int k = 0; k < r->s->def->measure.heaps.n; k++) {
         const heap_slope slope = slope_now(r->s, &h[k]);

@@ -4,9 +4,15 @@
 
 #include "rows.h"
 
+typedef struct separation separation;
+
+separation *scene_separation(const scene *s); /* at present; NULL if the scene measures none */
+void scene_separation_free(separation *p);
+
 /* Writes the files; `wrote` gets the name of each that is there. */
-void scene_results_write(const row_table *r, const char *folder, void (*wrote)(void *user, const char *name), void *user);
-void scene_results_json(const row_table *r, json *j); /* "results" and, with a separation, "separation" */
-void scene_results_say(const row_table *r);           /* a line for a separation, and one for each heap */
+void scene_results_write(const row_table *r, const separation *p, const char *folder,
+                         void (*wrote)(void *user, const char *name), void *user);
+void scene_results_json(const row_table *r, const separation *p, json *j); /* "results", "separation" */
+void scene_results_say(const row_table *r, const separation *p); /* a line for a separation, and one for each heap */
 
 #endif

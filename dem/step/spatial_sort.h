@@ -1,7 +1,7 @@
-/* The order of particles in memory. In a run of many contacts particles lie by rank, so that what is near in space is
-   near in memory, whatever the order in which they were added; before the run returns they lie by their numbers again.
-   Reads ranks; moves all that belongs to particles, and the numbers in contacts and lists. Promises: no result depends
-   on it, because sums have the order of contacts, and contacts that of ranks. */
+/* The order of particles in memory. In a run with many contacts particles lie by rank, so that neighbours in space are
+   neighbours in memory, whatever the order in which they were added. Before the run returns they lie by their numbers
+   again. Reads ranks; moves all arrays of particles, and renumbers contacts and lists. Promises: no result depends on
+   it, because sums follow the order of contacts, which follows ranks. */
 #pragma once
 #include "../contacts/order.h"
 
@@ -19,7 +19,7 @@ static inline void dem__take_entries(char *to, const char *base, size_t size, co
     }
 }
 
-/* An array on its way into another order. */
+/* An array that is being reordered. */
 typedef struct dem__move {
     char *base, *scratch;
     size_t size;
@@ -36,8 +36,7 @@ static inline void dem__put_back_range(dem_world *w, ptrdiff_t first, ptrdiff_t 
     memcpy(m->base + (size_t)first * m->size, m->scratch + (size_t)first * m->size, (size_t)(end - first) * m->size);
 }
 
-/* Returns whether an array of particles has nothing to move: scratch memory, lists that are made anew, loads that are
-   all 0. */
+/* Returns whether an array of particles needs no move: scratch memory, lists that are rebuilt, loads that are all 0. */
 static inline int dem__stays(const dem_world *w, const void *base) {
     const dem__bodies *bodies = &w->engine->bodies;
     return base == w->engine->scratch.index || base == w->engine->pairs.cell_of ||
@@ -46,7 +45,7 @@ static inline int dem__stays(const dem_world *w, const void *base) {
            (!bodies->loads_on && (base == bodies->load || base == bodies->external));
 }
 
-/* Moves all that belongs to particles: place k gets what lies at from[k]. */
+/* Reorders all arrays of particles: place k gets the entry at from[k]. */
 static inline void dem__move_entries(dem_world *w, const int32_t *from) {
     dem__array list[DEM__ARRAYS_MAX];
     dem__timers *t = &w->engine->walls.timers;
@@ -69,7 +68,7 @@ static inline void dem__move_entries(dem_world *w, const int32_t *from) {
     if (walls > 0 && !w->engine->run.needs_lists) dem__stop_timers(t, w->count * w->walls, w->count * w->walls);
 }
 
-/* Gives contacts and near pairs the new places of their particles; each keeps which of the two comes first. */
+/* Gives contacts and near pairs the new places of their particles. The order of the two stays. */
 static inline void dem__rename_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     const int32_t *to = (const int32_t *)context;
     dem__near *near = w->engine->pairs.near;
@@ -85,10 +84,10 @@ static inline void dem__rename_particles(dem_world *w, int32_t *to) {
     }
     if (w->engine->run.needs_lists) return;
     dem__in_parts(w, dem__parts(w, pairs->count / 4), pairs->count, dem__rename_range, to);
-    dem__find_adjacent(w); /* there is room: the pairs are the same */
+    dem__find_adjacent(w); /* cannot fail: there are as many pairs as before */
 }
 
-/* Puts particles into another order in memory. from: pairs.cell_of, the places where they lie. */
+/* Reorders particles in memory. from: pairs.cell_of, the places where they lie. */
 static DEM__NOINLINE void dem__put_in_order(dem_world *w, const int32_t *from) {
     dem__bodies *bodies = &w->engine->bodies;
     int32_t *to = w->engine->scratch.index;
@@ -99,7 +98,7 @@ static DEM__NOINLINE void dem__put_in_order(dem_world *w, const int32_t *from) {
     dem__list_active(w);
 }
 
-/* Puts particles into the order of their ranks. */
+/* Sorts particles by rank. */
 static inline void dem__lie_by_rank(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     int32_t *from = w->engine->pairs.cell_of;
@@ -109,7 +108,7 @@ static inline void dem__lie_by_rank(dem_world *w) {
     dem__put_in_order(w, from);
 }
 
-/* Puts particles into the order of their numbers. */
+/* Sorts particles by number. */
 static inline void dem__lie_by_number(dem_world *w) {
     dem__bodies *bodies = &w->engine->bodies;
     int32_t *from = w->engine->pairs.cell_of;
@@ -119,8 +118,8 @@ static inline void dem__lie_by_number(dem_world *w) {
     bodies->by_place = 0;
 }
 
-/* Returns whether only the engine reads particles in a run of this kernel, so that they may lie in any order: nobody's
-   functions are called, and every feature allows it. */
+/* Returns whether particles may lie in any order during a run of this kernel: only the engine reads them, because no
+   functions of the caller are called, and every feature allows it. */
 static inline int dem__may_lie_by_rank(const dem_world *w, const dem_kernel *kernel) {
     for (int k = 0; k < w->engine->features; k++) {
         if (!w->engine->feature[k].sorts) return 0;
@@ -132,8 +131,8 @@ static inline int dem__may_lie_by_rank(const dem_world *w, const dem_kernel *ker
            (size_t)w->engine->contacts.capacity * sizeof(dem__correction) >= (size_t)w->count * sizeof(dem_particle);
 }
 
-/* Returns whether particles that follow each other in the order of ranks are apart in memory so often that it pays to
-   move them, for a run of some more steps. */
+/* Returns whether neighbours by rank are so often far apart in memory that it pays to move them, for a run of `steps`
+   more steps. */
 static inline int dem__pays_to_move(const dem_world *w, int64_t steps) {
     const int32_t *by_rank = w->engine->bodies.by_rank;
     ptrdiff_t apart = 0, far = 0;
@@ -146,7 +145,7 @@ static inline int dem__pays_to_move(const dem_world *w, int64_t steps) {
     return 4 * far > w->count || (4 * apart > w->count && steps >= 4 * DEM__MOVE_STEPS);
 }
 
-/* Puts particles into the order of their ranks where it pays. steps: left in this run. */
+/* Sorts particles by rank if it pays. steps: left in this run. */
 static inline void dem__order_memory(dem_world *w, const dem_kernel *kernel, int64_t steps) {
     if (dem__may_lie_by_rank(w, kernel) && dem__pays_to_move(w, steps)) dem__lie_by_rank(w);
 }

@@ -1,5 +1,5 @@
-/* Tests: they find that a contact begins, or the next step in which one is possible. New contacts are appended to the
-   last chunk. */
+/* The narrow phase. A test of a pair, or of a particle and a wall, finds that a contact begins, or the next step in
+   which one is possible. New contacts are appended to the last chunk. */
 #pragma once
 #include "../walls/kinds.h"
 #include "../base/parallel.h"
@@ -52,7 +52,7 @@ static inline int dem__new_contact(dem_world *w, ptrdiff_t i, ptrdiff_t j, int32
     return 1;
 }
 
-/* Tests pair p: adds it to the pairs found if it touches, else to those whose timers are to be set. */
+/* Tests pair p. If it touches, adds it to the pairs found; otherwise, to those that need a new timer. */
 DEM_INLINE void dem__test_pair(dem_world *w, dem__timer_batch *waits, int32_t p, int64_t step, int rigid) {
     const dem__near *q = &w->engine->pairs.near[p];
     const dem_vec d = rigid ? dem__pair_separation(w, q->i, q->j, step) : dem__sphere_separation(w, q->i, q->j, step);
@@ -81,20 +81,21 @@ static inline int dem__touches_element(const dem_world *w, ptrdiff_t i, int wall
     return 0;
 }
 
-/* Returns an arm [m]: no point of a wall at x is faster than speed_bound + arm * spin_bound. */
+/* Returns an arm [m] such that no point of a wall at x is faster than speed_bound + arm * spin_bound. */
 DEM_INLINE double dem__arm(const dem_wall *wall, dem_vec x) {
     const double arm =
-        dem__length(dem__sub(x, wall->position)); /* a kinematic wall's speed_bound leaves out that its origin turns */
+        dem__length(dem__sub(x, wall->position)); /* speed_bound of a kinematic wall leaves out its rotation */
     return wall->asked.drive == DEM_KINEMATIC ? arm + dem__length(dem__sub(wall->asked.origin, wall->asked.spin_centre))
                                               : arm;
 }
 
-/* Returns whether particle i must be tested with a wall. A screen may be touched at several bars. Any other wall that
-   it touches needs no test: it has one place, and dem__follow_meshes finds the other places of a mesh. */
+/* Returns whether particle i must be tested with a wall. A screen may be touched at several bars. A particle that
+   touches any other wall needs no test: such a wall is touched at one place, and dem__follow_meshes finds the other
+   places of a mesh. */
 DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     if (dem__is_fixed(w, i)) return 0;
     if (dem__shape_of(w, i))
-        return !dem__has_surface(&w->wall[wall]); /* others: by corners and edges, in polyhedra/pairs.h */
+        return !dem__has_surface(&w->wall[wall]); /* polyhedra/pairs.h tests corners and edges with all other walls */
     if (dem__has_elements(&w->wall[wall])) return 1;
     for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
         if (w->engine->contacts.j[c] == -1 - wall) return 0;
@@ -102,7 +103,7 @@ DEM_INLINE int dem__needs_test(const dem_world *w, ptrdiff_t i, int wall) {
     return 1;
 }
 
-/* Returns whether the contact in slot c is one of a polyhedron. The functions after it read and write what a contact
+/* Returns whether a polyhedron takes part in the contact in slot c. The functions below read and write what a contact
    keeps of the place where it touches: see DEM__PLACE_NORMAL in base/engine.h. first: the first of three numbers. */
 DEM_INLINE int dem__is_convex_contact(const dem_world *w, ptrdiff_t c) { return w->engine->contacts.near[c] < -1; }
 DEM_INLINE dem_vec dem__place_vec(const dem_world *w, int first, ptrdiff_t c) {
@@ -126,8 +127,8 @@ DEM_INLINE void dem__set_touch(dem_world *w, ptrdiff_t c, const dem__touch *touc
     w->engine->contacts.touch[DEM__PLACE_GAP][c] = touch->gap;
 }
 
-/* Begins a contact with a wall. A cone is touched from both sides and at its rims: a contact keeps the curvature with
-   which it began. Returns 0 when out of memory. */
+/* Begins a contact with a wall. A cone is touched from both sides and at its rims, so a contact keeps the curvature
+   with which it began. Returns 0 when out of memory. */
 static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, const dem__touch *touch, int32_t element) {
     dem__contacts *contacts = &w->engine->contacts;
     if (!dem__new_contact(w, i, -1 - wall, element, -1)) return 0;
@@ -135,18 +136,18 @@ static inline int dem__new_wall_contact(dem_world *w, ptrdiff_t i, int wall, con
     if (dem__has(&w->wall[wall], DEM__KEEPS_CURVATURE)) contacts->touch[DEM__KEPT_CURVATURE][c] = touch->curvature;
     if (!dem__has(&w->wall[wall], DEM__TRIANGULATED)) return 1;
     dem__set_touch(w, c, touch);
-    contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no footing yet */
+    contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no cached face yet */
     dem__set_place_vec(w, DEM__PLACE_BEFORE, c, touch->normal);
     return 1;
 }
 
-/* Returns whether a point is beyond an exit. A rigid body leaves when its centre of mass is, and the centre of one of
-   its particles. */
+/* Returns whether a point is beyond an exit. A rigid body leaves when both its centre of mass and the centre of one of
+   its particles are beyond it. */
 static inline int dem__has_passed(const dem_wall *wall, dem_vec x) {
     return dem__dot(dem__sub(x, wall->position), wall->axis[2]) < 0.0;
 }
 
-/* Returns a lower limit of the gap of elements that are not among those found [m]. */
+/* Returns a lower limit of the gap to the elements that were not found [m]. */
 static inline double dem__other_elements(const dem_world *w, const dem_wall *wall, double radius,
                                          const dem__touch *touch, int found) {
     double lowest = 0.0;
@@ -155,8 +156,8 @@ static inline double dem__other_elements(const dem_world *w, const dem_wall *wal
     return others < w->engine->pairs.wall_reach ? others : w->engine->pairs.wall_reach;
 }
 
-/* Returns how far x is from a face of the periodic box beyond which the wall does not continue [m]: walls are not
-   repeated. */
+/* Returns the distance from x to the nearest face of the periodic box beyond which the wall does not continue [m].
+   Walls are not repeated. */
 static inline double dem__far_from_faces(const dem_world *w, const dem_wall *wall, dem_vec x) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
@@ -178,17 +179,17 @@ typedef struct dem__wall_test {
     dem_wall *wall;
     dem_vec x, v;  /* of the particle at the step of the test */
     double clear;  /* lower limit of the gaps where there is no contact [m] */
-    double others; /* the same of what is not among the places found */
+    double others; /* lower limit of the gaps to all places that were not found [m] */
     int found;
     dem__touch touch[DEM__TOUCHES];
 } dem__wall_test;
 
 /* Returns a time [s] before which the particle cannot touch the wall, from its velocity and the tolerance of its bound;
-   0 if none is known. Near a wall it is longer than the time from speeds alone, but it holds for this bound only. A
-   plane, a bar and a cylinder from outside are convex, so that a gap cannot shrink faster than along its normal. */
+   0 if none is known. Near a wall it is longer than the time that follows from speeds alone, but it holds for this
+   bound only. A plane, a bar and a cylinder from outside are convex: a gap to them shrinks fastest along its normal. */
 static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test *t) {
     const dem_wall *wall = t->wall;
-    const double stray = 2.0 * w->engine->bodies.bound[t->i].tolerance,
+    const double spread = 2.0 * w->engine->bodies.bound[t->i].tolerance,
                  near = w->engine->pairs.touch_gap + w->engine->pairs.position_tolerance,
                  radius = w->particle[t->i].radius;
     const dem_vec u = dem__sub(t->v, wall->velocity), g = dem__free_fall(w);
@@ -196,36 +197,34 @@ static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test 
     if (t->found == 0 || wall->asked.drive != DEM_KINEMATIC || !dem__has(wall, DEM__CONVEX) || wall->spin != 0.0 ||
         !(a < HUGE_VAL))
         return 0.0;
-    if (dem__has_elements(wall)) least = dem__time_to_close(t->others - near, dem__length(u) + stray, a);
+    if (dem__has_elements(wall)) least = dem__time_to_close(t->others - near, dem__length(u) + spread, a);
     if (wall->kind__->closing) a = wall->kind__->closing(wall, t->touch, radius, g, u);
     for (int q = 0; q < t->found; q++) {
         if (dem__has_surface(wall) && dem__touches_element(w, t->i, t->k, t->touch[q].element)) continue;
-        const double time = dem__time_to_close(t->touch[q].gap - near, stray - dem__dot(u, t->touch[q].normal), a);
+        const double time = dem__time_to_close(t->touch[q].gap - near, spread - dem__dot(u, t->touch[q].normal), a);
         least = time < least ? time : least;
     }
     return least;
 }
 
-/* Lets a particle beyond an exit leave. A rigid body whose centre is not beyond it is tested again in the next step. */
+/* Removes a particle that is beyond an exit. A rigid body whose centre is not beyond it is tested again in the next
+   step. */
 static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t e, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, t->i);
     const double tau = (double)(step - w->particle[t->i].origin) * w->engine->run.dt;
-    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__posture_at(w, r, tau).x))) dem__pass_exit(w, t->i, t->k);
+    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__pose_at(w, r, tau).x))) dem__pass_exit(w, t->i, t->k);
     else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
 }
 
-/* Returns whether a feature wants a contact of particle i with an element of a wall before they touch. */
+/* Returns whether a feature needs the contact of particle i with an element of a wall before they touch. */
 static inline int dem__begins_early(const dem_world *w, ptrdiff_t i, int wall, int32_t element) {
     int early = 0;
-    for (int k = 0; k < w->engine->features && !early; k++) {
-        const dem__feature *f = &w->engine->feature[k];
-        if (f->begins_early) early = f->begins_early(w, i, -1 - wall, element);
-    }
+    DEM__ADD_UP(w, early, begins_early, (w, i, -1 - wall, element));
     return early;
 }
 
-/* Begins contacts at the places found, and sets what is clear of them. Returns 0 if the wall needs no other test: it is
-   touched at its only place, or memory ran out. */
+/* Begins contacts at the places found, and computes how far the rest of the wall is. Returns 0 if the wall needs no
+   other test: it is touched at its only place, or memory ran out. */
 static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
     const double near = w->engine->pairs.touch_gap;
     int touches = 0;
@@ -244,8 +243,8 @@ static inline int dem__begin_at_wall(dem_world *w, dem__wall_test *t) {
     return !touches || dem__has_elements(t->wall);
 }
 
-/* Returns a limit of the speed at which particle and wall approach each other now [m/s]. most: number of steps for
-   which it holds if gravity is added. */
+/* Returns a limit of the speed at which particle and wall approach each other now [m/s]. most: the number of steps for
+   which it holds once gravity is added. */
 static inline double dem__speed_to_wall(dem_world *w, const dem__wall_test *t, int *most) {
     double *relied = &w->engine->bodies.wall_speed[t->i],
            speed = dem__length(t->v) + 2.0 * w->engine->bodies.bound[t->i].tolerance;
@@ -275,7 +274,7 @@ static inline void dem__wait_for_wall(dem_world *w, const dem__wall_test *t, int
     dem__set_timer(&w->engine->walls.timers, e, step + (better > steps ? better : steps));
 }
 
-/* Tests the particle and the wall of timer e, at a step to which the wall has been moved: begins contacts, or sets the
+/* Tests the particle and the wall of timer e, at a step to which the wall has been moved. Begins contacts, or sets the
    timer. */
 static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     const int skips = w->def.skip & DEM_SKIP_SPACE;
@@ -286,7 +285,7 @@ static inline void dem__test_wall(dem_world *w, int32_t e, int64_t step) {
     const double tau = (double)(step - w->particle[t.i].origin) * w->engine->run.dt, radius = w->particle[t.i].radius;
     t.x = dem__at(w, t.i, tau), t.v = dem__velocity_at(w, t.i, tau);
     if (w->engine->run.has_periodic)
-        t.x = dem__in_box(w, t.x); /* where the step will put it: bars are told apart by their place */
+        t.x = dem__in_box(w, t.x); /* where the step will put it: a bar is known by its place */
     t.others = w->engine->pairs.wall_reach;
     t.found = dem__touch_wall(t.wall, t.x, radius, skips ? t.others : w->engine->pairs.touch_gap, t.touch, &t.clear);
     if (!dem__has_surface(t.wall) && t.clear < 0.0) {

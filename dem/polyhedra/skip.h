@@ -1,25 +1,25 @@
-/* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that cannot touch for some steps. Reads bodies and
-   walls; writes pairs. Promises: a pair is left alone only while both of its bodies fly on, and cannot touch in that
-   time. */
+/* Pairs of polyhedra, or of a polyhedron and a sphere or a wall, that are not tested for some steps. Reads bodies
+   and walls; writes pairs. Promises: a pair is skipped only while both bodies stay in flight and cannot touch in
+   that time. */
 #pragma once
-#include "../search/tests.h"
+#include "../search/narrow_phase.h"
 #include "../walls/mesh_touch.h"
 
-/* Returns whether particle i still is in the flight that began at a step. */
+/* Returns whether particle i is still in the flight that began at a step. */
 DEM_INLINE int dem__flies_on(const dem_world *w, ptrdiff_t i, int64_t origin) {
     return w->engine->bodies.activity[i] == DEM__FLYING && w->particle[i].origin == origin;
 }
-/* Returns whether a pair cannot touch at a step. */
-DEM_INLINE int dem__is_idle(const dem_world *w, const dem__convex_pair *p, int64_t step) {
-    if (p->idle_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
+/* Returns whether a pair is skipped at a step, because it cannot touch. */
+DEM_INLINE int dem__is_skipped(const dem_world *w, const dem__convex_pair *p, int64_t step) {
+    if (p->skip_until <= step || !dem__flies_on(w, p->i, p->origin[0])) return 0;
     if (p->j >= 0) return dem__flies_on(w, p->j, p->origin[1]);
     const dem_wall *wall = &w->wall[-1 - p->j];
     return wall->speed_bound <= p->speed && wall->spin_bound <= p->spin;
 }
 
-/* Lets a pair be idle for some steps from a step on. */
-DEM_INLINE void dem__leave_alone(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
-    p->idle_until = step + steps;
+/* Skips a pair for some steps, from a step on. */
+DEM_INLINE void dem__skip_until(const dem_world *w, dem__convex_pair *p, int64_t step, int steps) {
+    p->skip_until = step + steps;
     p->origin[0] = w->particle[p->i].origin;
     if (p->j >= 0) p->origin[1] = w->particle[p->j].origin;
 }
@@ -28,22 +28,22 @@ DEM_INLINE void dem__leave_alone(const dem_world *w, dem__convex_pair *p, int64_
 DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
     return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
 }
-/* Returns how fast particle i turns about the centre of its clump, at most [m/s]. */
-DEM_INLINE double dem__swing_of(const dem_world *w, ptrdiff_t i) {
+/* Returns the greatest speed of particle i relative to the centre of its clump, from its rotation [m/s]. */
+DEM_INLINE double dem__turning_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
-    return r ? w->engine->bodies.calls->swing(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
+    return r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
 }
-/* Returns how fast the surface of particle i, or a clump's sphere, moves relative to the centre of its body, at most
+/* Returns the greatest speed of the surface of particle i, or of a clump's sphere, relative to the centre of its body
    [m/s]. */
-DEM_INLINE double dem__stir_of(const dem_world *w, ptrdiff_t i) {
+DEM_INLINE double dem__surface_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
-    return s ? w->engine->bodies.calls->swing(dem__rigid_of(w, i), s->reach) : dem__swing_of(w, i);
+    return s ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, i), s->reach) : dem__turning_speed_of(w, i);
 }
 /* Returns the time from the origin step of particle i to a step [s]. */
 DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
     return (double)(step - w->particle[i].origin) * w->engine->run.dt;
 }
-/* Returns the centre of particle i at a step. That of a polyhedron that flies needs no orientation; others have been
+/* Returns the centre of particle i at a step. A polyhedron in flight needs no orientation for it; others have been
    placed. */
 DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step) {
     const double tau = dem__flown_until(w, i, step);
@@ -51,34 +51,36 @@ DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step)
     return w->engine->bodies.activity[i] == DEM__FLYING ? dem__centre_at(w, i, tau) : w->engine->convex.place[i].x;
 }
 
-/* Returns whether two particles may be left alone: both fly. */
-DEM_INLINE int dem__may_rest(const dem_world *w, const dem__convex_pair *p) {
+/* Returns whether a pair may be skipped: both particles are in flight. */
+DEM_INLINE int dem__may_skip(const dem_world *w, const dem__convex_pair *p) {
     return (w->def.skip & DEM_SKIP_PAIRS) && dem__is_in_flight(w, p->i) && dem__is_in_flight(w, p->j);
 }
-/* Returns the velocity of particle i relative to j, of their centres [m/s]. */
+/* Returns the velocity of the centre of particle i relative to that of j [m/s]. */
 DEM_INLINE dem_vec dem__drift_between(const dem_world *w, const dem__convex_pair *p, int64_t step) {
     return dem__sub(dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)),
                     dem__drift_at(w, p->j, dem__flown_until(w, p->j, step)));
 }
-/* Returns how fast their relative velocity changes [m/s2]. */
+/* Returns how fast this velocity changes [m/s2]. */
 DEM_INLINE double dem__pull_between(const dem_world *w, const dem__convex_pair *p) {
     return dem__length(dem__sub(dem__centre_pull(w, p->i), dem__centre_pull(w, p->j)));
 }
 
-/* Finds whether the spheres around two particles touch at a step. If not, and both fly, the pair is left alone. */
+/* Finds whether the spheres around two particles touch at a step. If they do not, and both particles are in flight,
+   skips the pair. */
 static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p, int64_t step) {
     const double slack = 2.0 * w->engine->pairs.position_tolerance;
     const double reach = w->particle[p->i].radius + w->particle[p->j].radius + slack;
     const dem_vec d = dem__nearest_image(w, dem__sub(dem__centre_in(w, p->i, step), dem__centre_in(w, p->j, step)));
     p->is_close = dem__dot(d, d) < reach * reach;
-    if (p->is_close || !dem__may_rest(w, p)) return;
-    const double speed = dem__length(dem__drift_between(w, p, step)) + dem__swing_of(w, p->i) + dem__swing_of(w, p->j);
-    dem__leave_alone(w, p, step,
-                     dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
+    if (p->is_close || !dem__may_skip(w, p)) return;
+    const double speed =
+        dem__length(dem__drift_between(w, p, step)) + dem__turning_speed_of(w, p->i) + dem__turning_speed_of(w, p->j);
+    dem__skip_until(w, p, step,
+                    dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
 }
 
-/* Returns a lower limit of the distance to the images of j that are not the nearest one of i, which is at d from j [m].
- */
+/* Returns a lower limit of the distance between i and all images of j but the nearest one [m]. d: from that one to
+   i. */
 DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
     double least = HUGE_VAL;
     for (int a = 0; a < 3; a++) {
@@ -88,27 +90,28 @@ DEM_INLINE double dem__far_images(const dem_world *w, dem_vec d) {
     return least;
 }
 
-/* Leaves two particles alone, if both fly, that do not touch although the spheres around them do. d: from j to i; gap:
-   between their surfaces along n, a direction from j to i, in which nothing of them is nearer. */
-static inline void dem__rest_apart(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d, double gap,
-                                   dem_vec n) {
+/* Skips two particles in flight that do not touch although the spheres around them do. d: from j to i; gap: between
+   their surfaces along n, a direction from j to i, in which nothing of them is nearer. */
+static inline void dem__skip_pair(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d, double gap,
+                                  dem_vec n) {
     const double slack = 2.0 * w->engine->pairs.position_tolerance;
-    if (!(gap > slack) || !dem__may_rest(w, p)) return;
+    if (!(gap > slack) || !dem__may_skip(w, p)) return;
     const dem_vec v = dem__drift_between(w, p, step);
-    const double stir = dem__stir_of(w, p->i) + dem__stir_of(w, p->j), pull = dem__pull_between(w, p);
+    const double surface_speed = dem__surface_speed_of(w, p->i) + dem__surface_speed_of(w, p->j),
+                 pull = dem__pull_between(w, p);
     const double others = dem__far_images(w, d) - w->particle[p->i].radius - w->particle[p->j].radius;
-    const double soonest = dem__time_to_close(gap - slack, stir - dem__dot(n, v), pull),
-                 other = dem__time_to_cover(others - slack, dem__length(v) + stir, pull);
-    dem__leave_alone(w, p, step, dem__steps_until(w, other < soonest ? other : soonest));
+    const double soonest = dem__time_to_close(gap - slack, surface_speed - dem__dot(n, v), pull),
+                 other = dem__time_to_cover(others - slack, dem__length(v) + surface_speed, pull);
+    dem__skip_until(w, p, step, dem__steps_until(w, other < soonest ? other : soonest));
     p->is_close = 0;
 }
 
 /* How a particle moves in the frame of a wall. */
 typedef struct dem__approach {
     double speed, pull; /* speed now [m/s]; limit of its change [m/s2] */
-    int most;           /* number of steps for which they hold */
+    int most;           /* number of steps for which these hold */
 } dem__approach;
-/* Returns this for a particle at x with velocity v and acceleration a. */
+/* Returns how a particle at x with velocity v and acceleration a moves relative to a wall. */
 static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall *wall, dem_vec x, dem_vec v,
                                              dem_vec a) {
     const double turn = DEM__RETEST_STEPS * w->engine->run.dt;
@@ -117,12 +120,12 @@ static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall 
     if (!(wall->spin_bound > 0.0)) return q;
     q.most = DEM__RETEST_STEPS;
     if (wall->asked.drive == DEM_KINEMATIC && wall->speed_bound == 0.0 &&
-        wall->spin_bound * turn < 0.02) { /* it turns evenly */
+        wall->spin_bound * turn < 0.02) { /* it turns uniformly */
         const dem_vec arm = dem__sub(x, wall->asked.spin_centre), spin = dem__scale(wall->spin, wall->spin_axis);
         const double bound = wall->spin_bound;
         q.speed = dem__length(dem__sub(v, dem__cross(spin, arm)));
         q.pull = 1.05 * (q.pull + bound * (bound * dem__length(arm) +
-                                           2.02 * q.speed)); /* with what they gain meanwhile, 5 % at most */
+                                           2.02 * q.speed)); /* includes what they gain meanwhile, 5 % at most */
         return q;
     }
     const double out = turn * (q.speed + turn * q.pull); /* as in dem__test_wall */
@@ -130,35 +133,36 @@ static inline dem__approach dem__approach_to(const dem_world *w, const dem_wall 
     return q;
 }
 
-/* Returns whether particle i may be left alone at walls. */
-DEM_INLINE int dem__may_rest_at_wall(const dem_world *w, ptrdiff_t i) {
+/* Returns whether walls may be skipped for particle i. */
+DEM_INLINE int dem__may_skip_wall(const dem_world *w, ptrdiff_t i) {
     return (w->def.skip & DEM_SKIP_SPACE) && dem__is_in_flight(w, i);
 }
 
-/* Leaves a particle at x alone that flies and has a gap to a wall. reach: of what turns with it, 0 for the sphere
-   around it [m]. */
-static inline void dem__rest_from_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap,
-                                       double reach) {
+/* Skips a wall for a particle in flight at x, which has a gap to it. reach: of the parts that rotate with the particle;
+   0 for the sphere around it [m]. */
+static inline void dem__skip_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap,
+                                  double reach) {
     const dem_wall *wall = &w->wall[-1 - p->j];
     const double slack = w->engine->pairs.position_tolerance;
     if (!(gap > slack)) return;
     const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
     const dem_vec v = dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), a = dem__centre_pull(w, p->i);
     const dem__approach q = dem__approach_to(w, wall, x, v, a);
-    const double stir =
-        reach > 0.0 ? w->engine->bodies.calls->swing(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound : 0.0;
-    const double touch = dem__time_to_cover(gap - slack, q.speed + stir, q.pull),
+    const double surface_speed =
+        reach > 0.0 ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound
+                    : 0.0;
+    const double touch = dem__time_to_cover(gap - slack, q.speed + surface_speed, q.pull),
                  cross = dem__time_to_cover(crossing - slack, dem__length(v), dem__length(a));
     const int steps = dem__steps_until(w, cross < touch ? cross : touch);
     p->speed = wall->speed_bound, p->spin = wall->spin_bound;
-    dem__leave_alone(w, p, step, steps < q.most ? steps : q.most);
+    dem__skip_until(w, p, step, steps < q.most ? steps : q.most);
     p->is_close = 0;
 }
 
-/* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If not, and it flies, it
-   is left alone. */
+/* Finds whether the sphere around a particle touches a wall, which has been moved to the step. If it does not, and the
+   particle is in flight, skips the wall. */
 static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step) {
-    const int may_rest = dem__may_rest_at_wall(w, p->i);
+    const int may_rest = dem__may_skip_wall(w, p->i);
     const dem_vec x = dem__in_box(w, dem__centre_in(w, p->i, step));
     dem__touch touch[DEM__TOUCHES];
     double least;
@@ -174,5 +178,5 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
         dem__touch_mesh(wall, dem__sub(x, wall->position), radius, -HUGE_VAL, limit, touch, &least);
     else dem__touch_wall(wall, x, radius, limit, touch, &least);
     p->is_close = least < slack;
-    if (!p->is_close && may_rest) dem__rest_from_wall(w, p, step, x, least, 0.0);
+    if (!p->is_close && may_rest) dem__skip_wall(w, p, step, x, least, 0.0);
 }
