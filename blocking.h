@@ -242,7 +242,7 @@ typedef struct blocking_schedule {
     void *user; /* passed to law */
 } blocking_schedule;
 
-/* Returns OK, or what is wrong; *row (may be NULL) is the first bad row. */
+/* Returns OK, or what is wrong. *row (may be NULL): the first bad row. */
 BLOCKING_API blocking_status blocking_check_schedule(const blocking_schedule *schedule, size_t *row);
 
 /* Returns the rates of a schedule, as a blocking_rates_fn: set def.rates = blocking_schedule_rates, def.user = &schedule, def.breaks =
@@ -254,7 +254,7 @@ BLOCKING_API void blocking_schedule_rates(void *schedule, double t, double *k1, 
 #define BLOCKING_TOLERANCE 1e-9 /* the tolerance to give to blocking_three_point */
 
 typedef struct blocking_estimate {
-    double f_inf;                          /* as it comes out, may lie outside 0..1 [-] */
+    double f_inf;                          /* as the equation gives it; may lie outside 0..1 [-] */
     double f_inf_clipped;                  /* within 0..1 [-] */
     double f0;                             /* at t = 0 [-]: the first reading, or extrapolated from it */
     double k;                              /* [1/s] */
@@ -289,8 +289,8 @@ static inline double blocking_noise_k(double r);
 BLOCKING_API double blocking_student(double z, double dof);
 
 typedef struct blocking_fit_def {
-    double k_low, k_high; /* search range [1/s], 0 < k_low < k_high; default 1e-9, 1e6. The times limit it as well: to what they can show,
-                             1e-4 / last time .. 40 / shortest gap */
+    double k_low, k_high; /* search range [1/s], 0 < k_low < k_high; default 1e-9, 1e6. The times limit it further, to
+                             what they can show: 1e-4 / last time .. 40 / shortest gap */
     double z;             /* confidence of the result's ranges, as half-width in standard deviations of a normal distribution > 0; default
                              1.96: 95 %. Where the spread is taken from the readings, Student's t is used instead */
     double turn_back;     /* > 0: a reading that runs against the curve by more than this share of the readings' range is NON_MONOTONE;
@@ -352,7 +352,7 @@ BLOCKING_API blocking_status blocking_fit_range(const blocking_fit_def *def, con
 typedef struct blocking_test {
     const double *t, *f, *sigma; /* [n] as for blocking_fit; sigma may be NULL in all tests together, not in some */
     size_t n;                    /* >= 2 */
-    double K, x_h, moisture;     /* [-] finite; any number stands for what was not measured, if it is the same in all tests */
+    double K, x_h, moisture;     /* [-] finite; if one was not measured, any number that is the same in all tests */
 } blocking_test;
 
 enum { BLOCKING_LAW_TERMS = 4 }; /* 1, K, x_h, moisture */
@@ -362,17 +362,18 @@ typedef struct blocking_law {
     double a[BLOCKING_LAW_TERMS], b[BLOCKING_LAW_TERMS]; /* 0 where the term is not used; k in 1/s */
     int used_a, used_b;                                  /* bits 1, 2, 4, 8: which terms stand in a, in b (bit 1 always) */
     double aicc;            /* Akaike's criterion, corrected for few readings (Hurvich & Tsai 1989); lower is better */
-    double aicc_constant;   /* that of constant k1 and k2: what the terms are worth */
+    double aicc_constant;   /* of constant k1 and k2, for comparison: shows what the terms gain */
     double sse, dof, s;     /* sum of squares, degrees of freedom, spread of a reading [-] (1 where sigma is given) */
     double student;         /* of the ranges, for 95 % */
     double low[3], high[3]; /* K, x_h and moisture of the tests: beyond is extrapolation */
-    double covariance[2 * BLOCKING_LAW_TERMS][2 * BLOCKING_LAW_TERMS]; /* of a and b; what the choice of the form leaves open is in it */
+    double covariance[2 * BLOCKING_LAW_TERMS][2 * BLOCKING_LAW_TERMS]; /* of a and b; includes the uncertainty from the
+                                                                          choice of the form */
     size_t tests, readings;
 } blocking_law;
 
-/* Fits one law to the curves of all tests at once, each with an f0 of its own. Of the 64 forms the one with the lowest AICc is taken.
-   TOO_FEW (no more readings than coefficients for the simplest form), UNDETERMINED (no form converges), and those of blocking_fit; *test
-   (may be NULL) is the first bad test. */
+/* Fits one law to the curves of all tests at once, each with its own f0. Of the 64 forms it takes the one with the
+   lowest AICc. TOO_FEW (no more readings than coefficients for the simplest form), UNDETERMINED (no form converges),
+   and those of blocking_fit. *test (may be NULL): the first bad test. */
 BLOCKING_API blocking_status blocking_fit_law(const blocking_test *tests, size_t n_tests, blocking_law *out, size_t *test);
 
 typedef struct blocking_law_value {
@@ -380,7 +381,7 @@ typedef struct blocking_law_value {
     double k1_low95, k1_high95; /* 95 % ranges, of the law, without the scatter between tests */
     double k2_low95, k2_high95;
     double f_inf_low95, f_inf_high95;
-    int outside; /* bits 1, 2, 4: K, x_h, moisture lie beyond the tests by more than 1 % of their range */
+    int outside; /* bits 1, 2, 4: K, x_h, moisture lie outside the tests by more than 1 % of their range */
 } blocking_law_value;
 
 /* Evaluates k1, k2 and f_inf by the law, where no test was made. NOT_FINITE, BAD_ARGUMENT with NaN. */
@@ -390,7 +391,7 @@ typedef struct blocking_law_run {
     double last, mean;              /* f after the run, and its mean over the run [-] */
     double last_low95, last_high95; /* 95 % ranges, of the law, without the scatter between tests: for the same fields of blocking_duty */
     double mean_low95, mean_high95;
-    int outside; /* as that of blocking_law_value */
+    int outside; /* as in blocking_law_value */
 } blocking_law_run;
 
 /* Predicts by the law the free fraction of a deck that begins with f0 (0..1) and runs for T [s] >= 0 (infinite: in the long run). The
@@ -454,7 +455,7 @@ typedef struct blocking_average {
 } blocking_average;
 
 BLOCKING_API blocking_conditions blocking_default_conditions(void);
-/* Returns those of the first four flags that a set of conditions raises. NaN raises its flag. */
+/* Returns those of the first four flags that apply to a set of conditions. NaN raises its flag. */
 BLOCKING_API unsigned blocking_outside_box(const blocking_conditions *conditions);
 /* Computes f* and its flags. Model error about +-0.1: f*(K, 0) should be 1 and comes out 0.83 .. 1.08. BLOCKING_OK also outside the box:
    see flags. IN_PERCENT (x_h > 1), NEGATIVE, NOT_FINITE, BAD_ARGUMENT. */
@@ -780,7 +781,7 @@ static inline double blocking_relative_size(double d, double l) {
 
 static inline int blocking_is_hard_to_screen(double phi) { return blocking__within(phi, 0.8 - BLOCKING__EDGE, 1.2 + BLOCKING__EDGE); }
 
-/* Returns the normal acceleration of the deck over that of gravity, for a normal amplitude of 1 m and n = 1 Hz; alpha [rad]. */
+/* Returns the normal acceleration of the deck over gravity, for a normal amplitude of 1 m and n = 1 Hz; alpha [rad]. */
 static inline double blocking__toss_factor(double alpha, double g) {
     double c = riddle_cos(alpha);
     return c > BLOCKING__EDGE && g > 0.0 && blocking__finite(g) ? 4.0 * RIDDLE_PI * RIDDLE_PI / (g * c) : (double)NAN;
@@ -1610,8 +1611,8 @@ static inline double blocking__refine(const blocking__data *d, double at, double
     return 0.5 * (low + high);
 }
 
-/* Computes standard errors from the inverse of the normal matrix of (f0, f_inf, ln k). A value on a bound has none; those of the others
-   hold for this value fixed. */
+/* Computes standard errors from the inverse of the normal matrix of (f0, f_inf, ln k). A value on a bound has no error;
+   the errors of the others then hold for this value fixed. */
 static inline void blocking__fit_errors(const blocking__data *d, blocking_fit_result *out, double variance) {
     double m[3][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
     for (size_t i = 0; i < d->n; i++) {
@@ -2020,7 +2021,8 @@ BLOCKING_API blocking_status blocking_fit_range(const blocking_fit_def *def, con
     if (f_highest) *f_highest = high[0];
     if (mean_lowest) *mean_lowest = low[1];
     if (mean_highest) *mean_highest = high[1];
-    if (status == BLOCKING_NO_CHANGE && sigma) status = BLOCKING_OK; /* sigma tells how well equal readings are known */
+    if (status == BLOCKING_NO_CHANGE && sigma) status = BLOCKING_OK; /* sigma tells how accurately equal readings are
+                                                                        known */
     if (status != BLOCKING_OK) return status;
     int end;
     const blocking__trial best = blocking__search_k(&s, &end);
@@ -2171,7 +2173,7 @@ static inline void blocking__law_descend(const blocking__tests *all, blocking__l
 
 static inline int blocking__bits(int mask) { return (mask & 1) + (mask >> 1 & 1) + (mask >> 2 & 1) + (mask >> 3 & 1); }
 
-/* Finds constant k1 and k2: the best of a grid that spans what the times can show, refined by descent. */
+/* Finds constant k1 and k2: the best of a grid over the range that the times can show, refined by descent. */
 static inline void blocking__law_start(const blocking__tests *all, blocking__law_trial *best) {
     enum { GRID = 24 };
     double last = 0.0, gap = HUGE_VAL;
@@ -2315,7 +2317,7 @@ static inline void blocking__law_best(const blocking__tests *all, const blocking
     if (other.sse < trial->sse) *trial = other;
 }
 
-/* All forms, bits 0 to 2 of their number: the terms of a, bits 3 to 5: those of b. */
+/* All forms. Bits 0 to 2 of a form's number: the terms of a; bits 3 to 5: those of b. */
 enum { BLOCKING__FORMS = 64 };
 typedef struct blocking__law_set {
     blocking__law_trial form[BLOCKING__FORMS];
@@ -2517,7 +2519,8 @@ static inline void blocking__widen(double x, double *low, double *high) {
 
 BLOCKING_API blocking_status blocking_law_free(const blocking_law *law, double K, double x_h, double moisture, double f0, double T,
                                                blocking_law_run *out) {
-    enum { PLACES = 256 }; /* on the edge of what is allowed, where the extremes lie: f falls with k1 and rises with k2 */
+    enum { PLACES = 256 }; /* on the boundary of the allowed region, where the extremes are: f falls with k1 and rises
+                              with k2 */
     blocking__law_place place;
     if (!out) return BLOCKING_BAD_ARGUMENT;
     out->last = out->mean = out->last_low95 = out->last_high95 = out->mean_low95 = out->mean_high95 = (double)NAN;

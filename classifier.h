@@ -86,7 +86,8 @@ enum {
     CLASSIFIER_SPHERICITY_CLAMPED = 1, /* a drawn 2D sphericity left the range of the conversion and was set to its end */
     CLASSIFIER_CUT_OUTSIDE = 2,        /* x25, x50 or x75 lies outside [size_low, size_high]: it is NaN */
     CLASSIFIER_MISSED = 4,             /* some drawn particles pass between the paddles untouched (they count as fine) */
-    CLASSIFIER_EXTRAPOLATED = 8,       /* paper_def: the speed lies outside the measured 3000 .. 15000 1/min, end values were held */
+    CLASSIFIER_EXTRAPOLATED = 8,       /* paper_def: the speed is outside the measured 3000 .. 15000 1/min; the values
+                                          at the ends were used */
     CLASSIFIER_REYNOLDS_OUTSIDE = 16   /* Schiller-Naumann above Re 1000 at x75, or Stokes above Re 0.1 */
 };
 
@@ -275,7 +276,8 @@ CLASSIFIER_API classifier_status classifier_contact_weights(const classifier_con
 typedef struct classifier_wheel {
     double outer_radius, inner_radius, height; /* [m], outer > inner > 0, height > 0 */
     int paddles;                               /* >= 1 */
-    double thickness;                          /* of a paddle [m] >= 0; all of them less than the inner circumference */
+    double thickness;                          /* of a paddle [m] >= 0; their sum is less than the inner
+                                                  circumference */
 } classifier_wheel;
 
 /* Returns the undisturbed inward gas velocity [m/s] at radius r: air flow / (height (2 pi r - paddles thickness)). */
@@ -297,8 +299,9 @@ CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *whe
                                                      double tangential_against, double radial_inward);
 
 struct classifier_def;
-/* Computes the same for a particle of size x [m] > 0 that gas bends from its line. The gas is that of classifier_trajectory: it turns with
-   the wheel and flows inward with radial_factor times the undisturbed velocity. hit false for bad arguments. */
+/* Computes the same for a particle of size x [m] > 0 that the gas deflects. The gas is that of classifier_trajectory:
+   it turns with the wheel and flows inward with radial_factor times the undisturbed velocity. hit is false for bad
+   arguments. */
 CLASSIFIER_API classifier_impact classifier_approach_in_gas(const struct classifier_def *def, classifier_drag drag, double x, double ahead,
                                                             double tangential_against, double radial_inward);
 
@@ -335,7 +338,8 @@ typedef struct classifier_def {
     int points;           /* drawn particles of a shift, a power of two from 16 to 2^20; 1024 */
     int shifts;           /* independent repetitions for the error bar, 2 .. CLASSIFIER_MAX_SHIFTS; 8 */
     uint64_t seed;        /* of the shifts; 1 */
-    double approach_size; /* [m] >= 0: before the hit, gas bends the flight of all as it does that of this size; 0 (paper): straight; 0 */
+    double approach_size; /* [m] >= 0: before the hit, gas deflects all particles as it does those of this size; 0
+                             (paper): straight paths; 0 */
 } classifier_def;
 
 typedef enum { CLASSIFIER_LIMESTONE, CLASSIFIER_GROUND_GLASS, CLASSIFIER_BEADS } classifier_material;
@@ -520,8 +524,8 @@ typedef struct classifier_balance_result {
 CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_data *data, double *t, double *t_sd, double *feed,
                                                       double *coarse, double *fine, classifier_balance_result *result);
 
-/* Several classifiers with recycle. Stage i sends share t of what it gets to coarse_to[i], the rest to fine_to[i]: a stage, or one of the
-   two products. */
+/* Several classifiers with recycle. Stage i sends the share t of its feed to coarse_to[i] and the rest to fine_to[i]:
+   another stage, or one of the two products. */
 enum { CLASSIFIER_STAGES = 16, CLASSIFIER_TO_COARSE = -1, CLASSIFIER_TO_FINE = -2 };
 typedef struct classifier_circuit_def {
     int stages; /* 1 .. CLASSIFIER_STAGES; fresh feed enters stage 0 */
@@ -983,7 +987,7 @@ static inline double classifier_threshold_velocity(const classifier_balance *at,
            sqrt(0.75 * at->fluid_density / classifier__driving_density(at) * at->radius / x * classifier_drag_coefficient(drag, re));
 }
 
-/* Returns the speed at which the drag on x [m] balances density * acceleration. density: that of the driving force. */
+/* Returns the speed at which the drag on x [m] balances density * acceleration. density: of the driving force. */
 static inline double classifier__speed_for(classifier_drag drag, double x, double density, double fluid_density, double viscosity,
                                            double acceleration) {
     double unit = viscosity / (fluid_density * x); /* speed at Re = 1 */
@@ -1413,13 +1417,6 @@ static inline classifier__drawer classifier__drawer_of(const classifier_distribu
     return w;
 }
 static inline double classifier__draw(const classifier__drawer *w, double u) { return classifier__at(w->d, u, w->low, w->mass); }
-/* Draws a value between low and high from the distribution cut to them, by the random number u; the middle if the probability between them
-   is 0. */
-static inline double classifier__draw_between(const classifier__drawer *w, double u, double low, double high) {
-    double a = classifier__below(w->d, low, w->low, w->mass), b = classifier__below(w->d, high, w->low, w->mass);
-    return b > a ? classifier__draw(w, a + u * (b - a)) : 0.5 * (low + high);
-}
-
 static inline double classifier__above(const classifier_distribution *d, double value) {
     classifier__drawer w = classifier__drawer_of(d);
     return 1.0 - classifier__below(d, value, w.low, w.mass);
@@ -3014,7 +3011,7 @@ static inline int classifier__distinct(const double *x, int n, int most) {
     return count;
 }
 
-/* Returns whether the points are numbers in their ranges, with deviations that are not too different for the fit to tell all of them. */
+/* Returns whether the points are in their ranges, with deviations similar enough for the fit to use all of them. */
 static inline bool classifier__fit_accepts(const classifier__fit_data *d) {
     double least = HUGE_VAL, most = 0.0;
     if (!(d->x && d->t && d->n > 0)) return false;
@@ -3224,7 +3221,7 @@ static inline void classifier__held_fit(classifier__held *f, const classifier__f
     }
 }
 
-/* Widens low[3], high[3] by all curves about f that lie below the bound. Returns whether there is one. */
+/* Widens low[3], high[3] by all curves around f below the bound. Returns whether there is one. */
 static inline bool classifier__held_widen(const classifier__held *f, double bound, double *low, double *high) {
     const double room = bound - f->squares;
     if (!(room >= 0.0)) return false;
@@ -3321,7 +3318,8 @@ static inline void classifier__fit_ranges(const classifier__fit_try *f, const cl
             at = next;
         }
         if (is_in) low = 0.0;
-        result->hook_low = low < c->hook_size ? low : c->hook_size; /* else by rounding, where points lie on the curve */
+        result->hook_low = low < c->hook_size ? low : c->hook_size; /* otherwise by rounding, where points lie on the
+                                                                       curve */
         result->hook_high = high > c->hook_size ? high : c->hook_size;
     }
     result->size_low = riddle_exp(r.low[0]), result->size_high = riddle_exp(r.high[0]);
@@ -3421,7 +3419,7 @@ static inline classifier__adjusted classifier__adjust(const classifier__balance 
     return a;
 }
 
-/* Sums what the adjustment adds to coarse and fine, and how these sums fall with mu and nu. */
+/* Sums what the adjustment adds to coarse and fine, and how these sums decrease with mu and nu. */
 static inline void classifier__surplus(const classifier__balance *b, double sum[2], double fall[3]) {
     sum[0] = sum[1] = fall[0] = fall[1] = fall[2] = 0.0;
     for (int i = 0; i < b->data->classes; i++) {

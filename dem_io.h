@@ -117,7 +117,7 @@ static inline dem_vec dem_io__cross(dem_vec a, dem_vec b) {
 }
 static inline int dem_io__is_there(const dem_world *world, ptrdiff_t i) { return world->alive[i] != 0; }
 
-#define DEM_IO__SIDES 64     /* of what is round */
+#define DEM_IO__SIDES 64     /* sides of a round surface */
 #define DEM_IO__BAR_SIDES 12 /* of a wire */
 #define DEM_IO__RINGS 24     /* of a sphere, from pole to pole */
 
@@ -380,7 +380,8 @@ static inline dem_status dem_io__make_room(const dem_world *world, dem_io_surfac
     return dem_io__allot(world, vertices, triangles, s);
 }
 
-/* Grows a box by its own shadow on each plane that passes it by, unless that is far away: a floor shows before something lies on it. */
+/* Extends a box by its projection on each plane beside it, unless that is far away, so that a floor shows before
+   anything lies on it. */
 static inline void dem_io__grow_to_planes(const dem_world *world, dem_vec *low, dem_vec *high) {
     const dem_vec from = *low, to = *high, across = dem_io__along(to, -1.0, from);
     const double limit = 10.0 * sqrt(dem_io__dot(across, across));
@@ -407,7 +408,7 @@ DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *
     if (status != DEM_OK) return status;
     dem_io_bounds(world, &low, &high);
     dem_io__grow_to_planes(world, &low, &high);
-    const double margin = 1e-3 * ((high.x - low.x) + (high.y - low.y) + (high.z - low.z)); /* so that a floor below lies inside */
+    const double margin = 1e-3 * ((high.x - low.x) + (high.y - low.y) + (high.z - low.z)); /* includes a floor below */
     low = dem_vec3(low.x - margin, low.y - margin, low.z - margin);
     high = dem_vec3(high.x + margin, high.y + margin, high.z + margin);
     for (int k = 0; k < world->walls; k++) {

@@ -123,7 +123,7 @@ CONTACT_API double contact_jkr_sticking_speed(double radius, double modulus, dou
 
 /* ================================================= >>rolling and twisting =================================================== */
 
-/* Constants stand behind those of the shipped laws. */
+/* These constants follow those of the shipped laws. */
 enum { CONTACT_ROLL = DEM_LINEAR_CONSTANTS, CONTACT_ROLL_DAMPING, CONTACT_TWIST, CONTACT_EPSD_CONSTANTS };
 enum { CONTACT_ANGLE = 3, CONTACT_TWISTED = 6, CONTACT_AREA, CONTACT_EPSD_STATES }; /* [rad], [rad], contact radius of Hertz [m] */
 
@@ -182,7 +182,7 @@ DEM_INLINE void contact_epsd_hertz_force(const dem_contact *c, double *state, de
     contact_resist_turning(c, k * mindlin[3], k * before, state + CONTACT_ANGLE, state + CONTACT_TWISTED, r);
 }
 
-/* NaN where world.user has been forgotten, so that the run says so. */
+/* NaN if world.user was not set: the run then reports it. */
 static inline contact_pair_def contact__pair_of(const dem_birth *b) {
     const contact_pair_def *p = contact_pair((contact_laws *)b->user, b->material_i, b->material_j);
     const contact_pair_def none = {(double)NAN, (double)NAN, (double)NAN, (double)NAN, (double)NAN,
@@ -281,7 +281,7 @@ DEM_INLINE void contact_jkr_force(const dem_contact *c, double *state, dem_respo
     r->contact -= pull;
     r->normal -= pull;
     r->elastic += alive * (energy * a * a - 2.0 / 3.0 * p[CONTACT_PULL] * a * a * a * s / radius + p[CONTACT_JKR_TOUCHED]);
-    r->slide_loss += (1.0 - alive) * p[CONTACT_JKR_WORK]; /* what was stored at the release */
+    r->slide_loss += (1.0 - alive) * p[CONTACT_JKR_WORK]; /* the energy stored at the release */
     r->ended = 1.0 - alive;
 }
 static inline double contact_prepare_jkr(const dem_birth *b, double *constants) {
@@ -342,7 +342,7 @@ DEM_INLINE void contact_bond_force(const dem_contact *c, double *state, dem_resp
     const double sheared = p[CONTACT_SHEARED] * (contact__size(shear) + 0.5 * lever * fabs(torsion));
     const int held = was > 0.0 && pulled <= 1.0 && sheared <= 1.0, broke = was > 0.0 && !held;
     const double normal_power = lag * p[CONTACT_STRETCH] * c->closing * c->closing;
-    const double undefined = 0.0 * p[CONTACT_STRETCH]; /* NaN where nobody has set what a bond is */
+    const double undefined = 0.0 * p[CONTACT_STRETCH]; /* NaN if no bond was defined */
     r->normal = held ? normal + lag * p[CONTACT_STRETCH] * c->closing : r->normal + undefined;
     r->contact = held ? (was > 1.5 ? 0.0 : normal) : r->contact; /* a bond that begins is no impact */
     r->elastic = held ? elastic : r->elastic;

@@ -126,7 +126,8 @@ WET_API dem_status wet_run(dem_world *w, double duration, int features);
 /* Liquid in films and bridges [m3]. bridges: how many there are; may be NULL. */
 WET_API double wet_total(const wet_scene *s, const dem_world *w, int *bridges);
 
-/* Makes the tables of bridges anew, for three sizes [m] and for walls: after s->angle or s->liquid was changed. */
+/* Computes the tables of bridges again, for three sizes [m] and for walls. Call it after s->angle or s->liquid has
+   changed. */
 WET_API bridge_status wet_prepare_kinds(wet_scene *s, const double *class_diameter);
 
 /* ========================================================== >>laws ========================================================== */
@@ -163,7 +164,8 @@ DEM_INLINE void wet__contact_force(const dem_contact *c, double *state, dem_resp
     dem_force_linear_rolling(c, state, r);
     wet__resistance(&b, &liquid, c->gap, printed, wet * near, resistance);
     wet__resist(c, resistance, r);
-    /* what is linked is in contact as long as it is near; what is dry ends with the overlap, as the dry law said */
+    /* linked spheres stay in contact as long as they are near; a dry contact ends with the overlap, as the dry law
+       says */
     r->ended = wet > 0.0 ? 1.0 - near : r->ended;
 }
 DEM_INLINE void wet__force(const dem_contact *c, double *state, dem_response *r) {
@@ -209,7 +211,7 @@ static inline double wet__pitch(const wet_scene *s, const dem_world *w, int wall
 }
 
 static inline double wet__larger(double a, double b) { return a > b ? a : b; }
-/* Towards zero, as (int) does where it can. */
+/* Rounds towards zero, as (int) does within its range. */
 static inline int wet__whole(double x) { return x > -1e9 ? x < 1e9 ? (int)x : 1000000000 : -1000000000; }
 
 /* Which film patch of the walls a contact draws from: 5 mm squares of the side wall and of a deck without wires, one pitch of a bar. */
@@ -256,7 +258,7 @@ static inline const bridge_pair *wet__kind(const wet_scene *s, const dem_world *
     return &s->kind[a < b ? a : b][a < b ? b : a];
 }
 
-/* Tells the contact of that number what it needs to know of its bridge. */
+/* Gives the contact of that number the data of its bridge. */
 static inline void wet__tell_contact(dem_world *w, int32_t number, const bridge *b) {
     dem_contact_info c = dem_get_contact(w, number);
     c.state[WET_WIDTH] = b->width;

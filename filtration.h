@@ -605,8 +605,11 @@ typedef enum filtration_face {
     FILTRATION_PRESSURE, /* open, at a given pressure */
     FILTRATION_SYMMETRY, /* a mirror: no flow through it, no shear on it. A sphere that it cuts gets the force on the
                             part inside the box, without that of a constant pressure */
-    FILTRATION_INFLOW    /* liquid enters or leaves with face_velocity; the box also needs a PRESSURE face unless inflow
-                            and outflow are equal */
+    FILTRATION_INFLOW, /* liquid enters or leaves with face_velocity; the box also needs a PRESSURE or OUTLET face unless
+                          inflow and outflow are equal */
+    FILTRATION_OUTLET  /* open, at a given pressure, for jets and vortices that leave. Where liquid comes back in, the
+                          pressure is less by rho u^2 / 2, as from a vessel at rest: backflow brings no energy. At a
+                          PRESSURE face a strong backflow grows until the run diverges */
 } filtration_face;
 enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y, FILTRATION_LOW_Z, FILTRATION_HIGH_Z };
 
@@ -631,7 +634,7 @@ typedef struct filtration_fluid_def {
     filtration_force_mode force;    /* default MOMENTUM_EXCHANGE */
     filtration_face face[6];        /* FILTRATION_LOW_X ...; default PERIODIC */
     double face_velocity[6][3];     /* of WALL faces, within their plane, and of INFLOW faces [m/s]; default 0 */
-    double face_pressure[6];        /* of PRESSURE faces [Pa], relative to the mean; default 0 */
+    double face_pressure[6];        /* of PRESSURE and OUTLET faces [Pa], relative to the mean; default 0 */
     double body_force[3];           /* on the fluid [N/m3]; default 0. Without gravity, because pressure is dynamic */
     filtration_solid solid;         /* default: none */
     double speed_limit;             /* lattice speed [-] above which a run stops as diverged, 1e-15 .. 0.5; default 0.3 */
@@ -2948,6 +2951,17 @@ FILTRATION__STATIC void filtration__enter_open(const filtration__lattice *l, con
     }
 }
 
+/* A given pressure where liquid leaves; where it enters, with the energy of a vessel at rest (Bruneau and Fabrie 1994). */
+FILTRATION__STATIC void filtration__enter_outlet(const filtration__lattice *l, const filtration__entry *e, int n,
+                                                 double u[3][FILTRATION__BLOCK], double *h) {
+    const double into = e->face & 1 ? -1.0 : 1.0, *through = u[e->face / 2];
+    filtration__enter_open(l, e, n, u, h);
+    for (int k = 0; k < n; k++) {
+        const double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
+        if (into * through[k] > 0.0) h[k] -= 3.0 * l->w[e->i] * uu;
+    }
+}
+
 /* clang-format off */
 static const filtration__face_kind filtration__face_kinds[] = {
     /* kind                 beyond                 rank  touched velocity pressure reads flow  enter */
@@ -2957,6 +2971,7 @@ static const filtration__face_kind filtration__face_kinds[] = {
     {FILTRATION_SYMMETRY, FILTRATION__MIRRORED, 1, 0, 0, 0, 0, NULL},
     {FILTRATION_INFLOW,   FILTRATION__NOTHING,  4, 0, 2, 0, 0, filtration__enter_wall}, /* ranks before walls, so that all of
                                                                                            the flow enters */
+    {FILTRATION_OUTLET,   FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_outlet},
 };
 /* clang-format on */
 

@@ -215,7 +215,7 @@ static inline double granulation_arrhenius(double viscosity, double activation, 
 
 /* ==== the outcome of a collision as one pure function ==== */
 
-/* The yield stress of a pair from those of its two granules. */
+/* How the yield stress of a pair follows from those of its two granules. */
 typedef enum granulation_pair_yield { GRANULATION_YIELD_MEAN, GRANULATION_YIELD_WEAKER } granulation_pair_yield;
 /* Y / E* fixed (yield_ratio), or E* fixed (modulus). */
 typedef enum granulation_stiffness { GRANULATION_FIXED_RATIO, GRANULATION_FIXED_MODULUS } granulation_stiffness;
@@ -440,8 +440,8 @@ GRANULATION_API granulation_status granulation_sim_spray(granulation_sim *sim, d
 /* Returns the mean diameter (sum D^p / sum D^q)^(1/(p-q)) [m]: (4,3) volume weighted, (1,0) number, (3,2) Sauter. 0 <= q < p <= 6, else
    NaN; NaN when empty. */
 GRANULATION_API double granulation_sim_mean(const granulation_sim *sim, int p, int q);
-/* Returns the diameter [m] up to which granules contain a share, in (0, 1], of the total volume: that of the granule which reaches it.
-   Median size: 0.5. NaN when empty. */
+/* Returns the diameter [m] up to which granules contain a share, in (0, 1], of the total volume: the diameter of the
+   granule that reaches it. Median size: 0.5. NaN when empty. */
 GRANULATION_API double granulation_sim_percentile(const granulation_sim *sim, double share);
 /* Sums by class of volume: class k contains edges[k] <= V < edges[k+1] [m3], edges [classes+1] increasing; count, q_s, q_l, q_a [classes]
    may be NULL. Returns the number of granules outside, which are left out. */
@@ -475,8 +475,9 @@ enum granulation_outside_flag {
 #undef GRANULATION__FLAG
         GRANULATION_OUTSIDE_NOTHING = 0
 };
-/* Returns the flags of what lies outside the fit now, by more than 1 % of the border. The share of binder is that of l / (s + l), which
-   consolidation keeps. Without granules: speed, time, material and rules only. 0 for NULL. */
+/* Returns the flags of quantities that lie outside the fit at present, by more than 1 % of the limit. The share of
+   binder is that of l / (s + l), which consolidation keeps. Without granules: speed, time, material and rules only. 0
+   for NULL. */
 GRANULATION_API unsigned granulation_sim_outside(const granulation_sim *sim);
 GRANULATION_API const char *granulation_outside_text(unsigned flag); /* of one flag; never NULL; static storage */
 
@@ -540,8 +541,8 @@ static inline double granulation_saturation_kernel(const granulation_granule *i,
 static inline double granulation_class_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
 
 typedef enum granulation_scheme { GRANULATION_CELL_AVERAGE, GRANULATION_FIXED_PIVOT } granulation_scheme;
-/* Daughters: two halves (36); two with the volume of one uniform on 0 .. u (b(v|u) = 2/u); those of a function of your own. The last two:
-   one-component grids only. */
+/* Daughters: two halves (36); two, one with a volume uniform on 0 .. u (b(v|u) = 2/u); or those of a function of your
+   own. The last two: one-component grids only. */
 typedef enum granulation_daughters { GRANULATION_HALVES, GRANULATION_UNIFORM, GRANULATION_OWN } granulation_daughters;
 /* Returns the share of a mother's volume in daughters with less than z of hers, 0 <= z <= 1: it does not fall, and is 1 at z = 1.
    mother: volume without air [m3]. A function that breaks this makes a run return KERNEL. */
@@ -558,7 +559,8 @@ typedef struct granulation_balance_def {
     granulation_scheme scheme; /* default CELL_AVERAGE; breakage is fixed pivot in both */
     granulation_kernel kernel; /* NULL: no coalescence; default constant */
     const void *kernel_user;   /* data of the kernel; default NULL: rate 1, for the kernels above that need no more. Not owned */
-    bool kernel_changes;       /* it depends on the composition: evaluated anew before each step; default false */
+    bool kernel_changes;       /* it depends on the composition, so it is evaluated again before each step; default
+                                  false */
     double (*selection)(const granulation_granule *g, const void *user); /* rate of breakage [1/s]; NULL: none; default NULL */
     const void *selection_user;
     granulation_daughters daughters; /* default HALVES */
@@ -590,7 +592,8 @@ typedef struct granulation_balance {
     double lost_number;     /* granules that grew beyond the last pivot */
     granulation_granule lost, total; /* their volumes; all volumes ever added */
     double air_released;
-    double next_step; /* [s] the integrator's next try; 0: it chooses; negative: the same, and the kernel is evaluated anew */
+    double next_step; /* [s] first step size that the integrator tries next; 0: it chooses; negative: the same, and the
+                         kernel is evaluated again */
     /* below: private */
     int64_t pairs;
     int *target;
@@ -611,8 +614,8 @@ GRANULATION_API void granulation_balance_free(granulation_balance *b);
 /* Adds `number` >= 0 granules; they are shared between neighbouring pivots so that number and every volume is kept. A granule on a pivot
    goes to that cell alone. Outside the pivots: BAD_ARGUMENT. */
 GRANULATION_API granulation_status granulation_balance_add(granulation_balance *b, const granulation_granule *g, double number);
-/* Runs to the time b->time + duration [s], duration >= 0. GEL, STEP, KERNEL: stopped at b->time with a whole state. However
-   late the time, all of the duration is run. */
+/* Runs to the time b->time + duration [s], duration >= 0. GEL, STEP, KERNEL: it stopped at b->time with a complete
+   state. However late the time, the whole duration is run. */
 GRANULATION_API granulation_status granulation_balance_run(granulation_balance *b, double duration);
 GRANULATION_API granulation_status granulation_balance_set(granulation_balance *b,
                                                            const granulation_balance_def *def); /* a change in mid-run; not the memory */
@@ -648,8 +651,8 @@ GRANULATION_API granulation_status granulation_montecarlo_init(granulation_monte
                                                                double volume, granulation_kernel kernel, const void *user, uint64_t seed,
                                                                const granulation_memory *memory);
 GRANULATION_API void granulation_montecarlo_free(granulation_montecarlo *mc);
-/* Runs to the time mc->time + duration [s], duration >= 0. BAD_ARGUMENT, KERNEL, STEP: more than 1e9 pairs would have to be drawn (told
-   before they are). However late the time, all of the duration is run. */
+/* Runs to the time mc->time + duration [s], duration >= 0. BAD_ARGUMENT, KERNEL, STEP: more than 1e9 pairs would have
+   to be drawn (reported before drawing). However late the time, the whole duration is run. */
 GRANULATION_API granulation_status granulation_montecarlo_run(granulation_montecarlo *mc, double duration);
 /* Returns the moment sum V^p / volume [m3^p per m3]; V: whole volumes. */
 GRANULATION_API double granulation_montecarlo_moment(const granulation_montecarlo *mc, double p);
@@ -2326,7 +2329,8 @@ static inline granulation_status granulation__swept_step(granulation_sim *sim, d
         if (!granulation__predict_all(sim, &w)) return GRANULATION_NO_MEMORY;
         const granulation__motion *motion = (const granulation__motion *)sim->motion;
         double stop = w.end;
-        for (int i = 0; left == path_time && i < sim->n; i++) { /* daughters lie where their mother lay, and beside it */
+        for (int i = 0; left == path_time && i < sim->n; i++) { /* daughters take their mother's place, and one beside
+                                                                   it */
             if (sim->broken[i] != sim->steps || granulation__make_room(sim, &w, i, 0.0)) continue;
             status = GRANULATION_NO_MEMORY;
             stop = 0.0;
@@ -2853,7 +2857,7 @@ static inline granulation__place_of granulation__share(const granulation_balance
         const double *pivot = b->pivot[k];
         double key = k ? key1 : key0;
         int n = b->size[k];
-        /* round-off: a sum may lie a hair beyond the last pivot, a half below the first */
+        /* round-off: a sum may be slightly beyond the last pivot, a half slightly below the first */
         if (key > pivot[n - 1] && key <= pivot[n - 1] * (1.0 + 1e-14)) key = pivot[n - 1];
         if (key < pivot[0] && key >= pivot[0] * (1.0 - 1e-14)) key = pivot[0];
         if (!(key <= pivot[n - 1])) return p;
@@ -2865,8 +2869,8 @@ static inline granulation__place_of granulation__share(const granulation_balance
     return p;
 }
 
-/* Returns the mean key along key k of the granules formed in cell `at`. All terms lie between the cell's edges and not beyond the last
-   pivot; the mean of thousands may not, by round-off, or by over- or underflow of its terms, so it is limited. */
+/* Returns the mean key along key k of the granules formed in cell `at`. All terms lie within the cell's edges and below
+   the last pivot. By round-off, overflow or underflow of its terms, the mean of thousands may not, so it is limited. */
 static inline double granulation__mean_key(const granulation_balance *b, int k, int at, double sum, double count) {
     double low = b->edge[k][at], high = b->edge[k][at + 1], first = b->pivot[k][0], last = b->pivot[k][b->size[k] - 1], mean = sum / count;
     low = low > first ? low : first;
@@ -3327,7 +3331,7 @@ GRANULATION_API granulation_status granulation_balance_run(granulation_balance *
     if (!b || !b->state || !(duration >= 0.0 && b->time + duration < HUGE_VAL)) return GRANULATION_BAD_ARGUMENT;
     size_t length = granulation__length(b);
     double *base = b->work, *stage = base + length, *two = stage + length, *rate = two + length, *y = b->state;
-    const double start = b->time; /* a late clock rounds: what is left is counted from here */
+    const double start = b->time; /* a late clock rounds, so the remaining time is counted from here */
     double gone = 0.0, allowed = b->def.most_lost * b->total.s;
     bool stale = b->next_step < 0.0 || b->def.kernel_changes;
     if (stale) {

@@ -100,7 +100,7 @@ typedef struct bridge_liquid {
 typedef enum bridge_split {
     BRIDGE_SPLIT_NECK,  /* cut at the neck of the meniscus at rupture, by Young-Laplace (default) */
     BRIDGE_SPLIT_HALF,  /* half each */
-    BRIDGE_SPLIT_RETURN /* each solid gets back what it gave */
+    BRIDGE_SPLIT_RETURN /* each solid gets back its contribution */
 } bridge_split;
 
 typedef struct bridge_pair_def {
@@ -181,8 +181,8 @@ static inline double bridge_reduced_radius(double ri, double rj);
 static inline double bridge_neck_area(double volume, double harmonic_radius);
 /* Returns X = 1 - S/sqrt(S^2 + a) [-], 0 .. 1, without cancellation; gap S >= 0 [m], a >= 0 [m2]; 0 without liquid. */
 static inline double bridge_neck_factor(double gap, double neck_area);
-/* Returns the lever arm of i [m]: ri D/(ri + rj) = ri (1 + S/(ri + rj)); that of j is bridge_arm(rj, ri, S); they add up to D. On a plate:
-   ri. */
+/* Returns the lever arm of i [m]: ri D/(ri + rj) = ri (1 + S/(ri + rj)). The arm of j is bridge_arm(rj, ri, S); they
+   add up to D. On a plate: ri. */
 static inline double bridge_arm(double ri, double rj, double gap);
 
 /* Returns the liquid [m3] that sphere i gives to a bridge with sphere j from its film L [m3]: the film on the cap that sees j (Shi &
@@ -216,8 +216,8 @@ static inline double bridge_stiffness_energy(double gap, double volume, double h
 /* Returns the work [J] to open from contact to gap S against bridge_force_energy. */
 static inline double bridge_work_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
                                         double surface_tension);
-/* Returns the capillary force [N], energy form plus surface tension on the wetted ring (eq 12, corrected): what the paper meant; it counts
-   the tension twice and is 20 .. 70 % too strong. Two spheres. */
+/* Returns the capillary force [N] as the paper intended it: energy form plus surface tension on the wetted ring (eq 12,
+   corrected). It counts the tension twice and is 20 .. 70 % too strong. Two spheres. */
 static inline double bridge_force_tension(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
                                           double surface_tension);
 /* Returns the same for a sphere of `radius` on a plate (eq 13, corrected). */
@@ -310,10 +310,11 @@ BRIDGE_API bridge_status bridge_form_printed(const bridge_pair *pair, double rad
                                              int swapped, bridge *b);
 /* Computes the range of volumes that bridge_form accepts for these radii [m3]. */
 BRIDGE_API void bridge_volume_range(const bridge_pair *pair, double radius_i, double radius_j, double *smallest, double *largest);
-/* Returns 1 while the liquid is pendular (see pendular_volume), 0 beyond: forces are then those of an isolated bridge, an overestimate. */
+/* Returns 1 while the liquid is pendular (see pendular_volume), 0 beyond that: forces are then those of an isolated
+   bridge, an overestimate. */
 BRIDGE_API int bridge_is_pendular(const bridge_pair *pair, const bridge *b);
 
-/* What lies outside the range of a fit or of a table: there a law extrapolates. */
+/* Quantities outside the range of a fit or of a table, where a law extrapolates. */
 #define BRIDGE_OUTSIDES(X)                                                                                                                 \
     X(BRIDGE_OUTSIDE_WILLETT, 1, "bridge_force_willett: fitted for a mean contact angle to 50 degrees and V/R_h^3 from 5e-5 to 0.2")       \
     X(BRIDGE_OUTSIDE_UNEQUAL, 2, "bridge_rupture_gap_unequal: fitted for contact angles to 50 degrees and V/R_h^3 from 1e-6 to 0.1")       \
@@ -397,13 +398,13 @@ static inline double bridge_split_volume(const bridge *b, double quantum);
 /* Ruptures a bridge: its liquid returns to the films of i and j, and b->volume becomes 0. BRIDGE_INVALID, and nothing changed, for a bad
    index, volume or split. */
 BRIDGE_API bridge_status bridge_release(bridge_films *films, bridge *b, size_t i, size_t j, bridge_partner partner);
-/* Adds `amount` >= 0 [m3] (rounded down to a quantum) to a film, which is &films->particle[i] or &films->patch[k]; returns what was added.
-   NaN and nothing done for a bad amount. */
+/* Adds `amount` >= 0 [m3] (rounded down to a quantum) to a film, which is &films->particle[i] or &films->patch[k].
+   Returns the amount added; NaN for a bad amount, and nothing is added. */
 BRIDGE_API double bridge_add(bridge_films *films, double *film, double amount);
-/* Takes `amount` >= 0 [m3] (rounded down), at most all, from a film; returns what was taken. */
+/* Takes `amount` >= 0 [m3] (rounded down), at most all, from a film. Returns the amount taken. */
 BRIDGE_API double bridge_evaporate(bridge_films *films, double *film, double amount);
-/* Takes liquid from a bridge and computes its series anew (its split stays). What would leave it below the table's range is not taken: 0 is
-   returned. */
+/* Takes liquid from a bridge and computes its series again (its split stays). Returns 0 and takes nothing if too little
+   for the table would remain. */
 BRIDGE_API double bridge_evaporate_bridge(bridge_films *films, const bridge_pair *pair, bridge *b, double amount);
 /* Returns the compensated sum of n doubles `stride` >= 1 doubles apart (Neumaier). NaN without values or with stride 0. */
 BRIDGE_API double bridge_sum(const double *values, size_t n, size_t stride);
@@ -1506,7 +1507,7 @@ static inline void bridge__compare_all(bridge_pair *pair) {
             (void)bridge__compare(pair, 0.5 * (low + high + u * (high - low)));
         }
     }
-    pair->deviation *= 1.25; /* the largest lies between the volumes compared */
+    pair->deviation *= 1.25; /* the largest deviation is between the volumes compared */
     pair->rupture_deviation *= 1.25;
 }
 
@@ -1575,7 +1576,8 @@ BRIDGE_API bridge_status bridge_pair_prepare(bridge_pair *pair, const bridge_pai
     bridge__compare_all(pair);
     if (pair->rupture_deviation > few && bridge__cut(pair)) {
         for (int piece = 0; piece < pair->pieces && status == BRIDGE_OK; piece++) status = bridge__tabulate(pair, piece);
-        if (status != BRIDGE_OK) { /* a volume at the jump is not solved: the table in one, which states what it errs by */
+        if (status != BRIDGE_OK) { /* a volume at the jump cannot be solved: use the table in one, which states its
+                                      error */
             pair->pieces = 1;
             pair->ln_edge[1] = pair->ln_max;
             if (bridge__tabulate(pair, 0) != BRIDGE_OK) return BRIDGE_NO_SOLUTION;
@@ -1742,8 +1744,8 @@ BRIDGE_API bridge_status bridge_allocate(bridge_films *films, bridge_contact *co
     }
     for (size_t k = 0; k < n; k++)
         films->scratch[contacts[k].i] = films->scratch[bridge__slot(films, contacts[k].j, contacts[k].partner)] = 0.0;
-    for (size_t k = 0; k < n; k++) { /* first pass: what each requests, as multiples of the quantum, so that sums do not depend on the
-                                        order */
+    for (size_t k = 0; k < n; k++) { /* first pass: the request of each bridge, in multiples of the quantum, so that
+                                        sums do not depend on the order */
         bridge_contact *c = &contacts[k];
         size_t j = bridge__slot(films, c->j, c->partner);
         double film = films->particle[c->i], other = *bridge__film(films, j);

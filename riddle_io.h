@@ -432,7 +432,7 @@ static inline char *riddle_io__resolved(const char *path) {
 #endif
 }
 
-/* Makes what is missing of the folders above a file. Returns errno of the first one that could not be made, or 0. */
+/* Makes the missing folders above a file. Returns errno of the first one that could not be made, or 0. */
 static inline int riddle_io__make_parents(char *path) {
     int failed = 0;
     for (char *c = path; *c; c++) {

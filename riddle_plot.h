@@ -78,7 +78,7 @@ RIDDLE_PLOT_API void riddle_plot_bars(riddle_plot *p, const char *label, const c
 /* Adds a heat map of values[row][column], row 0 at the bottom, between the given corners, and a colour bar with its label at the right. */
 RIDDLE_PLOT_API void riddle_plot_heat(riddle_plot *p, const char *label, const double *values, int columns, int rows, double x0, double x1,
                                       double y0, double y1);
-/* Sets the range of the colours of the heat map just added; default: that of its values. To compare panels. */
+/* Sets the range of the colours of the heat map just added, for comparing panels; default: the range of its values. */
 RIDDLE_PLOT_API void riddle_plot_heat_range(riddle_plot *p, double low, double high);
 
 /* Says that the values of the heat map just added are the classes 0, 1 .. n-1 with these names: the bar shows one colour each. */
@@ -665,7 +665,7 @@ static inline bool riddle_plot__visible(const riddle_plot__panel *a, double x, d
     return riddle_plot__can_show(&a->x, x) && riddle_plot__can_show(&a->y, y);
 }
 
-/* Limits a coordinate to what a renderer can take. */
+/* Limits a coordinate to a range that renderers accept. */
 static inline double riddle_plot__limited(double v) { return v < -1e5 ? -1e5 : v > 1e5 ? 1e5 : v; }
 
 static inline void riddle_plot__draw_path(riddle_io_file *f, const riddle_plot__panel *a, const riddle_plot__series *s) {
@@ -1360,7 +1360,7 @@ static inline const char *riddle_plot__style(void) {
            ".grid .minor{stroke:#f1f1f1}.frame{fill:none;stroke:#444;stroke-width:1.2}.mark{stroke:#444;stroke-width:1.2}</style>\n";
 }
 
-/* Gives every panel its place; panels of a column stand below each other, those of a row beside each other. */
+/* Gives every panel its place. Panels of a column are below each other, those of a row beside each other. */
 static inline void riddle_plot__place_panels(riddle_plot *p, double head, double *width, double *height) {
     double column_left[6] = {0}, column_right[6] = {0}, row_top[6] = {0}, row_bottom[6] = {0};
     for (int i = 0; i < p->rows * p->columns; i++) {

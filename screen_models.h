@@ -186,7 +186,7 @@ typedef struct screen_def {
     double coarse_diameter; /* d_av,c of eq 41 and size of the oversize [m], > 0; 0.010 */
     double deck_area;       /* W^2 [m2], > 0; 0.02835, a disc of 0.19 m */
     double bulk_density;    /* rho_b [kg/m3], > 0; 1500 */
-    double bottom_limit;    /* B_p = B_mP/m_0, what the bottom layer can hold [-], > 0; infinity (default): no limit */
+    double bottom_limit;    /* B_p = B_mP/m_0, capacity of the bottom layer [-], > 0; infinity (default): no limit */
     double tolerance;       /* error of retained that is allowed in a step of the adaptive integrator [-], [1e-14, 1e-2]; 1e-9; the same
                                for the stratified part where it matters to the retained, 1000 times that elsewhere */
     double fixed_step;      /* > 0 [s]: steps of this length without error control, stable and positive for any; 0 (default): adaptive */
@@ -203,7 +203,8 @@ typedef struct screen_def {
     double worn_by;        /* by this [m], >= 0; 0. Classes up to aperture + worn_by may then stand in diameters: what wear lets through */
     double load_exponent;  /* rates of passage are multiplied by (load_reference/load)^this, load = all mass over deck_area; >= 0; 0: the
                               load has no influence (but for stratification in model 3); 1: holes per mass of feed decide */
-    double load_reference; /* load that the parameters were fitted at [kg/m2], > 0; 49.7, that of the paper; read with an exponent only */
+    double load_reference; /* load at which the parameters were fitted [kg/m2], > 0; 49.7, that of the paper; read with
+                              an exponent only */
     const screen_domain *domain; /* range of the fit: outside, screen_predict, screen_partition and screen_time_to fill their outputs and
                                     return SCREEN_OUTSIDE; not owned; null (default): not checked */
     screen_memory memory;        /* the C library's */
@@ -234,9 +235,9 @@ SCREEN_API screen_status screen_published(screen_model model, double *parameters
 
 /* Returns the domain of the 27 cases to which they were fitted. */
 SCREEN_API screen_domain screen_published_domain(void);
-/* Returns flags of enum screen_outside_flag for what of a prediction lies outside a domain, by more than 1 % of its values; 0 for nothing
-   or for null pointers. last_time: the largest time of interest [s], or 0. The number of classes counts only for model 3, whose curves
-   depend on it. */
+/* Returns flags of enum screen_outside_flag for the quantities of a prediction that lie outside a domain, by more than
+   1 % of their values; 0 for none or for null pointers. last_time: the largest time of interest [s], or 0. The number
+   of classes counts only for model 3, whose curves depend on it. */
 SCREEN_API unsigned screen_outside(const screen_domain *domain, const screen_def *def, screen_model model,
                                    const screen_operation *operation, double last_time);
 /* Returns the name of one flag; "unknown flag" for anything else. */
@@ -336,7 +337,8 @@ typedef struct screen_fit_options {
     const double *start;                /* [parameters] replaces the first random start; not owned; null: none (default) */
     double low[SCREEN_MAX_PARAMETERS];  /* bounds, as the parameters: rate constants 1e-12 .. 1e12 (> 0), alpha, beta -50 .. 50, */
     double high[SCREEN_MAX_PARAMETERS]; /* gamma, delta -1000 .. 1000. low = high holds a parameter. */
-    double data_error; /* what the data are good for [-], > 0; 1e-3: a parameter is judged by an error of at least this size */
+    double data_error; /* accuracy of the data [-], > 0; 1e-3: a parameter is judged by an error of at least this
+                          size */
     double shrink;     /* >= 0 [-]: adds half of this x (exponent/5)^2 and x (exponent x moisture exponent/20)^2 to the deviation (all of
                       it to the mean square), so that few cases do not drive exponents far for a small gain: the fit is the minimum of the
                       sum. 0 (default): the plain minimum; 3e-4 is a mild choice */
@@ -362,10 +364,10 @@ typedef struct screen_fit_result {
                                             correlate with their neighbours count as fewer points */
     double dof;                          /* degrees of freedom of the errors: points that count, less the free parameters; at least 1 */
     double student;                      /* half-width of the ranges in errors: screen_student(0.95, dof) */
-    double low[SCREEN_MAX_PARAMETERS];   /* 95 % range: parameter -+ student errors (a rate constant by a factor), cut at the bounds.
-                                            Errors are those of the model made linear at the fit: where few cases carry many
-                                            parameters (model 2 from four) it bends within the range, which then holds a little
-                                            too rarely */
+    double low[SCREEN_MAX_PARAMETERS];   /* 95 % range: parameter -+ student errors (a rate constant by a factor), cut
+                                            at the bounds. Errors are those of the model linearised at the fit. Where
+                                            few cases carry many parameters (model 2 from four), the model is nonlinear
+                                            within the range, which then holds a little too rarely */
     double high[SCREEN_MAX_PARAMETERS];
     double correlation[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS];
     int determined[SCREEN_MAX_PARAMETERS]; /* 0: the range reaches farther than ln 2 (rate constant) or max(1, |value|) (exponent) on either
@@ -376,7 +378,7 @@ typedef struct screen_fit_result {
     int starts_at_best;                    /* of them ended within 1e-6 of the best sum of loss and price (options.shrink) */
     long evaluations;                      /* of the curves of all cases */
     screen_where where;                    /* first bad datum when the data are refused; else the largest rise, -1 without one */
-    int rises;                             /* points that lie above an earlier one by more than the tolerance */
+    int rises;                             /* points that exceed an earlier one by more than the tolerance */
     double largest_rise;                   /* [-] */
     double scatter;                        /* of single points about smooth curves, from the data alone [-]; 0 where it cannot be told */
     double case_error;  /* root mean square error of a case that was not fitted [-], from residuals of whole cases, which contain the
@@ -782,8 +784,8 @@ static inline double screen_passage_probability(double aperture, double wire, do
     return (aperture - d) / pitch * ((aperture * c - d) / (pitch * c));
 }
 
-/* Returns the same for an opening of the given length [m] >= aperture, its width, which lies across the slope; infinite for rods, whose gap
-   alone decides. Eq 23 with another length. */
+/* Returns the same for an opening with a given length [m], at least its width, the aperture, which lies across the
+   slope; infinite for rods, whose gap alone decides. Eq 23 with another length. */
 static inline double screen_slot_probability(double aperture, double length, double wire, double d, double inclination) {
     if (!(aperture > 0.0 && length >= aperture && wire >= 0.0 && d >= 0.0 && inclination >= 0.0 && inclination < 0.5 * RIDDLE_PI))
         return (double)NAN;
@@ -1470,8 +1472,8 @@ static inline screen_status screen__sweep(const screen_def *def, screen_bed *bed
     return status;
 }
 
-/* Joins what is left of top layers with the bottom layer, since B = Y - U. Returns 1 if a step of any length is exact: all is stratified,
-   and the bottom layer holds it. */
+/* Joins the rest of top layers with the bottom layer, since B = Y - U. Returns 1 if a step of any length is exact,
+   because everything is stratified and the bottom layer holds it. */
 static inline int screen__is_stratified(const screen_def *def, screen_bed *bed) {
     double top = 0.0, bottom = 0.0;
     for (int i = 0; i < def->classes; i++) {
@@ -1513,7 +1515,7 @@ static inline double screen__extrapolate(screen_bed *bed, int n, int k) {
             x += weight[k][m] * own->x_of[m];
             y += weight[k][m] * own->y_of[m];
         }
-        /* what is wrong with U reaches Y at the rate b until U is gone, at the rate c */
+        /* an error of U reaches Y at the rate b until U is gone, at the rate c */
         double reach = own->b < own->c[0] ? own->b / own->c[0] : 1.0;
         double u = x >= 0.0 ? own->u[0] * screen__decay(x, &ignored) : own->u[1];
         double e_u = k > 0 ? fabs(u - own->u_best) * (reach > 1e-3 ? reach : 1e-3) : HUGE_VAL,
@@ -1665,8 +1667,8 @@ typedef struct screen__out {
     double *retained, *stratified, *bottom, *slopes;
 } screen__out;
 
-/* Writes Y and the layers of a class at one time into the output. y: of the share that can pass; what is written includes the share that
-   never passes. */
+/* Writes Y and the layers of a class at one time into the output. y: of the share that can pass; the output includes
+   the share that never passes. */
 static inline void screen__write(const screen_def *def, const screen__out *out, int klass, int j, double y, double top,
                                  const double *slope) {
     size_t at = (size_t)klass * (size_t)out->times + (size_t)j;

@@ -152,7 +152,7 @@ static filtration_fluid_def fluid_def(run *r, int threads) {
     def.density = d->density, def.viscosity = d->viscosity;
     def.nodes[0] = def.nodes[1] = (int)floor(d->width / d->voxel + 0.5);
     def.nodes[2] = (int)floor(d->height / d->voxel + 0.5);
-    def.face[FILTRATION_LOW_Z] = def.face[FILTRATION_HIGH_Z] = FILTRATION_PRESSURE;
+    def.face[FILTRATION_LOW_Z] = FILTRATION_OUTLET, def.face[FILTRATION_HIGH_Z] = FILTRATION_PRESSURE;
     if (d->paper_force) def.force = FILTRATION_SHEAR_LAYER;
     if (d->half_way) def.boundary = FILTRATION_HALF_WAY;
     def.solid = filtration_cloth_solid(&r->cloth);

@@ -697,96 +697,99 @@ static void keep(void *user, const granulation_event *e) {
     if (all->n < all->most) all->list[all->n++] = *e;
 }
 
-static int study_map(const program *self, json *report, granulation_def def, int runs, int steps) {
-    enum { MOST = 200000, SIDE = 140 };
-    events all = {(granulation_event *)malloc(MOST * sizeof(granulation_event)), 0, MOST};
-    static const char *const names[4] = {"rebound", "Type II", "Type I", "Type I, eq 21 met, too"};
+enum { MAP_MOST = 200000, MAP_SIDE = 140, MAP_KINDS = 4 };
+/* Collisions in the plane of the Stokes numbers, by their outcome: St_def and St_v of each. */
+typedef struct outcome_plane {
+    double (*at)[2][MAP_MOST]; /* [MAP_KINDS] */
+    int n[MAP_KINDS];
+} outcome_plane;
+
+/* Draws the outcomes that the population would have at a step. */
+static granulation_status draw_outcomes(const granulation_sim *sim, const condition *c, int k, int step, riddle_plot *map) {
     static const char *const outcomes[3] = {"rebound", "Type I", "Type II"};
-    double(*xy)[2][MOST] = (double(*)[2][MOST])malloc(4 * sizeof *xy);
-    if (!all.list || !xy) {
-        free(all.list);
-        free(xy);
-        return common_fail("out of memory");
+    double film = 0.0, cells[MAP_SIDE * MAP_SIDE], st_v[MAP_SIDE], st_def[MAP_SIDE];
+    granulation_reason reasons[MAP_SIDE * MAP_SIDE];
+    const double ha = granulation_asperity(c->def.laws.asperity_factor, c->def.laws.grain_diameter);
+    for (int i = 0; i < sim->n; i++) film += sim->body[i].film / sim->n;
+    for (int i = 0; i < MAP_SIDE; i++) {
+        st_v[i] = pow(10.0, -1.0 + 3.0 * (i + 0.5) / MAP_SIDE);
+        st_def[i] = pow(10.0, -7.0 + 7.0 * (i + 0.5) / MAP_SIDE);
     }
-    condition c = condition_of(def, 360, 0.33);
-    c.def.contact = GRANULATION_CONTACT_SMALLER; /* the reading that gives figure 10 its 320 events */
-    c.def.on_collision = keep;
-    c.def.collision_user = &all;
+    const granulation_status status = granulation_sim_map(sim, st_v, MAP_SIDE, st_def, MAP_SIDE, reasons);
+    for (int i = 0; i < MAP_SIDE * MAP_SIDE; i++)
+        cells[i] = reasons[i] == GRANULATION_TYPE_I ? 1.0 : reasons[i] <= GRANULATION_TYPE_II_DRY ? 2.0 : 0.0;
+    char title[60];
+    snprintf(title, sizeof title, "step %d, h₀/hₐ = %.1f", step, film / ha);
+    riddle_plot_panel(map, 0, k, "log₁₀ St_def", "log₁₀ St_v");
+    riddle_plot_title(map, title);
+    riddle_plot_heat(map, "", cells, MAP_SIDE, MAP_SIDE, -7.0, 0.0, -1.0, 2.0);
+    riddle_plot_heat_classes(map, outcomes, 3);
+    return status;
+}
+
+/* Runs the replicates, whose collisions c keeps; draws map.svg from the first. */
+static granulation_status run_map(const program *self, const condition *c, int runs, int steps) {
     riddle_plot *map = riddle_plot_new("Coalescence boundaries of the population as it is", 1, 3);
     const int when[3] = {steps / 4, steps / 2, steps};
     granulation_status status = GRANULATION_OK;
     for (int run = 0; run < runs && status == GRANULATION_OK; run++) {
         granulation_sim sim;
-        status = start(&sim, &c, program_seed_of(self->seed, (uint64_t)run));
-        int done = 0;
-        for (int k = 0; k < 3 && status == GRANULATION_OK; k++) {
+        status = start(&sim, c, program_seed_of(self->seed, (uint64_t)run));
+        for (int k = 0, done = 0; k < 3 && status == GRANULATION_OK; done = when[k++]) {
             status = granulation_sim_run(&sim, when[k] - done);
-            done = when[k];
-            if (run > 0 || status != GRANULATION_OK) continue;
-            double film = 0.0, cells[SIDE * SIDE], st_v[SIDE], st_def[SIDE];
-            granulation_reason reasons[SIDE * SIDE];
-            double ha = granulation_asperity(c.def.laws.asperity_factor, c.def.laws.grain_diameter);
-            for (int i = 0; i < sim.n; i++) film += sim.body[i].film / sim.n;
-            for (int i = 0; i < SIDE; i++) {
-                st_v[i] = pow(10.0, -1.0 + 3.0 * (i + 0.5) / SIDE);
-                st_def[i] = pow(10.0, -7.0 + 7.0 * (i + 0.5) / SIDE);
-            }
-            status = granulation_sim_map(&sim, st_v, SIDE, st_def, SIDE, reasons);
-            for (int i = 0; i < SIDE * SIDE; i++)
-                cells[i] = reasons[i] == GRANULATION_TYPE_I ? 1.0 : reasons[i] <= GRANULATION_TYPE_II_DRY ? 2.0 : 0.0;
-            char title[60];
-            snprintf(title, sizeof title, "step %d, h₀/hₐ = %.1f", when[k], film / ha);
-            riddle_plot_panel(map, 0, k, "log₁₀ St_def", "log₁₀ St_v");
-            riddle_plot_title(map, title);
-            riddle_plot_heat(map, "", cells, SIDE, SIDE, -7.0, 0.0, -1.0, 2.0);
-            riddle_plot_heat_classes(map, outcomes, 3);
+            if (run == 0 && status == GRANULATION_OK) status = draw_outcomes(&sim, c, k, when[k], map);
         }
         granulation_sim_free(&sim);
     }
-    if (status != GRANULATION_OK) {
-        riddle_plot_free(map);
-        free(all.list);
-        free(xy);
-        return common_fail("map: %s", granulation_status_text(status));
-    }
-    riddle_plot_write(map, self->out, "map.svg");
-    int n[4] = {0, 0, 0, 0};
+    if (status == GRANULATION_OK) riddle_plot_write(map, self->out, "map.svg");
+    else riddle_plot_free(map);
+    return status;
+}
+
+/* Sorts the collisions by outcome, and writes all of them. */
+static void sort_collisions(const program *self, const events *all, outcome_plane *p) {
     riddle_io_file *file = csv_open(self->out, "figure10.csv", "step,st_v,st_def,reason,both");
-    for (int i = 0; i < all.n; i++) {
-        const granulation_collision *x = &all.list[i].collision;
-        int kind = !x->coalesces ? 0 : x->reason != GRANULATION_TYPE_I ? 1 : x->both ? 3 : 2;
-        xy[kind][0][n[kind]] = x->st_def;
-        xy[kind][1][n[kind]++] = x->st_v;
-        csv_line(file, "%g,%.9g,%.9g,%d,%d", all.list[i].time, x->st_v, x->st_def, (int)x->reason, (int)x->both);
+    memset(p->n, 0, sizeof p->n);
+    for (int i = 0; i < all->n; i++) {
+        const granulation_collision *x = &all->list[i].collision;
+        const int kind = !x->coalesces ? 0 : x->reason != GRANULATION_TYPE_I ? 1 : x->both ? 3 : 2;
+        p->at[kind][0][p->n[kind]] = x->st_def;
+        p->at[kind][1][p->n[kind]++] = x->st_v;
+        csv_line(file, "%g,%.9g,%.9g,%d,%d", all->list[i].time, x->st_v, x->st_def, (int)x->reason, (int)x->both);
     }
     riddle_io_close(file);
+}
+
+static void draw_collisions(const program *self, const outcome_plane *p) {
+    static const char *const names[MAP_KINDS] = {"rebound", "Type II", "Type I", "Type I, eq 21 met, too"};
     riddle_plot *figure = riddle_plot_new("Gantt & Gatzke, Fig 10: every collision in the plane of the Stokes numbers", 1, 1);
     riddle_plot_panel_size(figure, 620, 430);
     riddle_plot_panel(figure, 0, 0, "Stokes deformation number St_def [-]", "viscous Stokes number St_v [-]");
     riddle_plot_log_x(figure);
     riddle_plot_log_y(figure);
-    double share[4], median[4][2];
-    for (int k = 0; k < 4; k++) {
-        share[k] = all.n ? 100.0 * n[k] / all.n : 0.0;
-        if (n[k]) {
-            riddle_plot_points(figure, names[k], xy[k][0], xy[k][1], n[k] > 1500 ? 1500 : n[k]);
-            if (k == 0) riddle_plot_style(figure, RIDDLE_PLOT_FAINT, RIDDLE_PLOT_GREY);
-        }
-        for (int axis = 0; axis < 2; axis++) { /* median by selection */
-            double *v = xy[k][axis];
-            for (int i = 1; i < n[k]; i++) {
-                double x = v[i];
-                int j = i;
-                for (; j > 0 && v[j - 1] > x; j--) v[j] = v[j - 1];
-                v[j] = x;
-                if (k == 0 && i > 3000) break; /* rebounds: a sample is enough */
-            }
-            median[k][axis] = n[k] ? v[(k == 0 && n[k] > 3000 ? 3000 : n[k]) / 2] : (double)NAN;
-        }
+    for (int k = 0; k < MAP_KINDS; k++) {
+        if (!p->n[k]) continue;
+        riddle_plot_points(figure, names[k], p->at[k][0], p->at[k][1], p->n[k] > 1500 ? 1500 : p->n[k]);
+        if (k == 0) riddle_plot_style(figure, RIDDLE_PLOT_FAINT, RIDDLE_PLOT_GREY);
     }
     riddle_plot_legend_outside(figure);
     riddle_plot_write(figure, self->out, "figure10.svg");
-    int type1 = n[2] >= n[3] ? 2 : 3;
+}
+
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+/* Returns the median along an axis; sorts that axis. */
+static double median_of(outcome_plane *p, int kind, int axis) {
+    qsort(p->at[kind][axis], (size_t)p->n[kind], sizeof(double), ascending);
+    return p->n[kind] ? p->at[kind][axis][p->n[kind] / 2] : (double)NAN;
+}
+
+static void tell_collisions(json *report, outcome_plane *p, int all, int runs) {
+    double share[MAP_KINDS];
+    for (int k = 0; k < MAP_KINDS; k++) share[k] = all ? 100.0 * p->n[k] / all : 0.0;
+    const int type1 = p->n[2] >= p->n[3] ? 2 : 3;
     static const result_column columns[] = {{NULL, "figure 10", "%s"},
                                             {NULL, "rebound [%]", "%.1f"},
                                             {NULL, "Type II [%]", "%.1f"},
@@ -796,8 +799,8 @@ static int study_map(const program *self, json *report, granulation_def def, int
                                             {NULL, "St_v II / I", "%.1f"},
                                             {NULL, "St_def II / I", "%.0f"}};
     result_table *t = RESULTS(columns);
-    const double a_run = (double)all.n / runs, st_v = median[1][1] / median[type1][1],
-                 st_def = median[1][0] / median[type1][0];
+    const double a_run = (double)all / runs, st_v = median_of(p, 1, 1) / median_of(p, type1, 1),
+                 st_def = median_of(p, 1, 0) / median_of(p, type1, 0);
     results_row(t, TEXTS("here, a mean run"), share[0], share[1], share[2], share[3], a_run, st_v, st_def);
     results_row(t, TEXTS("paper, one run, its ratios about"), 82, 12, 2, 4, 320, 10, 100);
     results_print(t);
@@ -808,9 +811,24 @@ static int study_map(const program *self, json *report, granulation_def def, int
                    {"type2_pct", share[1]}, {"type1_pct", share[2] + share[3]}, {"both_pct", share[3]},
                    {"interactions", a_run}, {"st_v_type2_over_type1", st_v}, {"st_def_type2_over_type1", st_def});
     json_object_end(report);
+}
+
+static int study_map(const program *self, json *report, granulation_def def, int runs, int steps) {
+    events all = {(granulation_event *)malloc(MAP_MOST * sizeof(granulation_event)), 0, MAP_MOST};
+    outcome_plane p = {(double(*)[2][MAP_MOST])malloc(MAP_KINDS * sizeof *p.at), {0}};
+    condition c = condition_of(def, 360, 0.33);
+    c.def.contact = GRANULATION_CONTACT_SMALLER; /* the reading that gives figure 10 its 320 events */
+    c.def.on_collision = keep;
+    c.def.collision_user = &all;
+    const granulation_status status = all.list && p.at ? run_map(self, &c, runs, steps) : GRANULATION_NO_MEMORY;
+    if (status == GRANULATION_OK) {
+        sort_collisions(self, &all, &p);
+        draw_collisions(self, &p);
+        tell_collisions(report, &p, all.n, runs);
+    }
     free(all.list);
-    free(xy);
-    return 0;
+    free(p.at);
+    return status == GRANULATION_OK ? 0 : common_fail("map: %s", granulation_status_text(status));
 }
 
 /* ---- midbatch: what the paper wants the method for ---- */

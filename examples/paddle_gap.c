@@ -34,6 +34,7 @@ typedef struct gap {
     double simulated; /* share of the solids' mass that is larger than the smallest simulated [-] */
     dem_clump clump;
     int first_brick, bricks; /* shapes of the world */
+    int springs;             /* among how many corners of a brick a pair's spring is divided */
 } gap;
 
 /* Another particle, or paddle (-1 - wall), that a particle touches at some points. */
@@ -73,8 +74,7 @@ static double prepare(const dem_birth *birth, double *constants) {
     dem_birth b = *birth;
     dem_pair_def pair = *birth->pair;
     const double damping = log(pair.restitution), t = g ? g->contact_time : 1e-7;
-    const double springs = g && g->shape == BRICK ? 4.0 : 1.0; /* a corner of a brick has a quarter of the spring */
-    pair.stiffness = springs * b.mass * (RIDDLE_PI * RIDDLE_PI + damping * damping) / (t * t);
+    pair.stiffness = (g ? g->springs : 1.0) * b.mass * (RIDDLE_PI * RIDDLE_PI + damping * damping) / (t * t);
     b.pair = &pair;
     return dem_prepare_linear(&b, constants);
 }
@@ -333,6 +333,7 @@ static dem_status add_bricks(dem_world *w, gap *g) {
         const int number = status == DEM_OK ? dem_add_shape(w, &brick) : -(int)status;
         if (number < 0) return (dem_status)-number;
         if (k == 0) g->first_brick = number;
+        if (g->shape == BRICK) g->springs = brick.springs;
     }
     return DEM_OK;
 }
@@ -353,6 +354,7 @@ static dem_status build(dem_world *w, gap *g) {
     def.periodic[2] = 1;
     def.low = dem_vec3(0, 0, 0), def.high = dem_vec3(1, 1, g->depth);
     dem_status status = dem_init(w, &def, NULL);
+    g->springs = 1;
     if (status == DEM_OK && (g->shape == BRICK || g->shape == BOTH)) status = add_bricks(w, g);
     for (int k = 0; k < 2 && status == DEM_OK; k++) {
         const int wall = add_paddle(w, g, k * pitch(g));

@@ -171,7 +171,7 @@ class Header:
         function = declaration.type
         parameters = []
         for p in function.args.params if function.args else []:
-            if isinstance(p, c_ast.Typename):
+            if isinstance(p, (c_ast.Typename, c_ast.EllipsisParam)):
                 continue
             target, constant = numbers_pointed_to(p.type)
             pointer = isinstance(p.type, (c_ast.PtrDecl, c_ast.ArrayDecl))

@@ -1361,6 +1361,38 @@ class Calibrating(unittest.TestCase):
             self.assertEqual((len(calls), found.runs), (15, 14))
             with self.assertRaisesRegex(ValueError, "other parameters"):
                 calibrate.calibrate(run, [("mu", 0.1, 0.8)], [self.ANGLE], runs=14, store=store)
+            with self.assertRaisesRegex(ValueError, "another simulation"):
+                calibrate.calibrate(run, [("mu", 0.1, 0.9)], [self.ANGLE], runs=14, store=store, of="a scene that has changed")
+
+    def test_a_mean_that_climbs(self):
+        """It is no result: a run gives it with steady false."""
+        target = {"command": sys.executable + """ -c 'open("{json}", "w").write("STATE")'""", "result": "means_of_second_half.power.mean"}
+        for steady, wanted in ((True, 3.5), (False, None)):
+            with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()) as said:
+                state = json.dumps({"means_of_second_half": {"power": {"mean": 3.5, "steady": steady}}}).replace('"', '\\"').replace("{", "{{").replace("}", "}}")
+                programs = calibrate._Programs(os.path.join(folder, "a.yaml"), folder, {}, [{**target, "command": target["command"].replace("STATE", state)}])
+                self.assertEqual(programs({}, 1), {target["result"]: wanted})
+            self.assertEqual("is not steady" in said.getvalue(), not steady)
+
+    def test_runs_of_another_scene(self):
+        """The runs of a command that has changed are not mixed with new ones; other measured values may use them."""
+        text = """runs: 14
+parameters: {mu: {low: 0.1, high: 0.9}}
+targets: [{command: "PYTHON -c 'open(\\"{json}\\", \\"w\\").write(str(dict(a=FACTOR*{mu})).replace(chr(39), chr(34)))'", result: a, value: VALUE, error: 0.01}]
+""".replace("PYTHON", sys.executable)
+        with tempfile.TemporaryDirectory() as folder:
+            path, out = os.path.join(folder, "one.yaml"), os.path.join(folder, "out")
+            for factor, value, told in (("1.0", "0.5", 0), ("1.0", "0.6", 0), ("2.0", "0.6", 1)):
+                with open(path, "w", encoding="utf-8") as file:
+                    file.write(text.replace("FACTOR", factor).replace("VALUE", value))
+                with contextlib.redirect_stderr(io.StringIO()) as said, contextlib.redirect_stdout(io.StringIO()):
+                    self.assertEqual(calibrate.main([path, "--out", out]), told, said.getvalue())
+            self.assertIn("another simulation", said.getvalue())
+            for comma, said in (("'0,6'", "a: value: '0,6' is no number .a decimal point is wanted."), ("0,6", "6: not known here; .* .a decimal point is wanted.")):
+                with open(path, "w", encoding="utf-8") as file:
+                    file.write(text.replace("FACTOR", "1.0").replace("VALUE", comma))
+                with self.assertRaisesRegex(SystemExit, said):
+                    calibrate.main([path, "--out", out])
 
     def test_bad_arguments(self):
         nan, mu = float("nan"), ("mu", 0.1, 0.9)

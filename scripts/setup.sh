@@ -74,6 +74,8 @@ is_there() {
     libyaml) pkg-config --exists yaml-0.1 2>/dev/null || pkgconf --exists yaml-0.1 2>/dev/null ;;
     binding) /usr/bin/python3 -c 'import cffi, numpy' >/dev/null 2>&1 || python3 -c 'import cffi, numpy' >/dev/null 2>&1 ;;
     libpng) pkg-config --exists libpng 2>/dev/null || pkgconf --exists libpng 2>/dev/null ;;
+    wasi-libc) printf '#include <stdio.h>\nint main(void) { return 0; }\n' | clang --target=wasm32-wasi -x c -c - -o /dev/null >/dev/null 2>&1 ;;
+    wasm-runtime) [ -n "$(find "$(clang -print-resource-dir)/lib" -name 'libclang_rt.builtins-wasm32.a' 2>/dev/null)" ] ;;
     *) command -v "$1" >/dev/null 2>&1 ;;
     esac
 }
@@ -89,6 +91,7 @@ package_of() {
     libpng) echo libpng-dev ;;
     libyaml) echo libyaml-dev ;;
     wasm-ld) echo lld ;;
+    wasm-runtime) echo "libclang-rt-$(clang -dumpversion | cut -d. -f1)-dev-wasm32" ;;
     mpirun) echo "openmpi-bin libopenmpi-dev" ;;
     liblammps) echo liblammps-dev ;;
     x86_64-w64-mingw32-gcc) echo gcc-mingw-w64-x86-64 ;;
@@ -124,4 +127,18 @@ compile() {
         cat "$folder/compile.log" >&2
         exit 1
     }
+}
+
+# libyaml_sources FOLDER: the sources of Debian's package, by apt with a list of its own, for builds for other machines.
+libyaml_sources() {
+    [ -f "$1/src/parser.c" ] && return 0
+    apt=$(dirname -- "$1")/apt
+    mkdir -p "$1" "$apt/partial" "$apt/lists/partial"
+    release=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
+    echo "deb-src http://deb.debian.org/debian ${release:-bookworm} main" >"$apt/sources.list"
+    set -- "$1" -q -o "Dir::Etc::sourcelist=$apt/sources.list" -o Dir::Etc::sourceparts=- -o "Dir::State::lists=$apt/lists" -o "Dir::Cache=$apt"
+    sources=$1
+    shift
+    apt-get "$@" update >"$apt/log" 2>&1 && (cd "$apt" && apt-get "$@" source --download-only libyaml >>log 2>&1) || { tail -n 5 "$apt/log" >&2; return 1; }
+    tar -xzf "$apt"/libyaml_*.orig.tar.gz -C "$sources" --strip-components=1
 }

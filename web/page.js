@@ -1,7 +1,7 @@
 // page.js: sliders, picture (WebGL 2), curves. What moves is computed in worker.js.
 "use strict";
 const byId = id => document.getElementById(id);
-const COLOURS = ["#0072b2", "#d55e00", "#009e73"], RGB = [[0.0, 0.45, 0.70], [0.84, 0.37, 0.0], [0.0, 0.62, 0.45]];
+const COLOURS = ["#0072b2", "#d55e00", "#009e73"];
 const MODELS = ["first order", "Dong", "Subasinghe"], DASHES = [[3, 4], [12, 6], []];
 
 // ---- sliders: key, text, unit, low, high, step, value, factor to SI
@@ -46,6 +46,7 @@ byId("pause").onclick = event => {
 worker.onmessage = async event => {
     const m = event.data;
     if (m.failed) byId("failed").textContent = m.failed + ": begin a new batch";
+    if (m.loading) byId("now").textContent = m.loading;
     if (m.hash) {
         page.radius = m.radius, page.wire = m.wire, page.hash = m.hash;
         try { page.native = (await (await fetch("native_hash.txt")).text()).trim(); } catch (e) { page.native = ""; }
@@ -54,6 +55,7 @@ worker.onmessage = async event => {
         begin();
     }
     if (m.points) {
+        for (let k = 4; k < m.points.length; k += 5) m.points[k] = parseInt(COLOURS[m.points[k]].slice(1), 16);
         page.state = m;
         if (performance.now() - page.told < 250) return;
         page.told = performance.now();
@@ -65,7 +67,7 @@ worker.onmessage = async event => {
 
 // ---- curves: dots of what is left, lines of the models
 function curves() {
-    const s = page.state, canvas = byId("curves"), g = canvas.getContext("2d"), left = 80, right = 885, top = 20, bottom = 490;
+    const s = page.state, canvas = byId("curves"), g = canvas.getContext("2d"), left = 80, right = 885, top = 64, bottom = 490;
     const end = Math.max(2 * s.time, 0.2), x = t => left + (right - left) * Math.min(t / end, 1), y = v => bottom + (top - bottom) * v / 1.02;
     g.fillStyle = "#fff", g.fillRect(0, 0, canvas.width, canvas.height);
     g.font = "22px system-ui, sans-serif", g.fillStyle = "#334", g.strokeStyle = "#ccd", g.lineWidth = 1;
@@ -90,53 +92,26 @@ function curves() {
         for (let n = 0; n < s.sampled.length; n++) g.beginPath(), g.arc(x(s.sampled[n]), y(s.retained[k][n]), 3.5, 0, 7), g.fill();
     }
     g.restore();
-    g.textAlign = "left";
-    for (let k = 0; k < 3; k++) g.fillStyle = COLOURS[k], g.fillText("● " + (1e3 * page.made.diameters[k]).toFixed(1) + " mm", left + 14, bottom - 20 - 28 * k);
+    g.textAlign = "left", g.font = "20px system-ui, sans-serif";
+    for (let k = 0; k < 3; k++) g.fillStyle = COLOURS[k], g.fillText("● " + (1e3 * page.made.diameters[k]).toFixed(1) + " mm", left + 112 * k, 28);
+    for (let m = 0; m < 3; m++) { // the lines of the models
+        const at = left + 350 + [0, 160, 255][m];
+        g.strokeStyle = g.fillStyle = "#334", g.lineWidth = 2.5, g.setLineDash(DASHES[m]);
+        g.beginPath(), g.moveTo(at, 21), g.lineTo(at + 30, 21), g.stroke(), g.setLineDash([]), g.fillText(MODELS[m], at + 36, 28);
+    }
     byId("models").textContent = !s.fits ? "Models (screen_models.h) are fitted as soon as there is something to fit." :
         "Fitted to what passes, mean deviation: " + s.fits.model.map((m, k) =>
             `${MODELS[k]} (${["dotted", "dashed", "full"][k]}) ${isFinite(m.deviation) ? m.deviation.toFixed(4) : "-"}`).join(", ") + ".";
 }
 
-// ---- picture: spheres as shaded discs with their true depth, wires as tubes
+// ---- picture: spheres (gl.js), wires as tubes
 const canvas = byId("scene"), gl = canvas.getContext("webgl2", {antialias: false});
-const SPHERE = [`#version 300 es
-in vec4 sphere; in float kind; uniform mat4 view, lens; uniform float height; uniform vec3 colour[3];
-out vec3 centre; out float radius; out vec3 tint;
-void main() {
-    vec4 at = view * vec4(sphere.xyz, 1.0);
-    centre = at.xyz, radius = sphere.w, tint = colour[int(kind)];
-    gl_Position = lens * at;
-    gl_PointSize = 1.08 * height * lens[1][1] * radius / gl_Position.w;
-}`, `#version 300 es
-precision highp float;
-in vec3 centre; in float radius; in vec3 tint; uniform mat4 lens; out vec4 pixel;
-void main() {
-    vec2 p = 1.08 * (2.0 * gl_PointCoord - 1.0) * vec2(1.0, -1.0);
-    float d = dot(p, p);
-    if (d > 1.0) discard;
-    vec3 n = vec3(p, sqrt(1.0 - d)), at = centre + radius * n;
-    vec4 clip = lens * vec4(at, 1.0);
-    gl_FragDepth = 0.5 * clip.z / clip.w + 0.5;
-    float light = max(dot(n, normalize(vec3(-0.4, 0.75, 0.6))), 0.0), shine = pow(max(dot(n, normalize(vec3(-0.2, 0.4, 0.9))), 0.0), 30.0);
-    pixel = vec4(tint * (0.28 + 0.75 * light) + 0.25 * shine, 1.0);
-}`];
 const WIRE = [`#version 300 es
 in vec3 corner; in vec3 side; uniform mat4 view, lens; uniform float deck; out vec3 n;
 void main() { n = mat3(view) * side; gl_Position = lens * view * vec4(corner.xy, corner.z + deck, 1.0); }`, `#version 300 es
 precision highp float;
 in vec3 n; out vec4 pixel;
 void main() { pixel = vec4(vec3(0.62, 0.65, 0.70) * (0.35 + 0.65 * max(dot(normalize(n), normalize(vec3(-0.4, 0.75, 0.6))), 0.0)), 1.0); }`];
-function linked([vertex, fragment]) {
-    const program = gl.createProgram();
-    for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-        const shader = gl.createShader(kind);
-        gl.shaderSource(shader, source), gl.compileShader(shader);
-        if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
-        gl.attachShader(program, shader);
-    }
-    gl.linkProgram(program);
-    return program;
-}
 function tube(out, from, to, radius, sides) { // between two points, [corner, side] by triangle
     const axis = to.map((v, k) => v - from[k]), up = Math.abs(axis[2]) < 1e-9 ? [0, 0, 1] : [1, 0, 0], length = Math.hypot(...axis);
     const across = [axis[1] * up[2] - axis[2] * up[1], axis[2] * up[0] - axis[0] * up[2], axis[0] * up[1] - axis[1] * up[0]].map(v => v / length);
@@ -159,7 +134,7 @@ function deckMesh(aperture) {
     }
     return new Float32Array(out);
 }
-const spheres = linked(SPHERE), wires = linked(WIRE), sphereData = gl.createBuffer(), wireData = gl.createBuffer();
+const spheres = linked(gl, SPHERE), wires = linked(gl, WIRE), sphereData = gl.createBuffer(), wireData = gl.createBuffer();
 let turn = 0.5, tilt = 0.62, wireCorners = 0, wireAperture = 0;
 canvas.onpointerdown = e => canvas.setPointerCapture(e.pointerId);
 canvas.onpointermove = e => { if (e.buttons) turn += 0.006 * e.movementX, tilt = Math.min(Math.max(tilt + 0.006 * e.movementY, -0.5), 1.5); };
@@ -202,7 +177,6 @@ function draw() {
     gl.bindBuffer(gl.ARRAY_BUFFER, sphereData), gl.bufferData(gl.ARRAY_BUFFER, page.state.points, gl.STREAM_DRAW);
     array(spheres, "sphere", 4, 20, 0), array(spheres, "kind", 1, 20, 16);
     gl.uniform1f(gl.getUniformLocation(spheres, "height"), height);
-    gl.uniform3fv(gl.getUniformLocation(spheres, "colour"), RGB.flat());
     gl.drawArrays(gl.POINTS, 0, page.state.count);
     if (page.drawn !== page.state) page.drawn = page.state, worker.postMessage({asked: true});
 }

@@ -57,7 +57,9 @@ onmessage = event => {
 };
 
 (async () => {
+    postMessage({loading: "Loading the program ..."});
     const bytes = await (await fetch("scene.wasm")).arrayBuffer();
+    postMessage({loading: "Running the first batch ..."});
     const {instance} = await WebAssembly.instantiate(bytes, {});
     c = instance.exports, memory = c.memory;
     const began = performance.now(), hash = hex(c.web_check());

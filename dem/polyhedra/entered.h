@@ -37,28 +37,40 @@ static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem_
     return a->n <= b->n ? a->mean : b->mean;
 }
 
+/* Multiplies the sums of a pair, whose springs are then more than its parts. */
+static inline void dem__scale_shared(dem__shared *s, double by) {
+    if (s->are_parts) s->pull = s->normal, s->pull_on_i = s->on_i;
+    s->are_parts = 0;
+    s->energy *= by, s->parts *= by, s->springs *= by, s->whole *= by;
+    s->normal = dem__scale(by, s->normal), s->on_i = dem__scale(by, s->on_i);
+    s->pull = dem__scale(by, s->pull), s->pull_on_i = dem__scale(by, s->pull_on_i);
+}
+
 /* Adds to the n points of a pair the one at which two overlapping cores are pushed apart. With U, the energy of the
    other points over k/p, and V = (radii + depth)^p, that of the new one, the energy of the pair is (1 - s) U + s V,
-   where s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. power: p. */
+   where s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. There must be room for
+   one more. power: p. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                          const dem__placed *pb, const dem__gap_of_cores *gap, double power,
-                                         dem__springs *springs, dem__convex_point *out, int n) {
+                                         dem__shared *sums, dem__convex_point *out, int n) {
     const double radii = a->radius + b->radius, depth = -gap->separation, overlap = radii + depth,
                  over = depth / (DEM__DEEP * radii);
     const double x = dem__clamp(over, 0.0, 1.0), s = x * x * (3.0 - 2.0 * x),
                  slope = 6.0 * x * (1.0 - x) / (DEM__DEEP * radii);
-    const double force = dem__force_at(overlap * overlap, power);
     if (!(depth > 0.0)) return n;
-    if (n == DEM__POINTS_MAX) n--;
-    for (int k = 0; k < n; k++) out[k].weight *= 1.0 - s, out[k].spring *= 1.0 - s;
+    for (int k = 0; k < n; k++) out[k].weight *= 1.0 - s;
     const dem__farthest_part of_a = dem__find_part(a, pa, dem__scale(-1.0, gap->normal)),
                              of_b = dem__find_part(b, pb, gap->normal);
     dem__convex_point *point = &out[n];
+    const double force = dem__force_at(overlap, power), energy = sums->energy, part = s * force,
+                 spring = part + slope * (overlap * force - energy) / power;
     point->key = 2 * DEM_CORNERS_MAX + 5 * DEM_EDGES_MAX * DEM_EDGES_MAX;
-    dem__count_point(point, -overlap);
-    point->normal = gap->normal;
+    dem__count_point(point, s, -overlap);
+    point->count = 1.0, point->normal = gap->normal;
     point->at = dem__meeting_point(&of_a, &of_b);
-    point->weight = s, point->spring = s + slope * (overlap - springs->energy / force) / power;
-    springs->energy = (1.0 - s) * springs->energy + s * overlap * force, springs->are_parts = 0;
+    dem__scale_shared(sums, 1.0 - s);
+    sums->energy += part * overlap, sums->parts += part, sums->whole += s, sums->springs += spring;
+    dem__add_shared(&sums->normal, &sums->on_i, part, point);
+    dem__add_shared(&sums->pull, &sums->pull_on_i, spring, point);
     return n + 1;
 }

@@ -81,7 +81,7 @@ static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *
     out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
     if (!(out->gap < 0.0)) return 0;
     out->key = 0;
-    dem__count_point(out, out->gap);
+    dem__count_point(out, 1.0, out->gap);
     out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
     return 1;
 }
@@ -105,7 +105,8 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
                         : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* the sphere's centre is in the core */
         if (n == 0) dem__skip_pair(w, p, step, d, out->gap, out->normal);
-        return dem__finish_points(w, p, d, dem__share_points(out, n, w->engine->run.power), out, n);
+        dem__shared sums = dem__share_points(out, n, w->engine->run.power);
+        return dem__finish_points(w, p, d, &sums, out, n);
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
@@ -122,13 +123,10 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     }
     int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
     const double power = w->engine->run.power;
-    for (int k = 0; k < n; k++) {
-        const int of_a = out[k].key < DEM_CORNERS_MAX, of_b = !of_a && out[k].key < 2 * DEM_CORNERS_MAX;
-        dem__divide_point(&out[k], of_a || (!of_b && a->springs > b->springs) ? a->springs : b->springs);
-    }
-    dem__springs springs = dem__share_points(out, n, power);
-    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &springs, out, n);
-    n = dem__finish_points(w, p, d, springs, out, n);
+    n -= gap.overlap && n == DEM__POINTS_MAX; /* there is one more then */
+    dem__shared sums = dem__share_points(out, n, power);
+    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &sums, out, n);
+    n = dem__finish_points(w, p, d, &sums, out, n);
     if (n == 0) dem__skip_pair(w, p, step, d, apart - radii, p->axis);
     return n;
 }
@@ -142,9 +140,8 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
     const dem__placed *place = &w->engine->convex.place[p->i];
     int may_cut, is_cut = 0;
     int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
-    for (int k = 0; k < n; k++) dem__divide_point(&out[k], s->springs);
-    const dem__springs springs = dem__share_points(out, n, w->engine->run.power);
-    n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), springs, out, n);
+    dem__shared sums = dem__share_points(out, n, w->engine->run.power);
+    n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), &sums, out, n);
     for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
     *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
     if (n == 0 && dem__may_skip_wall(w, p->i))

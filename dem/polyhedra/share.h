@@ -20,17 +20,9 @@
 #include "../motion/motion.h"
 #include "walls.h"
 
-/* Returns an overlap to the power of the energy, or of the force. square: of the overlap. */
-DEM_INLINE double dem__energy_at(double square, double power) {
-    return power > 2.0 ? square * sqrt(sqrt(square)) : square;
-}
-DEM_INLINE double dem__force_at(double square, double power) {
-    return power > 2.0 ? sqrt(square * sqrt(square)) : sqrt(square);
-}
-
-/* Gives a point its part of the spring of its body. */
-DEM_INLINE void dem__divide_point(dem__convex_point *p, int springs) {
-    p->weight /= (double)springs, p->count /= (double)springs;
+/* Returns the force over the stiffness of an overlap; times the overlap it is the energy over k/p. */
+DEM_INLINE double dem__force_at(double overlap, double power) {
+    return power > 2.0 ? overlap * sqrt(overlap) : overlap;
 }
 
 /* The number by which the springs of a pair's points are divided, and its slope, from c: 1 up to 2, c/2 from 2.5 on. */
@@ -45,46 +37,56 @@ DEM_INLINE dem__division dem__divide(double c) {
     return d;
 }
 
-/* The springs of a pair together: their energy over k/p, and whether they are no more than the parts of its points in
-   the law, as where only corners touch. */
-typedef struct dem__springs {
-    double energy;
-    int are_parts;
-} dem__springs;
-
-/* Sets the parts of a pair's n points in its law, and the factors of their springs. */
-static inline dem__springs dem__share_points(dem__convex_point *p, int n, double power) {
-    const double half = 0.5 * power;
-    /* head: t of the crossing to which an end belongs */
-    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0, head = 1.0;
-    dem__springs of = {0.0, 1};
-    for (int k = 0; k < n; k++) most = p[k].gap * p[k].gap > most ? p[k].gap * p[k].gap : most;
-    for (int k = 0; k < n; k++) {
-        const double t = p[k].gap * p[k].gap / most;
-        first += p[k].count * t, second += p[k].count * t * t, sum += p[k].count * dem__energy_at(t, power);
-        of.are_parts &= p[k].weight == p[k].count;
-    }
-    if (n == 0) return of;
-    const dem__division divided = dem__divide(first * first / second);
-    of.energy = sum / divided.by * dem__energy_at(most, power), of.are_parts &= divided.by == 1.0;
-    const double lost = sum * divided.slope / (divided.by * divided.by), per = first / second;
-    for (int k = 0; k < n && !of.are_parts; k++) {
-        const double l = p[k].count, w = p[k].weight, own = p[k].gap * p[k].gap / most, t = l > 0.0 ? head = own : head;
-        double spring = dem__energy_at(t, power) / t * (w + (half - 1.0) * l) / divided.by;
-        if (lost > 0.0) spring -= lost * per * (2.0 * w - per * t * (w + l));
-        p[k].spring = power > 2.0 ? spring / (half * sqrt(sqrt(own))) : spring;
-        p[k].weight = l / divided.by;
-    }
-    for (int k = 0; k < n && of.are_parts; k++) p[k].spring = p[k].weight;
-    return of;
-}
-
-/* Sums of a pair: its energy over k/p; divided by the stiffness, the forces of the law by the parts, and those of the
-   springs. */
+/* Sums of a pair: its energy over k/p; over the stiffness the forces by the parts of its points in the law, and of its
+   springs, and their moments about the centre of i. */
 typedef struct dem__shared {
     double energy, parts, springs, whole; /* whole: sum of the parts */
-    dem_vec normal, on_i, on_j;           /* the forces by the parts, and their moments about the centres */
+    dem_vec normal, on_i, pull, pull_on_i;
+    int are_parts; /* whether the springs are no more than the parts, as where only corners touch */
 } dem__shared;
+
+/* Adds a force at a point to one of the sums, with its moment. */
+DEM_INLINE void dem__add_shared(dem_vec *sum, dem_vec *moment, double force, const dem__convex_point *p) {
+    const dem_vec f = dem__scale(force, p->normal);
+    *sum = dem__add(*sum, f), *moment = dem__add(*moment, dem__cross(p->at, f));
+}
+
+/* Divides the springs of a pair's n points, c the number that they are and per its slope. */
+static DEM__NOINLINE void dem__share_springs(dem__convex_point *p, int n, double power, double c, double per,
+                                             dem__shared *s) {
+    const dem__division divided = dem__divide(c);
+    const double half = 0.5 * power, by = 1.0 / divided.by, lost = s->energy * divided.slope * by * by * per;
+    double head = 1.0; /* overlap of an end's crossing */
+    s->are_parts = 0, s->springs = 0.0, s->pull = s->pull_on_i = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < n; k++) {
+        const double l = p[k].count, w = p[k].weight, own = fabs(p[k].gap), d = l > 0.0 ? head = own : head;
+        double spring = (power > 2.0 ? sqrt(d) : 1.0) * (w + (half - 1.0) * l) * by;
+        if (lost > 0.0) spring -= lost * (2.0 * w - per * d * d * (w + l));
+        spring *= own / half;
+        s->springs += spring, dem__add_shared(&s->pull, &s->pull_on_i, spring, &p[k]);
+        p[k].weight = l * by;
+    }
+    s->energy *= by, s->parts *= by, s->whole *= by;
+    s->normal = dem__scale(by, s->normal), s->on_i = dem__scale(by, s->on_i);
+}
+
+/* Sets the parts of a pair's n points in its law. Returns their sums. */
+static inline dem__shared dem__share_points(dem__convex_point *p, int n, double power) {
+    double first = 0.0, second = 0.0;
+    dem__shared s;
+    memset(&s, 0, sizeof s);
+    s.are_parts = 1;
+    for (int k = 0; k < n; k++) {
+        const double d = fabs(p[k].gap), l = p[k].count, force = dem__force_at(d, power);
+        first += l * d * d, second += l * d * d * (d * d), s.energy += l * force * d;
+        s.whole += l, s.parts += l * force, s.are_parts &= p[k].weight == l;
+        dem__add_shared(&s.normal, &s.on_i, l * force, &p[k]);
+    }
+    s.springs = s.parts;
+    const double c = second > DBL_MIN ? first * first / second : 0.0, per = second > DBL_MIN ? first / second : 0.0;
+    if (!s.are_parts || c > 2.0) dem__share_springs(p, n, power, c, per, &s);
+    return s;
+}
 
 /* Returns how much faster a force of 1 N with a moment about the centre of particle i moves i where it acts, because i
    turns [1/kg]. */
@@ -96,62 +98,51 @@ DEM_INLINE double dem__per_turning(const dem_world *w, ptrdiff_t i, dem_vec mome
     return s->volume * sum / w->particle[i].mass;
 }
 
-/* Returns the factor of the closing speed with which the pair's dashpot becomes that of the resultant. The law's own
-   dashpot is that of the whole masses and of the pair's spring. */
-static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, const dem__shared *s,
-                                     double power) {
+/* Returns the factor of the closing speed that makes the pair's dashpot that of the resultant: the law's own is that of
+   the whole masses and of the pair's spring. apart: from the centre of j to that of i. */
+static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, dem_vec apart,
+                                     const dem__shared *s, double power) {
     const double length = dem__length(s->normal), least = 0.5 * s->parts; /* normals may face each other */
     const double per = 1.0 / (length > least ? length : least), depth = s->energy / s->springs;
     double whole = dem__is_fixed(w, pair->i) ? 0.0 : 1.0 / w->particle[pair->i].mass,
            turning = dem__per_turning(w, pair->i, dem__scale(per, s->on_i));
     if (pair->j >= 0) {
+        const dem_vec on_j = dem__add(s->on_i, dem__cross(apart, s->normal));
         whole += dem__is_fixed(w, pair->j) ? 0.0 : 1.0 / w->particle[pair->j].mass;
-        turning += dem__per_turning(w, pair->j, dem__scale(per, s->on_j));
+        turning += dem__per_turning(w, pair->j, dem__scale(per, on_j));
     }
-    const double stiffness = s->energy / dem__energy_at(depth * depth, power); /* over the stiffness of the pair */
+    const double stiffness = s->springs / dem__force_at(depth, power); /* over that of the pair */
     return whole > 0.0 ? sqrt(stiffness * whole / (whole + turning)) / s->whole : 1.0;
 }
 
-/* Sets the pull of a pair and each point's part in it, and removes ends. raise: factor of the parts, so that friction,
-   which they limit, sees the whole force. Returns how many points are left. */
-static DEM__NOINLINE int dem__set_pull(dem__convex_pair *pair, dem_vec apart, double power, double parts, double raise,
-                                       dem__convex_point *p, int n) {
+/* Sets the pull of a pair, what its springs exert beyond the parts, which are raised. */
+static inline void dem__set_pull(dem__convex_pair *pair, dem_vec apart, double raise, const dem__shared *s) {
+    const dem_vec f = dem__plus(s->pull, -raise, s->normal), on_i = dem__plus(s->pull_on_i, -raise, s->on_i),
+                  on_j = dem__add(on_i, dem__cross(apart, f));
+    for (int a = 0; a < 3; a++) {
+        pair->pull[a] = dem_axis(f, a);
+        pair->pull[3 + a] = dem_axis(on_i, a), pair->pull[6 + a] = -dem_axis(on_j, a);
+    }
+}
+
+/* Completes the n points of a pair, and removes ends. apart: from the centre of j to that of i. Returns the number of
+   points left. */
+static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__shared *s,
+                                     dem__convex_point *p, int n) {
+    if (n == 0) return 0;
+    /* of the parts, so that friction, which they limit, counts on the whole force */
+    const double raise = s->are_parts ? 1.0 : dem__clamp(s->springs / s->parts, 0.25, 4.0), per = 1.0 / s->parts;
+    s->springs = raise * s->parts, s->whole *= raise;
+    const double damping = dem__damping_of(w, pair, apart, s, w->engine->run.power);
+    if (s->are_parts) {
+        for (int k = 0; k < n; k++) p[k].damping = damping, p[k].pull = 0.0;
+        return n;
+    }
     int kept = 0;
-    for (int a = 0; a < 9; a++) pair->pull[a] = 0.0;
+    dem__set_pull(pair, apart, raise, s);
     for (int k = 0; k < n; k++) {
-        const double part = raise * p[k].weight,
-                     more = (p[k].spring - part) * dem__force_at(p[k].gap * p[k].gap, power);
-        const dem_vec f = dem__scale(more, p[k].normal), on_i = dem__cross(p[k].at, f),
-                      on_j = dem__cross(dem__add(p[k].at, apart), f);
-        for (int a = 0; a < 3; a++) {
-            pair->pull[a] += dem_axis(f, a);
-            pair->pull[3 + a] += dem_axis(on_i, a), pair->pull[6 + a] -= dem_axis(on_j, a);
-        }
-        p[k].pull = p[k].weight / parts, p[k].weight = part;
+        p[k].damping = damping, p[k].pull = p[k].weight * per, p[k].weight *= raise;
         if (p[k].count > 0.0) p[kept++] = p[k];
     }
     return kept;
-}
-
-/* Completes the n points of a pair. apart: from the centre of j to that of i. Returns how many points are left. */
-static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__springs of,
-                                     dem__convex_point *p, int n) {
-    const double power = w->engine->run.power;
-    dem__shared s;
-    memset(&s, 0, sizeof s);
-    s.energy = of.energy;
-    for (int k = 0; k < n; k++) {
-        const double force = dem__force_at(p[k].gap * p[k].gap, power), part = p[k].weight * force;
-        s.parts += part, s.springs += p[k].spring * force, s.whole += p[k].weight;
-        s.normal = dem__plus(s.normal, part, p[k].normal);
-        s.on_i = dem__plus(s.on_i, part, dem__cross(p[k].at, p[k].normal));
-        if (pair->j >= 0) s.on_j = dem__plus(s.on_j, part, dem__cross(dem__add(p[k].at, apart), p[k].normal));
-        p[k].pull = 0.0;
-    }
-    if (n == 0) return 0;
-    const double raise = of.are_parts ? 1.0 : dem__clamp(s.springs / s.parts, 0.25, 4.0);
-    s.springs = raise * s.parts, s.whole *= raise;
-    const double damping = dem__damping_of(w, pair, &s, power);
-    for (int k = 0; k < n; k++) p[k].damping = damping;
-    return of.are_parts ? n : dem__set_pull(pair, apart, power, s.parts, raise, p, n);
 }

@@ -11,6 +11,7 @@ typedef struct dem__at_wall {
     dem__edge_visitor visitor; /* first, so that a visitor's address is that of this struct */
     const dem_wall *wall;
     const dem_convex *shape;
+    double part;      /* of the spring of the pair that a corner has */
     dem_vec centre;   /* of the polyhedron */
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
@@ -116,8 +117,8 @@ static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_ed
         dem__find_way_out(q, &e, &way);
     if (is_deep) e.deep = dem__half_width(q->shape);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n = dem__cross_edges(&q->edge[k], &e, radii, !e.sided && !is_deep, of->key + 5 * q->edge[k].number,
-                                       q->out + q->n);
+        const int n = dem__cross_edges(&q->edge[k], &e, radii, !e.sided && !is_deep, q->part,
+                                       of->key + 5 * q->edge[k].number, q->out + q->n);
         if (n == 0 || (is_deep && !(dem__dot(q->out[q->n].normal, way) > 0.7))) continue;
         const double up = dem__dot(q->out[q->n].normal, of->side);
         if (of->sign == 0.0 || (of->sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
@@ -134,7 +135,7 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
     const double gap = distance - radius - q->shape->radius;
     if (!(gap < 0.0) || dem__dot(n, tip) > 0.0) return;
     point->key = key;
-    dem__count_point(point, gap);
+    dem__count_point(point, q->part, gap);
     point->normal = dem__scale(-1.0, n), point->at = dem__plus(x, -distance, n);
     q->n++;
 }
@@ -183,7 +184,7 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
             dem__convex_point *point = &q->out[q->n];
             int is_new = touch[m].gap < 0.0;
             point->key = dem__wall_key(q->wall, &touch[m], k);
-            dem__count_point(point, touch[m].gap);
+            dem__count_point(point, q->part, touch[m].gap);
             point->normal = touch[m].normal, point->at = arm;
             for (int p = q->n - 1; p >= q->n - m && is_new && p >= 0; p--) is_new = q->out[p].key != point->key;
             q->n += is_new;
@@ -236,26 +237,19 @@ static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_ed
 /* Adds the point of an edge at t with a sheet, and the points of the edge's ends, weighted as for crossing edges. */
 static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
-    double share[2], rest[2], left = 1.0;
     int n = 1;
     const dem__touch here = dem__touch_sheet_along(q, e, t);
     if (!(here.gap < 0.0) || q->n + 3 > DEM__POINTS_MAX) return;
+    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
+    point->at = dem__plus(e->from, t, e->along);
     for (int k = 0; k < 2; k++) {
         const dem__touch end = dem__touch_sheet_along(q, e, k ? e->length : 0.0);
-        share[k] = end.gap < 0.0 ? end.gap * end.gap / (here.gap * here.gap) : 0.0;
-        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
-        left *= rest[k];
-        if (share[k] == 0.0) continue;
+        if (!(end.gap < 0.0)) continue;
         point[n].key = key + 1 + k, point[n].taken = 0, point[n].gap = end.gap, point[n].normal = end.normal;
-        point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along), point[n].weight = k;
+        point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along);
         n++;
     }
-    if (!(left > 1e-10)) return;
-    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
-    point->at = dem__plus(e->from, t, e->along), point->weight = point->count = left;
-    for (int k = 0; k < 2; k++) point->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight], point[m].count = 0.0;
-    q->n += n;
+    if (dem__weigh_crossing(point, n, q->part)) q->n += n;
 }
 
 /* Adds the points of edges at a sheet and its rims. */
@@ -276,12 +270,12 @@ DEM_INLINE int dem__corners_at(const dem_wall *wall) {
 
 /* Finds the points of a polyhedron at a wall, both at the end of the step. The sphere around it touches the wall.
    Returns how many. may_cut: whether a sheet may cut its core. */
-static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
-                                             dem__convex_point *out, int *may_cut) {
+static DEM__NOINLINE int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
+                                                    dem__convex_point *out, int *may_cut) {
     dem__at_wall q;
     *may_cut = 0;
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
-    q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
+    q.wall = wall, q.shape = s, q.part = dem__part_of(s), q.centre = place->x, q.out = out, q.n = q.edges = 0;
     q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
     q.is_cut = 0;
     if (dem__has(wall, DEM__TRIANGULATED)) q.is_cut = dem__may_cut(wall, s, place);

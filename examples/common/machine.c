@@ -11,7 +11,7 @@
 #include <windows.h>
 
 #include <psapi.h>
-#else
+#elif !defined(__wasi__)
 #include <sched.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -47,6 +47,12 @@ int machine_cores(void) {
     GetSystemInfo(&info);
     return info.dwNumberOfProcessors > 0 ? (int)info.dwNumberOfProcessors : 1;
 }
+
+#elif defined(__wasi__) /* a page: one thread, memory that only grows */
+
+double machine_peak_memory_bytes(void) { return 65536.0 * (double)__builtin_wasm_memory_size(0); }
+double machine_free_memory_bytes(void) { return HUGE_VAL; }
+int machine_cores(void) { return 1; }
 
 #else
 

@@ -27,7 +27,7 @@ static void on_signal(int number) {
     _exit(128 + number);
 }
 
-#ifdef _WIN32 /* the second one ends the program, because a signal that has been caught is not caught again */
+#if defined(_WIN32) || defined(__wasi__) /* the second one ends the program, because a signal that has been caught is not caught again */
 
 void common_open_standard_streams(void) {}
 void common_catch_interrupt(void) {

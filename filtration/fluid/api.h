@@ -38,8 +38,11 @@ typedef enum filtration_face {
     FILTRATION_PRESSURE, /* open, at a given pressure */
     FILTRATION_SYMMETRY, /* a mirror: no flow through it, no shear on it. A sphere that it cuts gets the force on the
                             part inside the box, without that of a constant pressure */
-    FILTRATION_INFLOW    /* liquid enters or leaves with face_velocity; the box also needs a PRESSURE face unless inflow
-                            and outflow are equal */
+    FILTRATION_INFLOW, /* liquid enters or leaves with face_velocity; the box also needs a PRESSURE or OUTLET face unless
+                          inflow and outflow are equal */
+    FILTRATION_OUTLET  /* open, at a given pressure, for jets and vortices that leave. Where liquid comes back in, the
+                          pressure is less by rho u^2 / 2, as from a vessel at rest: backflow brings no energy. At a
+                          PRESSURE face a strong backflow grows until the run diverges */
 } filtration_face;
 enum { FILTRATION_LOW_X, FILTRATION_HIGH_X, FILTRATION_LOW_Y, FILTRATION_HIGH_Y, FILTRATION_LOW_Z, FILTRATION_HIGH_Z };
 
@@ -64,7 +67,7 @@ typedef struct filtration_fluid_def {
     filtration_force_mode force;    /* default MOMENTUM_EXCHANGE */
     filtration_face face[6];        /* FILTRATION_LOW_X ...; default PERIODIC */
     double face_velocity[6][3];     /* of WALL faces, within their plane, and of INFLOW faces [m/s]; default 0 */
-    double face_pressure[6];        /* of PRESSURE faces [Pa], relative to the mean; default 0 */
+    double face_pressure[6];        /* of PRESSURE and OUTLET faces [Pa], relative to the mean; default 0 */
     double body_force[3];           /* on the fluid [N/m3]; default 0. Without gravity, because pressure is dynamic */
     filtration_solid solid;         /* default: none */
     double speed_limit;             /* lattice speed [-] above which a run stops as diverged, 1e-15 .. 0.5; default 0.3 */

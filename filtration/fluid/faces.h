@@ -44,6 +44,17 @@ FILTRATION__STATIC void filtration__enter_open(const filtration__lattice *l, con
     }
 }
 
+/* A given pressure where liquid leaves; where it enters, with the energy of a vessel at rest (Bruneau and Fabrie 1994). */
+FILTRATION__STATIC void filtration__enter_outlet(const filtration__lattice *l, const filtration__entry *e, int n,
+                                                 double u[3][FILTRATION__BLOCK], double *h) {
+    const double into = e->face & 1 ? -1.0 : 1.0, *through = u[e->face / 2];
+    filtration__enter_open(l, e, n, u, h);
+    for (int k = 0; k < n; k++) {
+        const double uu = u[0][k] * u[0][k] + u[1][k] * u[1][k] + u[2][k] * u[2][k];
+        if (into * through[k] > 0.0) h[k] -= 3.0 * l->w[e->i] * uu;
+    }
+}
+
 /* clang-format off */
 static const filtration__face_kind filtration__face_kinds[] = {
     /* kind                 beyond                 rank  touched velocity pressure reads flow  enter */
@@ -53,6 +64,7 @@ static const filtration__face_kind filtration__face_kinds[] = {
     {FILTRATION_SYMMETRY, FILTRATION__MIRRORED, 1, 0, 0, 0, 0, NULL},
     {FILTRATION_INFLOW,   FILTRATION__NOTHING,  4, 0, 2, 0, 0, filtration__enter_wall}, /* ranks before walls, so that all of
                                                                                            the flow enters */
+    {FILTRATION_OUTLET,   FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_outlet},
 };
 /* clang-format on */
 

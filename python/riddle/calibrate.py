@@ -31,6 +31,7 @@ distribution that measured values and processes leave, each value within its bou
 this distribution lies and the processes are least certain.
 """
 import concurrent.futures
+import hashlib
 import json
 import math
 import os
@@ -238,14 +239,14 @@ def _remarks(parameters, targets, points, predicted):
     return remarks
 
 
-def calibrate(run, parameters, targets, runs=30, parallel=1, seed=0, store=None, told=None):
+def calibrate(run, parameters, targets, runs=30, parallel=1, seed=0, store=None, told=None, of=""):
     """Finds parameters with which run(values, seed), values a dict, returns a dict with the values of the targets. A run that returns None
     or a number that is not finite for a target says nothing about it. store: a file of the runs, with which a broken calibration goes on;
-    told(text): is called after each run. Returns a Calibration. ValueError: a bad argument, or too few runs that gave a result."""
+    of: what run() simulates, as text: a store of another one is refused; told(text): is called after each run. Returns a Calibration. ValueError: a bad argument, or too few runs that gave a result."""
     parameters, targets = [Parameter(*p) for p in parameters], [Target(*t) for t in targets]
     _check(parameters, targets, runs)
     rng = np.random.default_rng(seed)
-    x, y = _stored(store, parameters, targets)
+    x, y = _stored(store, parameters, targets, of)
     first = min(runs, 5 * len(parameters) + 3)
     design = _spread(first, len(parameters), rng)
     processes = None
@@ -299,8 +300,8 @@ def _next(points, doubt, x, n):
     return batch
 
 
-def _stored(store, parameters, targets):
-    head = json.dumps({"parameters": [p._asdict() for p in parameters], "targets": [t.name for t in targets]})
+def _stored(store, parameters, targets, of):
+    head = json.dumps({"parameters": [p._asdict() for p in parameters], "targets": [t.name for t in targets], "of": of})
     if not store:
         return [], []
     if not os.path.exists(store):
@@ -310,6 +311,8 @@ def _stored(store, parameters, targets):
     with open(store, encoding="utf-8") as file:
         lines = file.read().split("\n")
     if lines[0] != head:
+        if lines[0].partition(', "of"')[0] == head.partition(', "of"')[0]:
+            raise ValueError(f"{store} holds runs of another simulation (a scene, a command or a key has changed): remove it, or give the old one")
         raise ValueError(f"{store} holds runs of other parameters or targets: remove it, or give the old ones")
     rows = [json.loads(line) for line in lines[1:-1]]  # a line without an end was cut off
     if lines[-1]:
@@ -334,6 +337,14 @@ class _Programs:
         self.beside = os.path.dirname(os.path.abspath(file))
         self.riddle = os.environ.get("RIDDLE", "riddle")
 
+    def what(self):
+        """What the programs simulate: their commands, keys, and the text of scenes, not of files that a scene names."""
+        texts = [json.dumps([self.keys] + [[t.get("scene"), t.get("command"), t["result"]] for t in self.targets])]
+        for scene in sorted({t["scene"] for t in self.targets if "scene" in t}):
+            with open(os.path.join(self.beside, scene), "rb") as file:
+                texts.append(hashlib.sha256(file.read()).hexdigest())
+        return hashlib.sha256("".join(texts).encode()).hexdigest()
+
     def _words(self, target, values, seed, place):
         if "scene" in target:
             scene = os.path.join(self.beside, target["scene"])
@@ -355,10 +366,13 @@ class _Programs:
                         done[what] = json.load(file)
                 else:
                     print(f"{what}: {(said.stderr.strip() or 'failed').splitlines()[-1]}", file=sys.stderr)
-            number = done[what]
+            number, steady = done[what], True
             for word in target["result"].split("."):
+                steady = steady and not (isinstance(number, dict) and number.get("steady") is False)  # a mean of a curve that still climbs
                 number = number.get(word) if isinstance(number, dict) else number[int(word)] if isinstance(number, list) else None
-            results[name] = number if isinstance(number, (int, float)) else None
+            if not steady:
+                print(f"{what}: {target['result']} is not steady: the run says nothing about it", file=sys.stderr)
+            results[name] = number if steady and isinstance(number, (int, float)) else None
         return results
 
 
@@ -392,6 +406,13 @@ def _picture(found, name):
     return True
 
 
+def _number(name, entry, key):
+    try:
+        return float(entry[key])
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: {key}: {entry[key]!r} is no number" + (" (a decimal point is wanted)" if "," in str(entry[key]) else "")) from None
+
+
 def _read(path):
     try:
         import yaml
@@ -403,12 +424,17 @@ def _read(path):
         extra = set(d) - {"runs", "parallel", "seed", "parameters", "targets"}
         if extra:
             raise ValueError(f"{sorted(extra)[0]}: not known here; runs, parallel, seed, parameters, targets are")
-        parameters = [Parameter(name, float(p["low"]), float(p["high"]), bool(p.get("log", False))) for name, p in d["parameters"].items()]
+        for name, entry in list(d["parameters"].items()) + [("targets", t) for t in d["targets"]]:
+            known = ("scene", "command", "result", "value", "error") if name == "targets" else ("low", "high", "log", "key")
+            other = [key for key in entry if key not in known]
+            if other:  # YAML reads {value: 0,6} as the value 0 and a key 6
+                raise ValueError(f"{name}: {other[0]}: not known here; {', '.join(known)} are" + (" (a decimal point is wanted)" if isinstance(other[0], (int, float)) else ""))
+        parameters = [Parameter(name, _number(name, p, "low"), _number(name, p, "high"), bool(p.get("log", False))) for name, p in d["parameters"].items()]
         keys = {name: p.get("key", name) for name, p in d["parameters"].items()}
         for t in d["targets"]:
             if ("scene" in t) == ("command" in t):
                 raise ValueError(f"target {t['result']}: a scene or a command is needed")
-        targets = [Target(name, float(t["value"]), float(t["error"])) for name, t in zip(_names(d["targets"]), d["targets"])]
+        targets = [Target(name, _number(name, t, "value"), _number(name, t, "error")) for name, t in zip(_names(d["targets"]), d["targets"])]
         runs = int(d.get("runs", 30))
         _check(parameters, targets, runs)
         return d, parameters, keys, targets, runs
@@ -439,7 +465,7 @@ def main(words=None):
     programs = _Programs(words[0], os.path.join(out, "runs"), keys, d["targets"])
     told = lambda text: print(f"\r{text}", end="", file=sys.stderr, flush=True)
     try:
-        found = calibrate(programs, parameters, targets, runs, int(d.get("parallel", 1)), int(d.get("seed", 0)), store, told)
+        found = calibrate(programs, parameters, targets, runs, int(d.get("parallel", 1)), int(d.get("seed", 0)), store, told, programs.what())
     except KeyboardInterrupt:
         print(f"\nstopped; the same command goes on with {store}", file=sys.stderr)
         return 130

@@ -394,6 +394,12 @@ const char *report_write(report *r) {
     return r->written;
 }
 
+void report_write_so_far(report *r) {
+    write_rows(r);
+    if (r->rows.n > 1) draw_curves(r);
+    r->written[0] = '\0';
+}
+
 void report_json(const report *r, json *j) {
     const row_table *rows = &r->rows;
     json_object_begin(j, "last_row");

@@ -15,6 +15,7 @@ double report_overlap(const report *r); /* the largest of all rows, over a diame
 const stop_def *report_end(report *r);
 /* CSV, curves, picture. What it has written: "measured.csv, curves.svg, scene.png"; after a printed line less. */
 const char *report_write(report *r);
+void report_write_so_far(report *r); /* measured.csv and curves.svg of the rows up to here */
 void report_json(const report *r, json *j);
 void report_say(const report *r); /* prints the results that one asks for */
 int report_exchange(report *r, scene_state *io);

@@ -29,6 +29,8 @@ typedef struct job {
     int sets;
     bool halfway; /* stopped while feeds looked for places, or failed: not a state to go on from */
     double saved; /* time of the save that this run has written last [s]; NaN: none */
+    double save_at; /* time of the last save, or of the beginning [s] */
+    const stop_def *stop; /* what has ended the run, or NULL */
     tree_file tree;
     scene_def def;
     scene s;
@@ -196,28 +198,30 @@ static const stop_def *end_run(job *j, const stop_def *stop) {
     return stop || common_interrupted() ? stop : at_end;
 }
 
-static const stop_def *run(job *j) {
+/* Looks, saves, runs a tick; false: the run is at its end, for the reason in j->stop where there is one. */
+static bool advance(job *j) {
     const double save = j->def.output.save;
-    const stop_def *stop = NULL;
-    progress bar;
-    double saved = scene_time(&j->s), left;
-    progress_begin(&bar, "running", j->def.duration);
-    for (;;) {
-        if (!stop) stop = report_look(j->r);
-        const double now = scene_time(&j->s);
-        progress_update(&bar, now);
-        if (stop || common_interrupted() || scene_near_end(&j->s, &left)) break;
-        if (save > 0.0 && now - saved >= save * (1.0 - 1e-9)) write_state(j), saved = now;
-        const dem_status status = scene_advance(&j->s);
-        if (status != DEM_OK) end_early(j, status);
-        if (status != DEM_OK) break;
-    }
-    if (!j->halfway) stop = end_run(j, stop);
-    progress_end(&bar);
-    return stop;
+    double left;
+    if (!j->stop) j->stop = report_look(j->r);
+    const double now = scene_time(&j->s);
+    if (j->stop || common_interrupted() || scene_near_end(&j->s, &left)) return false;
+    if (save > 0.0 && now - j->save_at >= save * (1.0 - 1e-9)) write_state(j), j->save_at = now;
+    const dem_status status = scene_advance(&j->s);
+    if (status != DEM_OK) end_early(j, status);
+    return status == DEM_OK;
 }
 
-static void tell(const job *j, const stop_def *stop, const char *written) {
+static void run(job *j) {
+    progress bar;
+    j->save_at = scene_time(&j->s);
+    progress_begin(&bar, "running", j->def.duration);
+    while (advance(j)) progress_update(&bar, scene_time(&j->s));
+    if (!j->halfway) j->stop = end_run(j, j->stop);
+    progress_end(&bar);
+}
+
+static void tell(const job *j, const char *written) {
+    const stop_def *stop = j->stop;
     const scene_lack lack = scene_missed(&j->s);
     char hash[24], saved[80] = "", lag[200] = "";
     const double last_tick = j->s.ticks * j->s.tick;
@@ -298,8 +302,8 @@ static int run_scene(job *j, bool seed_given) {
     if (!failed && j->check) failed = tell_check(j);
     else if (!failed) {
         tell_begin(j);
-        const stop_def *stop = run(j);
-        tell(j, stop, report_write(j->r));
+        run(j);
+        tell(j, report_write(j->r));
     }
     report_free(j->r);
     scene_free(&j->s);

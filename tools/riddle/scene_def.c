@@ -35,7 +35,7 @@
 
 static const scene_field material_fields[] = {
     TEXT(material_def, ready, "",
-         "name of a ready material, which gives what is not said here: glass, steel, pvc, limestone, wheat, "
+         "name of a ready material, which supplies the values left out here: glass, steel, pvc, limestone, wheat, "
          "polypropylene"),
     NUMBER(material_def, density, UNIT_DENSITY, POSITIVE, "", "of the solid; must be given without `ready`"),
     NUMBER(material_def, young_modulus, UNIT_STRESS, POSITIVE, "1e10",
@@ -159,7 +159,7 @@ static const scene_field lifters_fields[] = {
     NUMBER(lifters_shape, tilt, UNIT_ANGLE, ANY, "0", "of each against the radius"),
     NUMBER(lifters_shape, first, UNIT_ANGLE, ANY, "0", "where the first stands: its angle about the axis"),
 };
-SECTION(lifters, lifters_shape, "lifters", "Bars along a drum's wall, one wall together.");
+SECTION(lifters, lifters_shape, "lifters", "Bars along a drum's wall, which form one wall.");
 
 static const scene_field vibration_fields[] = {
     VECTOR(vibration, amplitude, UNIT_LENGTH, MUST, "half the stroke, by component"),
@@ -172,13 +172,13 @@ static const scene_field rotation_fields[] = {
     VECTOR(rotation, axis, UNIT_NONE, MUST, "its direction; counter-clockwise seen against it"),
     NUMBER(rotation, speed, UNIT_SPIN, ANY, MUST, "constant"),
 };
-SECTION(rotation, rotation, "rotate", "Turning about a fixed line.");
+SECTION(rotation, rotation, "rotate", "Rotation about a fixed axis.");
 static const scene_field straight_fields[] = {VECTOR(straight_motion, velocity, UNIT_SPEED, MUST, "constant")};
-SECTION(straight, straight_motion, "move", "The wall goes.");
+SECTION(straight, straight_motion, "move", "Motion at constant velocity.");
 static const scene_field belt_fields[] = {
     VECTOR(belt_motion, velocity, UNIT_SPEED, "", "of the surface, or its part along the surface"),
     VECTOR(belt_motion, axis, UNIT_NONE, "",
-           "of the pulleys, instead: the surface runs around it, at `speed` wherever it is bent to"),
+           "of the pulleys, instead of `velocity`: the surface runs around it, at `speed` everywhere"),
     NUMBER(belt_motion, speed, UNIT_SPEED, ANY, "", "of the surface, with `axis`: along axis x normal"),
 };
 SECTION(belt, belt_motion, "belt", "Only the surface runs: `velocity`, or `axis` and `speed`.");
@@ -225,7 +225,7 @@ static const scene_field wall_fields[] = {
      "even between two times, "
      "constant before the first and after the last"},
     NUMBER(wall_def, from, UNIT_TIME, AT_LEAST_0, "0",
-           "the wall is there from this time on; its motion runs all the time"),
+           "the wall exists from this time on; it moves all the time"),
     NUMBER(wall_def, until, UNIT_TIME, AT_LEAST_0, "", "and until this time, after `from`: a gate"),
 };
 SECTION(wall, wall_def, "wall", "One shape, and how it moves. At most 32 walls; an exit counts.");
@@ -282,7 +282,7 @@ static const scene_field shape_fields[] = {
     {"rounding", FIELD_NUMBER, UNIT_NONE, offsetof(shape_def, rounding), 0.001, 0.4, false, "0.03", 0, NO_WORDS,
      "radius of edges and corners of a polyhedron, over its smallest width"},
 };
-SECTION(shape, shape_def, "shape", "What particles of a feed look like, if they are no spheres. Each comes turned at random.");
+SECTION(shape, shape_def, "shape", "Shape of the particles of a feed that are not spheres. They are oriented at random.");
 
 /* ---- feed ---- */
 
@@ -340,21 +340,21 @@ static const scene_field sizes_fields[] = {
     ONE_NUMBER(sizes_def, diameter, FIELD_NUMBER, UNIT_DIAMETER, POSITIVE, 1, "one size"),
     {"classes", FIELD_LIST, UNIT_NONE, offsetof(sizes_def, classes), 1, 1000, false, "", 1, NULL, &class_section, "any number of sizes"},
     {"file", FIELD_FILE, UNIT_NONE, offsetof(sizes_def, file), ANY, "", 1, NO_WORDS,
-     "a table of sieves or classes ([forms](tables.md)); of a sieve curve a class between two sieves has even sizes, what passes the finest "
-     "goes down to half its width, and the coarsest passes everything; or `size_mm` and `share`"},
-    PART(sizes_def, uniform, even, "", 1, "even sizes"),
+     "a table of sieves or classes ([forms](tables.md)); in a sieve curve a class between two sieves has uniform sizes, the finest class "
+     "goes down to half the finest width, and the coarsest sieve passes everything; or `size_mm` and `share`"},
+    PART(sizes_def, uniform, even, "", 1, "uniform sizes"),
     PART(sizes_def, lognormal, lognormal, "", 1, "lognormal"),
     PART(sizes_def, rosin_rammler, rosin, "", 1, "Rosin-Rammler"),
-    CHOICE(sizes_def, shares, "mass|number", "mass", "what shares and distributions count"),
+    CHOICE(sizes_def, shares, "mass|number", "mass", "quantity that shares and distributions refer to"),
 };
 SECTION(sizes, sizes_def, "sizes",
-        "Diameters; of a shape, that of the sphere of its volume. Above 1 m they name their unit. Each class is measured by itself: its "
+        "Diameters; for a shape, of the sphere of its volume. Above 1 m they need a unit. Each class is measured separately; its "
         "column is `left_<size>mm`.");
 
 static const scene_field feed_fields[] = {
     TEXT(feed_def, material, MUST, "name of a material"),
     TEXT(feed_def, shape, "", "name of a shape; default: spheres"),
-    PART(feed_def, sizes, sizes, "", 0, "how large; must be given for spheres, a shape comes as it was drawn without it"),
+    PART(feed_def, sizes, sizes, "", 0, "sizes; must be given for spheres; without it a shape keeps its size"),
     PART(feed_def, region, region, MUST, 0, "where: particles are put there at random, without touching anything"),
     ONE_NUMBER(feed_def, mass, FIELD_NUMBER, UNIT_MASS, POSITIVE, 1, "all at once, at `from`"),
     {"count", FIELD_WHOLE, UNIT_NONE, offsetof(feed_def, count), 1.0, 1e8, false, "", 1, NO_WORDS,
@@ -401,16 +401,16 @@ static const scene_field mixing_fields[] = {
 SECTION(mixing, mixing_def, "mixing", "Lacey's index by time, column `<name>_lacey`: 0 separated, 1 as by chance.");
 static const scene_field heap_fields[] = {
     VECTOR(heap_def, centre, UNIT_LENGTH, MUST, "of the plate under the heap"),
-    NUMBER(heap_def, radius, UNIT_LENGTH, POSITIVE, MUST, "of the heap's foot; 6 rings and 12 sectors are seen"),
+    NUMBER(heap_def, radius, UNIT_LENGTH, POSITIVE, MUST, "of the heap's foot; it is divided into 6 rings and 12 sectors"),
 };
 SECTION(heap, heap_def, "heap",
         "Slope of a heap by time, column `<name>_angle_deg`: that of a line through the means of rings, of the highest "
         "centre in each sector. "
-        "Up is against gravity.");
+        "Up is opposite to gravity.");
 static const scene_field separation_fields[] = {
     TEXT(separation_def, fine, MUST, "exits of the fine product; several with commas"),
     TEXT(separation_def, coarse, "",
-         "exits of the coarse product; default: what has passed no exit of the fine product"),
+         "exits of the coarse product; default: all particles that have passed no exit of the fine product"),
     NUMBER(separation_def, cut, UNIT_DIAMETER, POSITIVE, "",
            "what is finer should pass; default: the aperture of the scene's screen"),
     NUMBER(separation_def, from, UNIT_TIME, AT_LEAST_0, "0",
@@ -463,7 +463,7 @@ static const scene_field output_fields[] = {
            "time between two saves; there is always one at the end and after Ctrl-C"),
     CHOICE(output_def, colour, "class|speed", "class", "of the particles in pictures"),
     NUMBER(output_def, top_speed, UNIT_SPEED, POSITIVE, "1", "where the scale of speeds ends"),
-    VECTOR(output_def, view, UNIT_NONE, "[0.3, 1, -0.4]", "direction in which one looks"),
+    VECTOR(output_def, view, UNIT_NONE, "[0.3, 1, -0.4]", "viewing direction"),
     {"movie", FIELD_YES, UNIT_NONE, offsetof(output_def, movie), ANY, "no", 0, NO_WORDS, "`scene.mp4`, by ffmpeg"},
     {"movie_rate", FIELD_NUMBER, UNIT_NONE, offsetof(output_def, movie_rate), 1e-6, 1e3, false, "1", 0, NO_WORDS,
      "simulated seconds in a second of the movie"},
@@ -482,7 +482,7 @@ static const scene_field stop_fields[] = {
     ONE_NUMBER(stop_def, above, FIELD_NUMBER, UNIT_NONE, ANY, 1, "stop when it is above this"),
     NUMBER(stop_def, after, UNIT_TIME, AT_LEAST_0, "0", "not before this time"),
 };
-SECTION(stop, stop_def, "stop condition", "Looked at with each row of `measured.csv`; the first that holds ends the run.");
+SECTION(stop, stop_def, "stop condition", "Checked with each row of `measured.csv`; the first that holds ends the run.");
 
 static const scene_field axis_fields[] = {
     NUMBER(axis_def, low, UNIT_LENGTH, ANY, MUST, "end"),
@@ -494,7 +494,7 @@ static const scene_field periodic_fields[] = {
     {"y", FIELD_PART, UNIT_NONE, offsetof(periodic_def, axis) + 1 * sizeof(axis_def), ANY, "", 0, NULL, &axis_section, "along y"},
     {"z", FIELD_PART, UNIT_NONE, offsetof(periodic_def, axis) + 2 * sizeof(axis_def), ANY, "", 0, NULL, &axis_section, "along z"},
 };
-SECTION(periodic, periodic_def, "periodic", "What leaves at one end comes in at the other.");
+SECTION(periodic, periodic_def, "periodic", "Particles that leave at one end enter at the other.");
 
 static const scene_field scene_fields[] = {
     TEXT(scene_def, title, "Scene", "of figures"),
@@ -504,11 +504,11 @@ static const scene_field scene_fields[] = {
     {"seed", FIELD_WHOLE, UNIT_NONE, offsetof(scene_def, seed), 0.0, 9007199254740992.0, false, "1", 0, NO_WORDS,
      "of random places and sizes; `--seed` overrides it"},
     CHOICE(scene_def, law, "linear|hertz|epsd|epsd_hertz|dmt|jkr|bonds", "linear",
-           "linear, hertz: friction and rolling resistance where a contact has them. epsd, epsd_hertz: these with rolling that rests "
-           "(a spring that yields). dmt, jkr: hertz with adhesion, of stiff small and of soft large spheres. bonds: linear, with bonds "
-           "that break. Equations: [contact_laws.md](contact_laws.md). The last five know spheres and clumps, bonds spheres only"),
+           "linear, hertz: friction and rolling resistance where a contact has them. epsd, epsd_hertz: these with a rolling "
+           "spring that yields. dmt, jkr: hertz with adhesion, of stiff small and of soft large spheres. bonds: linear, with bonds "
+           "that break. Equations: [contact_laws.md](contact_laws.md). The last five apply to spheres and clumps, bonds to spheres only"),
     NUMBER(scene_def, bond_at, UNIT_TIME, AT_LEAST_0, "",
-           "`law: bonds`: when what touches becomes a bond, where its contact has `bond`"),
+           "`law: bonds`: time at which touching particles are bonded, if their contact has `bond`"),
     LIST(scene_def, materials, FIELD_NAMED, material, 8, MUST, "materials with names"),
     LIST(scene_def, contacts, FIELD_LIST, contact, 64, "", "pairs of materials"),
     LIST(scene_def, walls, FIELD_NAMED, wall, 32, "", "walls with names"),
