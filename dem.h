@@ -2221,11 +2221,10 @@ typedef struct dem__convex_point {
                            ends */
     int32_t taken;      /* a contact uses it */
     dem_vec normal, at; /* from b to a; [m] */
-    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1; later
-                           its part of the pair's law */
+    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1, over the
+                           springs of its body; later its part of the pair's law */
     double count;       /* for a corner 1, for a crossing what its ends leave, for an end 0; over the springs of its
                            body */
-    double spring;      /* factor of the force of its spring: see polyhedra/share.h */
     double pull;        /* its part of the pair's pull, over the force of its spring */
     double damping;     /* factor of the closing speed in the law */
 } dem__convex_point;
@@ -17505,10 +17504,28 @@ enum {
     1.000001 /* features are tested up to this multiple of the radii, so that rounding of directions does not decide   \
               */
 
-/* Completes the point of a corner, which has its whole law. */
-DEM_INLINE void dem__count_point(dem__convex_point *p, double gap) {
+/* Returns the part that a corner of a body has of the spring of a pair. */
+DEM_INLINE double dem__part_of(const dem_convex *s) { return 1.0 / (double)s->springs; }
+
+/* Sets what a point has that is a corner. part: of the spring of its pair. */
+DEM_INLINE void dem__count_point(dem__convex_point *p, double part, double gap) {
     p->taken = 0;
-    p->gap = gap, p->weight = p->count = p->spring = 1.0;
+    p->gap = gap, p->weight = p->count = part;
+}
+
+/* Sets the weights of the point of a crossing, p[0], and of those of its n - 1 ends: p[0] and p[k] have the overlaps D
+   and D_k, and forces are the gradient of part D^2 product(1 - (D_k/D)^2) k/2. Returns 0 if nothing is left of that. */
+DEM_INLINE int dem__weigh_crossing(dem__convex_point *p, int n, double part) {
+    double rest[5], left = part, sum = 1.0;
+    for (int k = 1; k < n; k++) {
+        const double ratio = p[k].gap / p[0].gap, share = ratio * ratio;
+        rest[k] = share < 1.0 ? 1.0 - share : 0.0;
+        left *= rest[k], sum += share / rest[k];
+    }
+    if (!(left > 1e-10 * part)) return 0;
+    p[0].weight = left * sum, p[0].count = left;
+    for (int k = 1; k < n; k++) p[k].weight = -left / rest[k], p[k].count = 0.0;
+    return 1;
 }
 
 /* Returns the signed distance of a point p from a box, in its frame. n: the direction away from it. Beyond `enough`,
@@ -17575,14 +17592,19 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
     return dem__from_near_faces(s, p, HUGE_VAL, n);
 }
 
-/* Returns the signed distance of a point p from a core. n: the direction away from it. Beyond `enough`, returns any
-   larger value. */
-DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
-    const dem_vec x = dem__into_core(place, dem__sub(p, place->x));
+/* Returns the signed distance of a point, given in the frame of a core, from the core. n: the direction away from it, in
+   the world. Beyond `enough`, returns any larger value. */
+DEM_INLINE double dem__from_core_in(const dem_convex *s, const dem__placed *place, dem_vec x, double enough,
+                                    dem_vec *n) {
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);
     const double distance = s->is_box ? dem__from_box(s->half, x, enough, &m) : dem__from_near_faces(s, x, enough, &m);
     *n = distance > enough ? m : dem__from_core_frame(place, m);
     return distance;
+}
+
+/* Returns the same of a point p of the world. */
+DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, dem_vec p, double enough, dem_vec *n) {
+    return dem__from_core_in(s, place, dem__into_core(place, dem__sub(p, place->x)), enough, n);
 }
 
 /* An edge in the world: where it begins, its direction and length; in each of its two faces the direction away from it;
@@ -17604,14 +17626,32 @@ typedef struct dem__side {
     double sign;
     int n; /* near corners */
     uint8_t corner[DEM_CORNERS_MAX], is_near[DEM_CORNERS_MAX];
+    dem_vec *seen; /* all corners in the frame of the other core, if that is a box */
 } dem__side;
+
+/* Finds the corners in the frame of the other core, if that is a box. */
+DEM_INLINE void dem__see_corners(dem__side *side, const dem__side *other) {
+    const dem__placed *frame = other->place;
+    dem__placed seen;
+    if (!other->shape->is_box) return;
+    seen.x = dem__into_core(frame, dem__sub(side->place->x, frame->x));
+    for (int k = 0; k < 3; k++) seen.axis[k] = dem__into_core(frame, side->place->axis[k]);
+    for (int k = 0; k < side->shape->corners; k++) side->seen[k] = dem__corner_at(side->shape, &seen, k);
+}
 
 DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, double *highest) {
     const double centre = dem__dot(n, side->place->x);
-    const dem_vec in_body = dem__into_core(side->place, n);
+    const dem_vec in_body = dem__into_core(side->place, n), half = side->shape->half;
+    for (int k = 0; k < side->shape->corners; k++)
+        side->height[k] = centre + dem__dot(in_body, dem__point(side->shape->corner[k]));
+    if (side->shape->is_box) {
+        const double reach = fabs(in_body.x) * half.x + fabs(in_body.y) * half.y + fabs(in_body.z) * half.z;
+        *lowest = centre - reach, *highest = centre + reach;
+        return;
+    }
     *lowest = HUGE_VAL, *highest = -HUGE_VAL;
     for (int k = 0; k < side->shape->corners; k++) {
-        const double h = side->height[k] = centre + dem__dot(in_body, dem__point(side->shape->corner[k]));
+        const double h = side->height[k];
         *lowest = h < *lowest ? h : *lowest, *highest = h > *highest ? h : *highest;
     }
 }
@@ -17626,10 +17666,10 @@ DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
     }
 }
 
-/* Finds the part of an edge that is near the other core: all of it, or from its near end to the limit. a, b: heights of
-   its ends [m]. */
-DEM_INLINE void dem__find_near_part(const dem__side *side, double a, double b, dem__placed_edge *p) {
-    a *= side->sign, b *= side->sign;
+/* Finds the part of edge e that is near the other core: all of it, or from its near end to the limit. */
+DEM_INLINE void dem__find_near_part(const dem__side *side, int e, dem__placed_edge *p) {
+    const uint8_t *end = side->shape->edge[e];
+    const double a = side->sign * side->height[end[0]], b = side->sign * side->height[end[1]];
     const double at_limit = p->length * ((side->limit - a) / (b != a ? b - a : 1.0));
     const double from = a < side->limit ? 0.0 : at_limit, to = b < side->limit ? p->length : at_limit;
     p->middle = 0.5 * (from + to);
@@ -17650,12 +17690,11 @@ static inline void dem__place_edge(const dem__side *side, int e, int apart, dem_
     p->from = dem__corner_at(s, side->place, from);
     if (s->is_box) { /* along an axis */
         const int k = !(fabs(u.x) > 0.0) * (1 + !(fabs(u.y) > 0.0));
-        p->length = fabs(dem_axis(u, k)), p->along = dem__scale(1.0 / p->length * dem_axis(u, k), side->place->axis[k]);
+        const double along = u.x + u.y + u.z;
+        p->length = fabs(along), p->along = dem__scale(along < 0.0 ? -1.0 : 1.0, side->place->axis[k]);
     } else {
         p->length = dem__length(u), p->along = dem__from_core_frame(side->place, dem__scale(1.0 / p->length, u));
     }
-    const double a = side->height[from], b = side->height[to];
-    dem__find_near_part(side, a, b, p);
     p->outward = p->in[0] = p->in[1] = dem_vec3(0.0, 0.0, 0.0); /* a segment has no faces */
     if (apart) return;
     for (int f = 0; f < 2 && s->faces > 0; f++) {
@@ -17720,14 +17759,13 @@ static inline int dem__find_crossing(const dem__placed_edge *p, const dem__place
     return apart || *distance > 0.0 || (dem__lean(p, dem__scale(-1.0, *normal)) < 0.25 && dem__lean(q, *normal) < 0.25);
 }
 
-/* Finds the points where edge p of a crosses edge q of b. Returns how many. The overlap D at the crossing has energy
-   only beyond that of the ends of the edges, each with its overlap D_i at the other edge: D^2 product(1 - (D_i/D)^2)
-   k/2. It is 0 with slope 0 where the crossing reaches an end, where the point of that corner takes over. Forces are
-   its gradient: D at the crossing and D_i at the ends, with weights. The point of the crossing gets `key`, those of the
-   ends the next four. */
+/* Finds the points where edge p of a crosses edge q of b. Returns their number. The energy of the overlap at the
+   crossing counts only beyond that of the ends of the edges, each with its overlap at the other edge: it is 0 with
+   slope 0 where the crossing reaches an end, and that corner's own point continues. The point of the crossing gets
+   `key`, those of the ends the next four. part: of the spring of the pair. */
 static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_edge *q, double radii, int apart,
-                                   int32_t key, dem__convex_point *out) {
-    double s, distance, rest[4], left = 1.0, share[4];
+                                   double part, int32_t key, dem__convex_point *out) {
+    double s, distance;
     if (!dem__find_crossing(p, q, apart, &s, &out->normal, &distance)) return 0;
     const double overlap = radii - distance;
     /* deeper: they lie on far sides of the cores */
@@ -17741,48 +17779,37 @@ static inline int dem__cross_edges(const dem__placed_edge *p, const dem__placed_
         const dem_vec x = k % 2 ? dem__plus(own->from, own->length, own->along) : own->from;
         dem__convex_point *end = &out[n];
         dem_vec off;
-        share[k] = 0.0, rest[k] = 1.0;
         if (!(own->ends >> k % 2 & 1) || dem__is_off_edge(other, x, DEM__WINDOW * radii)) continue;
-        const double from = dem__from_edge(other, x, &off), at_end = radii - from;
-        if (!(at_end > 0.0)) continue;
-        share[k] = at_end * at_end / (overlap * overlap);
-        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
-        left *= rest[k];
-        if (share[k] == 0.0) continue;
-        end->key = out->key + 1 + k, end->taken = 0, end->gap = -at_end, end->weight = k;
+        const double from = dem__from_edge(other, x, &off);
+        if (!(from < radii)) continue;
+        end->key = out->key + 1 + k, end->taken = 0, end->gap = from - radii;
         end->normal = dem__scale(k < 2 ? 1.0 : -1.0, off);
         end->at = k < 2 ? x : dem__plus(x, -from, off);
         n++;
     }
-    if (!(left > 1e-10)) return 0;
-    out->weight = out->count = left;
-    for (int k = 0; k < 4; k++) out->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) out[m].weight = -left / rest[(int)out[m].weight], out[m].count = 0.0;
-    return n;
+    return dem__weigh_crossing(out, n, part) ? n : 0;
 }
 
-/* Returns whether a point is farther than a distance beyond a side of a box. */
-DEM_INLINE int dem__passes_box(const dem__side *box, dem_vec x, double distance) {
-    const dem_vec d = dem__sub(x, box->place->x), half = box->shape->half;
-    int passes = 0;
-    for (int k = 0; k < 3; k++) passes |= fabs(dem__dot(d, box->place->axis[k])) > dem_axis(half, k) + distance;
-    return passes;
+/* Returns whether a point, given in the frame of a box, is farther than a distance beyond a side of it. */
+DEM_INLINE int dem__passes_box(dem_vec half, dem_vec x, double distance) {
+    return (fabs(x.x) > half.x + distance) | (fabs(x.y) > half.y + distance) | (fabs(x.z) > half.z + distance);
 }
 
 /* Appends the points of corners of a at b to a list of n. Returns the new number. key: of a's first corner; if it is
    above 0, a and b are exchanged. */
 static inline int dem__find_corner_points(const dem__side *a, const dem__side *b, int key, dem__convex_point *out,
                                           int n) {
-    const double radii = a->shape->radius + b->shape->radius;
+    const double radii = a->shape->radius + b->shape->radius, part = dem__part_of(a->shape);
     for (int m = 0; m < a->n && n < DEM__POINTS_MAX; m++) {
         const int k = a->corner[m];
         dem__convex_point *p = &out[n];
-        const dem_vec x = dem__corner_at(a->shape, a->place, k);
-        if (b->shape->is_box && dem__passes_box(b, x, DEM__WINDOW * radii)) continue;
-        const double distance = dem__from_core(b->shape, b->place, x, DEM__WINDOW * radii, &p->normal);
+        if (b->shape->is_box && dem__passes_box(b->shape->half, a->seen[k], DEM__WINDOW * radii)) continue;
+        const dem_vec x = dem__corner_at(a->shape, a->place, k),
+                      in_b = b->shape->is_box ? a->seen[k] : dem__into_core(b->place, dem__sub(x, b->place->x));
+        const double distance = dem__from_core_in(b->shape, b->place, in_b, DEM__WINDOW * radii, &p->normal);
         if (!(distance < radii)) continue;
         p->key = key + k, p->at = x;
-        dem__count_point(p, distance - radii);
+        dem__count_point(p, part, distance - radii);
         if (key > 0) { /* a and b are exchanged */
             p->at = dem__plus(x, -distance, p->normal);
             p->normal = dem__scale(-1.0, p->normal);
@@ -17793,16 +17820,13 @@ static inline int dem__find_corner_points(const dem__side *a, const dem__side *b
 }
 
 /* Returns to which sides of a box the near part of edge e of another core comes close: bits 2 k and 2 k + 1 for the
-   lower and the upper side across axis k. Returns 0 if these are not two sides that meet in an edge. seen: the core's
-   place in the box's frame. */
-DEM_INLINE unsigned dem__sides_near(const dem__side *side, const dem__placed *seen, int e, const dem_convex *box,
-                                    double radii) {
+   lower and the upper side across axis k. Returns 0 if these are not two sides that meet in an edge. */
+DEM_INLINE unsigned dem__sides_near(const dem__side *side, int e, const dem_convex *box, double radii) {
     const uint8_t *end = side->shape->edge[e];
     const double a = side->sign * side->height[end[0]], b = side->sign * side->height[end[1]];
     const double at_limit = (side->limit - a) / (b != a ? b - a : 1.0);
     const double begins = a < side->limit ? 0.0 : at_limit, ends = b < side->limit ? 1.0 : at_limit;
-    const dem_vec from = dem__corner_at(side->shape, seen, end[0]),
-                  u = dem__sub(dem__corner_at(side->shape, seen, end[1]), from);
+    const dem_vec from = side->seen[end[0]], u = dem__sub(side->seen[end[1]], from);
     const dem_vec at = dem__plus(from, 0.5 * (begins + ends), u);
     const double half_part = 0.5 * (ends - begins);
     const double x[3] = {at.x, at.y, at.z}, half[3] = {box->half.x, box->half.y, box->half.z};
@@ -17816,11 +17840,6 @@ DEM_INLINE unsigned dem__sides_near(const dem__side *side, const dem__placed *se
         across += low | high;
     }
     return sides * (unsigned)(!passes & (across > 1));
-}
-/* Returns the sides of a box at which a corner lies. */
-DEM_INLINE unsigned dem__sides_of(const dem_convex *box, int corner) {
-    const double *x = box->corner[corner];
-    return 1u << (x[0] > 0.0) | 4u << (x[1] > 0.0) | 16u << (x[2] > 0.0);
 }
 
 /* Edges of a core that end at a near corner. */
@@ -17841,42 +17860,51 @@ static inline void dem__list_near_edges(const dem__side *side, dem__edge_list *l
 }
 /* Finds the sides of a box that meet at its edges. */
 static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) {
+    const dem_convex *s = side->shape;
+    unsigned of[6] = {0, 0, 0, 0, 0, 0};
+    for (int f = 0; f < 6 && s->is_box; f++) {
+        const double *n = s->plane[f];
+        of[f] = (n[0] < -0.5) | (unsigned)(n[0] > 0.5) << 1 | (unsigned)(n[1] < -0.5) << 2 |
+                (unsigned)(n[1] > 0.5) << 3 | (unsigned)(n[2] < -0.5) << 4 | (unsigned)(n[2] > 0.5) << 5;
+    }
     for (int m = 0; m < list->n; m++) {
-        const uint8_t *end = side->shape->edge[list->number[m]];
-        list->sides[m] = side->shape->is_box
-                             ? (uint8_t)(dem__sides_of(side->shape, end[0]) & dem__sides_of(side->shape, end[1]))
-                             : 0;
+        const uint8_t *face = s->edge_face[list->number[m]];
+        list->sides[m] = s->is_box ? (uint8_t)(of[face[0]] | of[face[1]]) : 0;
     }
 }
 /* Keeps the edges of a list that can cross an edge of the other core. */
 static inline void dem__keep_edges(const dem__side *side, const dem__side *other, double radii, dem__edge_list *list) {
-    const dem__placed *frame = other->place;
-    dem__placed seen;
     int kept = 0;
-    seen.x = dem__into_core(frame, dem__sub(side->place->x, frame->x));
-    for (int k = 0; k < 3; k++) seen.axis[k] = dem__into_core(frame, side->place->axis[k]);
     for (int m = 0; m < list->n; m++) {
         const uint8_t number = list->number[m];
         list->number[kept] = number;
-        const unsigned sides = other->shape->is_box ? dem__sides_near(side, &seen, number, other->shape, radii) : 63u;
+        const unsigned sides = other->shape->is_box ? dem__sides_near(side, number, other->shape, radii) : 63u;
         list->sides[kept] = (uint8_t)~sides;
         kept += sides > 0;
     }
     list->n = kept;
 }
 
+/* Returns whether the near parts of two edges are farther from each other than a distance. */
+DEM_INLINE int dem__are_apart(const dem__placed_edge *p, const dem__placed_edge *q, double distance) {
+    const dem_vec d = dem__sub(dem__plus(p->from, p->middle, p->along), dem__plus(q->from, q->middle, q->along));
+    const double far_off = p->half + q->half + distance;
+    return dem__dot(d, d) >= far_off * far_off;
+}
+
 /* Appends the points where edges cross to a list of n. Returns the new number. Begins with the core that has fewer near
    edges: if none of these can cross an edge of the other core, nothing else is done. Edges are placed when they are
    needed. */
-static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart, dem__convex_point *out,
-                                        int n) {
+static DEM__NOINLINE int dem__find_edge_points(const dem__side *a, const dem__side *b, int apart,
+                                               dem__convex_point *out, int n) {
     const double radii = a->shape->radius + b->shape->radius, window = DEM__WINDOW * radii;
+    const double part = dem__part_of(a->shape->springs > b->shape->springs ? a->shape : b->shape);
     uint8_t is_placed[DEM_EDGES_MAX], other[DEM_EDGES_MAX];
     dem__placed_edge p, edge[DEM_EDGES_MAX]; /* of a, and all of b: a second table would make the stack frame too
                                                 large */
     dem__edge_list of_a, of_b;
     dem__list_near_edges(a, &of_a), dem__list_near_edges(b, &of_b);
-    const int a_first = of_a.n <= of_b.n;
+    const int a_first = of_a.n <= of_b.n, boxes = a->shape->is_box && b->shape->is_box;
     dem__keep_edges(a_first ? a : b, a_first ? b : a, window, a_first ? &of_a : &of_b);
     if (of_a.n == 0 || of_b.n == 0) return n;
     dem__find_sides(a_first ? b : a, a_first ? &of_b : &of_a);
@@ -17885,15 +17913,15 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
         int others = 0;
         for (int f = 0; f < of_b.n; f++) other[others] = (uint8_t)f, others += !(of_a.sides[e] & of_b.sides[f]);
         if (others > 0) dem__place_edge(a, of_a.number[e], apart, &p);
+        if (others > 0 && !boxes) dem__find_near_part(a, of_a.number[e], &p);
         for (int m = 0; m < others && n + 5 <= DEM__POINTS_MAX; m++) {
             const int f = other[m];
             if (!is_placed[f]) dem__place_edge(b, of_b.number[f], apart, &edge[f]);
+            if (!is_placed[f] && !boxes) dem__find_near_part(b, of_b.number[f], &edge[f]);
             is_placed[f] = 1;
             const dem__placed_edge *q = &edge[f];
             const int32_t key = 2 * DEM_CORNERS_MAX + 5 * (p.number * DEM_EDGES_MAX + q->number);
-            const dem_vec d = dem__sub(dem__plus(p.from, p.middle, p.along), dem__plus(q->from, q->middle, q->along));
-            const double far_off = p.half + q->half + window;
-            if (dem__dot(d, d) < far_off * far_off) n += dem__cross_edges(&p, q, radii, apart, key, &out[n]);
+            if (boxes || !dem__are_apart(&p, q, window)) n += dem__cross_edges(&p, q, radii, apart, part, key, &out[n]);
         }
     }
     return n;
@@ -17901,18 +17929,20 @@ static inline int dem__find_edge_points(const dem__side *a, const dem__side *b, 
 
 /* Finds the points of a pair whose nearest direction is known, at most DEM__POINTS_MAX, sorted by key. Returns how
    many. If a core is a point, only its own corner counts; otherwise it would be counted twice. */
-static inline int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
-                                   const dem__placed *pb, dem_vec normal, dem__convex_point *out) {
+static DEM__NOINLINE int dem__find_points(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
+                                          const dem__placed *pb, dem_vec normal, dem__convex_point *out) {
     dem__side sa, sb;
+    dem_vec seen_a[DEM_CORNERS_MAX], seen_b[DEM_CORNERS_MAX];
     const double radii = DEM__WINDOW * (a->radius + b->radius);
     double low_a, high_a, low_b, high_b;
     int n = 0;
-    sa.shape = a, sa.place = pa, sb.shape = b, sb.place = pb;
+    sa.seen = seen_a, sb.seen = seen_b, sa.shape = a, sa.place = pa, sb.shape = b, sb.place = pb;
     dem__find_heights(&sa, normal, &low_a, &high_a);
     dem__find_heights(&sb, normal, &low_b, &high_b);
     if (!(low_a - high_b < radii)) return 0;
     dem__choose_corners(&sa, high_b + radii, 1.0);
     dem__choose_corners(&sb, radii - low_a, -1.0);
+    dem__see_corners(&sa, &sb), dem__see_corners(&sb, &sa);
     if (b->corners > 1 || a->corners == 1) n = dem__find_corner_points(&sa, &sb, 0, out, n);
     if (a->corners > 1) n = dem__find_corner_points(&sb, &sa, DEM_CORNERS_MAX, out, n);
     return dem__find_edge_points(&sa, &sb, low_a > high_b, out, n);
@@ -18208,6 +18238,7 @@ typedef struct dem__at_wall {
     dem__edge_visitor visitor; /* first, so that a visitor's address is that of this struct */
     const dem_wall *wall;
     const dem_convex *shape;
+    double part;      /* of the spring of the pair that a corner has */
     dem_vec centre;   /* of the polyhedron */
     dem__placed core; /* with x = 0 */
     dem__placed_edge edge[DEM_EDGES_MAX];
@@ -18313,8 +18344,8 @@ static inline void dem__cross_wall_edge(dem__edge_visitor *v, const dem__wall_ed
         dem__find_way_out(q, &e, &way);
     if (is_deep) e.deep = dem__half_width(q->shape);
     for (int k = 0; k < q->edges && q->n + 5 <= DEM__POINTS_MAX; k++) {
-        const int n = dem__cross_edges(&q->edge[k], &e, radii, !e.sided && !is_deep, of->key + 5 * q->edge[k].number,
-                                       q->out + q->n);
+        const int n = dem__cross_edges(&q->edge[k], &e, radii, !e.sided && !is_deep, q->part,
+                                       of->key + 5 * q->edge[k].number, q->out + q->n);
         if (n == 0 || (is_deep && !(dem__dot(q->out[q->n].normal, way) > 0.7))) continue;
         const double up = dem__dot(q->out[q->n].normal, of->side);
         if (of->sign == 0.0 || (of->sign > 0.0 ? up >= 0.0 : up < 0.0)) q->n += n;
@@ -18331,7 +18362,7 @@ static inline void dem__touch_wall_corner(dem__edge_visitor *v, dem_vec x, doubl
     const double gap = distance - radius - q->shape->radius;
     if (!(gap < 0.0) || dem__dot(n, tip) > 0.0) return;
     point->key = key;
-    dem__count_point(point, gap);
+    dem__count_point(point, q->part, gap);
     point->normal = dem__scale(-1.0, n), point->at = dem__plus(x, -distance, n);
     q->n++;
 }
@@ -18380,7 +18411,7 @@ static inline void dem__touch_with_corners(dem__at_wall *q) {
             dem__convex_point *point = &q->out[q->n];
             int is_new = touch[m].gap < 0.0;
             point->key = dem__wall_key(q->wall, &touch[m], k);
-            dem__count_point(point, touch[m].gap);
+            dem__count_point(point, q->part, touch[m].gap);
             point->normal = touch[m].normal, point->at = arm;
             for (int p = q->n - 1; p >= q->n - m && is_new && p >= 0; p--) is_new = q->out[p].key != point->key;
             q->n += is_new;
@@ -18433,26 +18464,19 @@ static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_ed
 /* Adds the point of an edge at t with a sheet, and the points of the edge's ends, weighted as for crossing edges. */
 static inline void dem__weigh_along(dem__at_wall *q, const dem__placed_edge *e, double t, int32_t key) {
     dem__convex_point *point = &q->out[q->n];
-    double share[2], rest[2], left = 1.0;
     int n = 1;
     const dem__touch here = dem__touch_sheet_along(q, e, t);
     if (!(here.gap < 0.0) || q->n + 3 > DEM__POINTS_MAX) return;
+    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
+    point->at = dem__plus(e->from, t, e->along);
     for (int k = 0; k < 2; k++) {
         const dem__touch end = dem__touch_sheet_along(q, e, k ? e->length : 0.0);
-        share[k] = end.gap < 0.0 ? end.gap * end.gap / (here.gap * here.gap) : 0.0;
-        rest[k] = share[k] < 1.0 ? 1.0 - share[k] : 0.0;
-        left *= rest[k];
-        if (share[k] == 0.0) continue;
+        if (!(end.gap < 0.0)) continue;
         point[n].key = key + 1 + k, point[n].taken = 0, point[n].gap = end.gap, point[n].normal = end.normal;
-        point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along), point[n].weight = k;
+        point[n].at = dem__plus(e->from, k ? e->length : 0.0, e->along);
         n++;
     }
-    if (!(left > 1e-10)) return;
-    point->key = key, point->taken = 0, point->gap = here.gap, point->normal = here.normal;
-    point->at = dem__plus(e->from, t, e->along), point->weight = point->count = left;
-    for (int k = 0; k < 2; k++) point->weight += share[k] * left / rest[k];
-    for (int m = 1; m < n; m++) point[m].weight = -left / rest[(int)point[m].weight], point[m].count = 0.0;
-    q->n += n;
+    if (dem__weigh_crossing(point, n, q->part)) q->n += n;
 }
 
 /* Adds the points of edges at a sheet and its rims. */
@@ -18473,12 +18497,12 @@ DEM_INLINE int dem__corners_at(const dem_wall *wall) {
 
 /* Finds the points of a polyhedron at a wall, both at the end of the step. The sphere around it touches the wall.
    Returns how many. may_cut: whether a sheet may cut its core. */
-static inline int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
-                                             dem__convex_point *out, int *may_cut) {
+static DEM__NOINLINE int dem__touch_with_polyhedron(const dem_wall *wall, const dem_convex *s, const dem__placed *place,
+                                                    dem__convex_point *out, int *may_cut) {
     dem__at_wall q;
     *may_cut = 0;
     q.visitor.corner = dem__touch_wall_corner, q.visitor.edge = dem__cross_wall_edge;
-    q.wall = wall, q.shape = s, q.centre = place->x, q.out = out, q.n = q.edges = 0;
+    q.wall = wall, q.shape = s, q.part = dem__part_of(s), q.centre = place->x, q.out = out, q.n = q.edges = 0;
     q.core = *place, q.core.x = dem_vec3(0.0, 0.0, 0.0);
     q.is_cut = 0;
     if (dem__has(wall, DEM__TRIANGULATED)) q.is_cut = dem__may_cut(wall, s, place);
@@ -18611,17 +18635,9 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
    The dashpot acts on the mass that the resultant of the springs meets, with the stiffness that they have. So the
    restitution, at the point where the resultant acts, is that of the pair. */
 
-/* Returns an overlap to the power of the energy, or of the force. square: of the overlap. */
-DEM_INLINE double dem__energy_at(double square, double power) {
-    return power > 2.0 ? square * sqrt(sqrt(square)) : square;
-}
-DEM_INLINE double dem__force_at(double square, double power) {
-    return power > 2.0 ? sqrt(square * sqrt(square)) : sqrt(square);
-}
-
-/* Gives a point its part of the spring of its body. */
-DEM_INLINE void dem__divide_point(dem__convex_point *p, int springs) {
-    p->weight /= (double)springs, p->count /= (double)springs;
+/* Returns the force over the stiffness of an overlap; times the overlap it is the energy over k/p. */
+DEM_INLINE double dem__force_at(double overlap, double power) {
+    return power > 2.0 ? overlap * sqrt(overlap) : overlap;
 }
 
 /* The number by which the springs of a pair's points are divided, and its slope, from c: 1 up to 2, c/2 from 2.5 on. */
@@ -18636,46 +18652,56 @@ DEM_INLINE dem__division dem__divide(double c) {
     return d;
 }
 
-/* The springs of a pair together: their energy over k/p, and whether they are no more than the parts of its points in
-   the law, as where only corners touch. */
-typedef struct dem__springs {
-    double energy;
-    int are_parts;
-} dem__springs;
-
-/* Sets the parts of a pair's n points in its law, and the factors of their springs. */
-static inline dem__springs dem__share_points(dem__convex_point *p, int n, double power) {
-    const double half = 0.5 * power;
-    /* head: t of the crossing to which an end belongs */
-    double most = DBL_MIN, first = 0.0, second = 0.0, sum = 0.0, head = 1.0;
-    dem__springs of = {0.0, 1};
-    for (int k = 0; k < n; k++) most = p[k].gap * p[k].gap > most ? p[k].gap * p[k].gap : most;
-    for (int k = 0; k < n; k++) {
-        const double t = p[k].gap * p[k].gap / most;
-        first += p[k].count * t, second += p[k].count * t * t, sum += p[k].count * dem__energy_at(t, power);
-        of.are_parts &= p[k].weight == p[k].count;
-    }
-    if (n == 0) return of;
-    const dem__division divided = dem__divide(first * first / second);
-    of.energy = sum / divided.by * dem__energy_at(most, power), of.are_parts &= divided.by == 1.0;
-    const double lost = sum * divided.slope / (divided.by * divided.by), per = first / second;
-    for (int k = 0; k < n && !of.are_parts; k++) {
-        const double l = p[k].count, w = p[k].weight, own = p[k].gap * p[k].gap / most, t = l > 0.0 ? head = own : head;
-        double spring = dem__energy_at(t, power) / t * (w + (half - 1.0) * l) / divided.by;
-        if (lost > 0.0) spring -= lost * per * (2.0 * w - per * t * (w + l));
-        p[k].spring = power > 2.0 ? spring / (half * sqrt(sqrt(own))) : spring;
-        p[k].weight = l / divided.by;
-    }
-    for (int k = 0; k < n && of.are_parts; k++) p[k].spring = p[k].weight;
-    return of;
-}
-
-/* Sums of a pair: its energy over k/p; divided by the stiffness, the forces of the law by the parts, and those of the
-   springs. */
+/* Sums of a pair: its energy over k/p; over the stiffness the forces by the parts of its points in the law, and of its
+   springs, and their moments about the centre of i. */
 typedef struct dem__shared {
     double energy, parts, springs, whole; /* whole: sum of the parts */
-    dem_vec normal, on_i, on_j;           /* the forces by the parts, and their moments about the centres */
+    dem_vec normal, on_i, pull, pull_on_i;
+    int are_parts; /* whether the springs are no more than the parts, as where only corners touch */
 } dem__shared;
+
+/* Adds a force at a point to one of the sums, with its moment. */
+DEM_INLINE void dem__add_shared(dem_vec *sum, dem_vec *moment, double force, const dem__convex_point *p) {
+    const dem_vec f = dem__scale(force, p->normal);
+    *sum = dem__add(*sum, f), *moment = dem__add(*moment, dem__cross(p->at, f));
+}
+
+/* Divides the springs of a pair's n points, c the number that they are and per its slope. */
+static DEM__NOINLINE void dem__share_springs(dem__convex_point *p, int n, double power, double c, double per,
+                                             dem__shared *s) {
+    const dem__division divided = dem__divide(c);
+    const double half = 0.5 * power, by = 1.0 / divided.by, lost = s->energy * divided.slope * by * by * per;
+    double head = 1.0; /* overlap of an end's crossing */
+    s->are_parts = 0, s->springs = 0.0, s->pull = s->pull_on_i = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < n; k++) {
+        const double l = p[k].count, w = p[k].weight, own = fabs(p[k].gap), d = l > 0.0 ? head = own : head;
+        double spring = (power > 2.0 ? sqrt(d) : 1.0) * (w + (half - 1.0) * l) * by;
+        if (lost > 0.0) spring -= lost * (2.0 * w - per * d * d * (w + l));
+        spring *= own / half;
+        s->springs += spring, dem__add_shared(&s->pull, &s->pull_on_i, spring, &p[k]);
+        p[k].weight = l * by;
+    }
+    s->energy *= by, s->parts *= by, s->whole *= by;
+    s->normal = dem__scale(by, s->normal), s->on_i = dem__scale(by, s->on_i);
+}
+
+/* Sets the parts of a pair's n points in its law. Returns their sums. */
+static inline dem__shared dem__share_points(dem__convex_point *p, int n, double power) {
+    double first = 0.0, second = 0.0;
+    dem__shared s;
+    memset(&s, 0, sizeof s);
+    s.are_parts = 1;
+    for (int k = 0; k < n; k++) {
+        const double d = fabs(p[k].gap), l = p[k].count, force = dem__force_at(d, power);
+        first += l * d * d, second += l * d * d * (d * d), s.energy += l * force * d;
+        s.whole += l, s.parts += l * force, s.are_parts &= p[k].weight == l;
+        dem__add_shared(&s.normal, &s.on_i, l * force, &p[k]);
+    }
+    s.springs = s.parts;
+    const double c = second > DBL_MIN ? first * first / second : 0.0, per = second > DBL_MIN ? first / second : 0.0;
+    if (!s.are_parts || c > 2.0) dem__share_springs(p, n, power, c, per, &s);
+    return s;
+}
 
 /* Returns how much faster a force of 1 N with a moment about the centre of particle i moves i where it acts, because i
    turns [1/kg]. */
@@ -18687,64 +18713,53 @@ DEM_INLINE double dem__per_turning(const dem_world *w, ptrdiff_t i, dem_vec mome
     return s->volume * sum / w->particle[i].mass;
 }
 
-/* Returns the factor of the closing speed with which the pair's dashpot becomes that of the resultant. The law's own
-   dashpot is that of the whole masses and of the pair's spring. */
-static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, const dem__shared *s,
-                                     double power) {
+/* Returns the factor of the closing speed that makes the pair's dashpot that of the resultant: the law's own is that of
+   the whole masses and of the pair's spring. apart: from the centre of j to that of i. */
+static inline double dem__damping_of(const dem_world *w, const dem__convex_pair *pair, dem_vec apart,
+                                     const dem__shared *s, double power) {
     const double length = dem__length(s->normal), least = 0.5 * s->parts; /* normals may face each other */
     const double per = 1.0 / (length > least ? length : least), depth = s->energy / s->springs;
     double whole = dem__is_fixed(w, pair->i) ? 0.0 : 1.0 / w->particle[pair->i].mass,
            turning = dem__per_turning(w, pair->i, dem__scale(per, s->on_i));
     if (pair->j >= 0) {
+        const dem_vec on_j = dem__add(s->on_i, dem__cross(apart, s->normal));
         whole += dem__is_fixed(w, pair->j) ? 0.0 : 1.0 / w->particle[pair->j].mass;
-        turning += dem__per_turning(w, pair->j, dem__scale(per, s->on_j));
+        turning += dem__per_turning(w, pair->j, dem__scale(per, on_j));
     }
-    const double stiffness = s->energy / dem__energy_at(depth * depth, power); /* over the stiffness of the pair */
+    const double stiffness = s->springs / dem__force_at(depth, power); /* over that of the pair */
     return whole > 0.0 ? sqrt(stiffness * whole / (whole + turning)) / s->whole : 1.0;
 }
 
-/* Sets the pull of a pair and each point's part in it, and removes ends. raise: factor of the parts, so that friction,
-   which they limit, sees the whole force. Returns how many points are left. */
-static DEM__NOINLINE int dem__set_pull(dem__convex_pair *pair, dem_vec apart, double power, double parts, double raise,
-                                       dem__convex_point *p, int n) {
+/* Sets the pull of a pair, what its springs exert beyond the parts, which are raised. */
+static inline void dem__set_pull(dem__convex_pair *pair, dem_vec apart, double raise, const dem__shared *s) {
+    const dem_vec f = dem__plus(s->pull, -raise, s->normal), on_i = dem__plus(s->pull_on_i, -raise, s->on_i),
+                  on_j = dem__add(on_i, dem__cross(apart, f));
+    for (int a = 0; a < 3; a++) {
+        pair->pull[a] = dem_axis(f, a);
+        pair->pull[3 + a] = dem_axis(on_i, a), pair->pull[6 + a] = -dem_axis(on_j, a);
+    }
+}
+
+/* Completes the n points of a pair, and removes ends. apart: from the centre of j to that of i. Returns the number of
+   points left. */
+static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__shared *s,
+                                     dem__convex_point *p, int n) {
+    if (n == 0) return 0;
+    /* of the parts, so that friction, which they limit, counts on the whole force */
+    const double raise = s->are_parts ? 1.0 : dem__clamp(s->springs / s->parts, 0.25, 4.0), per = 1.0 / s->parts;
+    s->springs = raise * s->parts, s->whole *= raise;
+    const double damping = dem__damping_of(w, pair, apart, s, w->engine->run.power);
+    if (s->are_parts) {
+        for (int k = 0; k < n; k++) p[k].damping = damping, p[k].pull = 0.0;
+        return n;
+    }
     int kept = 0;
-    for (int a = 0; a < 9; a++) pair->pull[a] = 0.0;
+    dem__set_pull(pair, apart, raise, s);
     for (int k = 0; k < n; k++) {
-        const double part = raise * p[k].weight,
-                     more = (p[k].spring - part) * dem__force_at(p[k].gap * p[k].gap, power);
-        const dem_vec f = dem__scale(more, p[k].normal), on_i = dem__cross(p[k].at, f),
-                      on_j = dem__cross(dem__add(p[k].at, apart), f);
-        for (int a = 0; a < 3; a++) {
-            pair->pull[a] += dem_axis(f, a);
-            pair->pull[3 + a] += dem_axis(on_i, a), pair->pull[6 + a] -= dem_axis(on_j, a);
-        }
-        p[k].pull = p[k].weight / parts, p[k].weight = part;
+        p[k].damping = damping, p[k].pull = p[k].weight * per, p[k].weight *= raise;
         if (p[k].count > 0.0) p[kept++] = p[k];
     }
     return kept;
-}
-
-/* Completes the n points of a pair. apart: from the centre of j to that of i. Returns how many points are left. */
-static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__springs of,
-                                     dem__convex_point *p, int n) {
-    const double power = w->engine->run.power;
-    dem__shared s;
-    memset(&s, 0, sizeof s);
-    s.energy = of.energy;
-    for (int k = 0; k < n; k++) {
-        const double force = dem__force_at(p[k].gap * p[k].gap, power), part = p[k].weight * force;
-        s.parts += part, s.springs += p[k].spring * force, s.whole += p[k].weight;
-        s.normal = dem__plus(s.normal, part, p[k].normal);
-        s.on_i = dem__plus(s.on_i, part, dem__cross(p[k].at, p[k].normal));
-        if (pair->j >= 0) s.on_j = dem__plus(s.on_j, part, dem__cross(dem__add(p[k].at, apart), p[k].normal));
-        p[k].pull = 0.0;
-    }
-    if (n == 0) return 0;
-    const double raise = of.are_parts ? 1.0 : dem__clamp(s.springs / s.parts, 0.25, 4.0);
-    s.springs = raise * s.parts, s.whole *= raise;
-    const double damping = dem__damping_of(w, pair, &s, power);
-    for (int k = 0; k < n; k++) p[k].damping = damping;
-    return of.are_parts ? n : dem__set_pull(pair, apart, power, s.parts, raise, p, n);
 }
 
 /* ------------------------------------------------------------------------------------------- >>polyhedra/entered.h */
@@ -18785,29 +18800,41 @@ static inline dem_vec dem__meeting_point(const dem__farthest_part *a, const dem_
     return a->n <= b->n ? a->mean : b->mean;
 }
 
+/* Multiplies the sums of a pair, whose springs are then more than its parts. */
+static inline void dem__scale_shared(dem__shared *s, double by) {
+    if (s->are_parts) s->pull = s->normal, s->pull_on_i = s->on_i;
+    s->are_parts = 0;
+    s->energy *= by, s->parts *= by, s->springs *= by, s->whole *= by;
+    s->normal = dem__scale(by, s->normal), s->on_i = dem__scale(by, s->on_i);
+    s->pull = dem__scale(by, s->pull), s->pull_on_i = dem__scale(by, s->pull_on_i);
+}
+
 /* Adds to the n points of a pair the one at which two overlapping cores are pushed apart. With U, the energy of the
    other points over k/p, and V = (radii + depth)^p, that of the new one, the energy of the pair is (1 - s) U + s V,
-   where s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. power: p. */
+   where s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. There must be room for
+   one more. power: p. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                          const dem__placed *pb, const dem__gap_of_cores *gap, double power,
-                                         dem__springs *springs, dem__convex_point *out, int n) {
+                                         dem__shared *sums, dem__convex_point *out, int n) {
     const double radii = a->radius + b->radius, depth = -gap->separation, overlap = radii + depth,
                  over = depth / (DEM__DEEP * radii);
     const double x = dem__clamp(over, 0.0, 1.0), s = x * x * (3.0 - 2.0 * x),
                  slope = 6.0 * x * (1.0 - x) / (DEM__DEEP * radii);
-    const double force = dem__force_at(overlap * overlap, power);
     if (!(depth > 0.0)) return n;
-    if (n == DEM__POINTS_MAX) n--;
-    for (int k = 0; k < n; k++) out[k].weight *= 1.0 - s, out[k].spring *= 1.0 - s;
+    for (int k = 0; k < n; k++) out[k].weight *= 1.0 - s;
     const dem__farthest_part of_a = dem__find_part(a, pa, dem__scale(-1.0, gap->normal)),
                              of_b = dem__find_part(b, pb, gap->normal);
     dem__convex_point *point = &out[n];
+    const double force = dem__force_at(overlap, power), energy = sums->energy, part = s * force,
+                 spring = part + slope * (overlap * force - energy) / power;
     point->key = 2 * DEM_CORNERS_MAX + 5 * DEM_EDGES_MAX * DEM_EDGES_MAX;
-    dem__count_point(point, -overlap);
-    point->normal = gap->normal;
+    dem__count_point(point, s, -overlap);
+    point->count = 1.0, point->normal = gap->normal;
     point->at = dem__meeting_point(&of_a, &of_b);
-    point->weight = s, point->spring = s + slope * (overlap - springs->energy / force) / power;
-    springs->energy = (1.0 - s) * springs->energy + s * overlap * force, springs->are_parts = 0;
+    dem__scale_shared(sums, 1.0 - s);
+    sums->energy += part * overlap, sums->parts += part, sums->whole += s, sums->springs += spring;
+    dem__add_shared(&sums->normal, &sums->on_i, part, point);
+    dem__add_shared(&sums->pull, &sums->pull_on_i, spring, point);
     return n + 1;
 }
 
@@ -19071,7 +19098,7 @@ static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *
     out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
     if (!(out->gap < 0.0)) return 0;
     out->key = 0;
-    dem__count_point(out, out->gap);
+    dem__count_point(out, 1.0, out->gap);
     out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
     return 1;
 }
@@ -19095,7 +19122,8 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
                         : dem__points_of_sphere(b, &pb, d, radius, 1, out);
         *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* the sphere's centre is in the core */
         if (n == 0) dem__skip_pair(w, p, step, d, out->gap, out->normal);
-        return dem__finish_points(w, p, d, dem__share_points(out, n, w->engine->run.power), out, n);
+        dem__shared sums = dem__share_points(out, n, w->engine->run.power);
+        return dem__finish_points(w, p, d, &sums, out, n);
     }
     const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
     pb.x = dem__scale(-1.0, d);
@@ -19112,13 +19140,10 @@ static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t
     }
     int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
     const double power = w->engine->run.power;
-    for (int k = 0; k < n; k++) {
-        const int of_a = out[k].key < DEM_CORNERS_MAX, of_b = !of_a && out[k].key < 2 * DEM_CORNERS_MAX;
-        dem__divide_point(&out[k], of_a || (!of_b && a->springs > b->springs) ? a->springs : b->springs);
-    }
-    dem__springs springs = dem__share_points(out, n, power);
-    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &springs, out, n);
-    n = dem__finish_points(w, p, d, springs, out, n);
+    n -= gap.overlap && n == DEM__POINTS_MAX; /* there is one more then */
+    dem__shared sums = dem__share_points(out, n, power);
+    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &sums, out, n);
+    n = dem__finish_points(w, p, d, &sums, out, n);
     if (n == 0) dem__skip_pair(w, p, step, d, apart - radii, p->axis);
     return n;
 }
@@ -19132,9 +19157,8 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
     const dem__placed *place = &w->engine->convex.place[p->i];
     int may_cut, is_cut = 0;
     int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
-    for (int k = 0; k < n; k++) dem__divide_point(&out[k], s->springs);
-    const dem__springs springs = dem__share_points(out, n, w->engine->run.power);
-    n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), springs, out, n);
+    dem__shared sums = dem__share_points(out, n, w->engine->run.power);
+    n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), &sums, out, n);
     for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
     *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
     if (n == 0 && dem__may_skip_wall(w, p->i))
