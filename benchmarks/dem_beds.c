@@ -45,7 +45,7 @@ static int bed_run(run *r, const bed *b, double skin, progress *bar) {
     def.threads = r->threads;
     def.skin = skin;
     dem_status status = bed_world(&world, b, &def, !is_static(r->scene));
-    const int features = DEM_LINEAR | (has_friction(r->scene) ? DEM_FRICTION : 0), chunk = 100;
+    const int features = DEM_LINEAR | (has_friction(r->scene) ? DEM_FRICTION : 0), chunk = 500;
     r->cpu_s = r->wall_s = 0.0;
     for (int done = 0; done < r->steps && status == DEM_OK && !common_interrupted(); done += chunk) {
         const int steps = r->steps - done < chunk ? r->steps - done : chunk;

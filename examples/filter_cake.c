@@ -667,6 +667,33 @@ static duty completed(const program *self, const typed *t) {
     return d;
 }
 
+/* Options of the set-up that are given with a checkpoint of another one are not ignored. first: what they are where they are not given. */
+static void check_resumed(const program *self, const typed *t, const typed *first, const duty *d) {
+    const struct {
+        const char *name;
+        double given, unless, before, unit;
+    } numbers[] = {{"pressure-pa", t->pressure, first->pressure, d->pressure, 1.0},
+                   {"wire-um", t->wire, first->wire, d->wire, 1e-6},
+                   {"opening-um", t->opening, first->opening, d->opening, 1e-6},
+                   {"voxel-um", t->voxel, first->voxel, d->voxel, 1e-6},
+                   {"concentration", t->concentration, first->concentration, d->concentration, 1.0},
+                   {"bulk-ratio", t->bulk, first->bulk, d->bulk_ratio, 1.0},
+                   {"weave", t->weave, first->weave, d->twill ? 0.0 : 1.0, 1.0},
+                   {"force", t->force, first->force, d->paper_force, 1.0},
+                   {"boundary", t->boundary, first->boundary, d->half_way, 1.0}};
+    char text[100];
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+        if (numbers[k].given == numbers[k].unless ||
+            fabs(numbers[k].given * numbers[k].unit - numbers[k].before) <= 1e-9 * numbers[k].before)
+            continue;
+        snprintf(text, sizeof text, k < 6 ? "that of the checkpoint, %.6g, or none" : "that of the checkpoint, or none",
+                 numbers[k].before / numbers[k].unit);
+        program_refuse(self, numbers[k].name, NULL, text);
+    }
+    if (t->sizes) program_refuse(self, "sizes", NULL, "those of the checkpoint: leave it out with --resume");
+    if (t->tau > 0.0) program_refuse(self, "tau", NULL, "that of the checkpoint: leave it out with --resume");
+}
+
 static filtration_status go(const program *self, run *r, const typed *t, double stop, films *f) {
     const double began = machine_seconds();
     progress bar;
@@ -696,6 +723,7 @@ int main(int argc, char **argv) {
     typed t;
     memset(&t, 0, sizeof t);
     t.pressure = 1000.0, t.bulk = 10.0, t.concentration = 1e11, t.wire = 28.0, t.opening = 32.0;
+    const typed first = t;
     option options[] = {
         option_flag("unit-cell", &t.unit, "a box of one period of the weave, 240 um, instead of two"),
         option_flag("short", &t.brief, "unit cell, 7.5 um voxels, 5 ms: clean cloth and first spheres"),
@@ -705,7 +733,7 @@ int main(int argc, char **argv) {
         option_string("checkpoint", "FILE", &t.checkpoint,
                       "write the state there with every frame, at the end, and after Ctrl-C"),
         option_string("resume", "FILE", &t.resume,
-                      "go on from there; options of the set-up are then those of the first run"),
+                      "go on from there; others of the set-up than those of the first run are refused"),
         option_string("sizes", "FILE", &t.sizes,
                       "own particles: CSV with diameter_um and number_share, volume_share or q3 (cumulative by volume, "
                       "% or 0 to 1)"),
@@ -735,8 +763,10 @@ int main(int argc, char **argv) {
     if (t.stop > 0.0 && !t.checkpoint) program_refuse(&self, "stop-ms", NULL, "only with --checkpoint");
     filtration_status status;
     common_interrupt_at_once(true); /* 2.5 um voxels take half a minute to set up; nothing is written yet */
-    if (t.resume) status = resume(&self, &r, t.resume, 1e-3 * t.time);
-    else {
+    if (t.resume) {
+        status = resume(&self, &r, t.resume, 1e-3 * t.time);
+        check_resumed(&self, &t, &first, &r.d);
+    } else {
         r.d = completed(&self, &t);
         status = set_up(&r, &self);
     }

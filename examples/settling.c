@@ -122,6 +122,7 @@ typedef struct track {
     double height[MOST_SPHERES][LONGEST_TRACK];   /* of the centre over the bottom [m] */
     double velocity[MOST_SPHERES][LONGEST_TRACK]; /* downwards [m/s] */
     double terminal;                              /* of the lowest sphere: terminal_velocity [m/s] */
+    bool accelerates;                             /* or has not come far enough to tell */
 } track;
 
 static void take_sample(track *t, double time, const double *centre, const double *velocity) {
@@ -132,9 +133,17 @@ static void take_sample(track *t, double time, const double *centre, const doubl
     t->n++;
 }
 
+/* Returns the sample at which the lowest sphere was half a diameter higher, or -1. */
+static int half_a_diameter_before(const track *t, int k, double diameter) {
+    int before = k - 1;
+    while (before >= 0 && t->height[0][before] - t->height[0][k] < 0.5 * diameter) before--;
+    return before;
+}
+
 /* Largest mean velocity of the lowest sphere over half a diameter travelled, after the first half: the lattice's grain and the sound of
-   the start are averaged out. The largest of all if it has not come that far. */
-static double terminal_velocity(const track *t, double diameter) {
+   the start are averaged out. The largest of all if it has not come that far. A sphere whose mean is a hundredth larger over the last half of a
+   diameter than over the one before still accelerates. */
+static double terminal_velocity(track *t, double diameter) {
     double best = 0.0;
     for (int i = 0, j = 0; i < t->n; i++) {
         if (t->height[0][0] - t->height[0][i] < 0.5 * diameter) continue;
@@ -142,6 +151,11 @@ static double terminal_velocity(const track *t, double diameter) {
         if (j == t->n) break;
         best = fmax(best, (t->height[0][i] - t->height[0][j]) / (t->time[j] - t->time[i]));
     }
+    const int now = t->n - 1, before = half_a_diameter_before(t, now, diameter),
+              first = half_a_diameter_before(t, before, diameter);
+    t->accelerates =
+        first < 0 || !((t->height[0][before] - t->height[0][now]) * (t->time[before] - t->time[first]) <
+                       1.01 * (t->height[0][first] - t->height[0][before]) * (t->time[now] - t->time[before]));
     for (int i = 0; i < t->n && best == 0.0; i++) best = t->velocity[0][t->n - 1 - i];
     return best;
 }
@@ -411,7 +425,8 @@ static void report_run(json *report, const run *r, const track *t) {
                    {"cells_per_diameter", s->diameter / def->voxel});
     json_bool(report, "quarter", r->choice.quarter != 0);
     results_values(report, {"re_max", reynolds(s, fastest)}, {"v_max_m_per_s", fastest},
-                   {"v_terminal_m_per_s", t->terminal});
+                   {"v_terminal_m_per_s", t->accelerates ? (double)NAN : t->terminal});
+    json_bool(report, "still_accelerates", t->accelerates);
     report_references(report, s);
     json_array(report, "time_s", t->time, t->n);
     static const char *const keys[] = {"height_m", "re", "x_over_d", "v_over_vt"};
@@ -438,7 +453,8 @@ static void print_run(const run *r, const track *t) {
                  (long long)r->fluid.steps, r->seconds,
                  r->seconds > 0.0 ? 1e-6 * (double)r->fluid.updates / r->seconds : 0.0);
     riddle_io_table rows = riddle_io_table_begin("terminal velocity|[mm/s]|Re [-]|simulated over it");
-    riddle_io_table_cell(&rows, "%s", "simulated"), riddle_io_table_cell(&rows, "%.4g", 1e3 * t->terminal),
+    riddle_io_table_cell(&rows, "%s", t->accelerates ? "none yet; so far" : "simulated"),
+        riddle_io_table_cell(&rows, "%.4g", 1e3 * t->terminal),
         riddle_io_table_cell(&rows, "%.3g", reynolds(s, t->terminal));
     riddle_io_table_cell(&rows, "%s", "");
     for (int k = 0; k < LAWS + 2; k++) {
@@ -448,9 +464,14 @@ static void print_run(const run *r, const track *t) {
         if (!(v > 0.0)) continue;
         riddle_io_table_cell(&rows, "%s", k < LAWS ? law_names[k] : s->reference),
             riddle_io_table_cell(&rows, "%.4g", 1e3 * v);
-        riddle_io_table_cell(&rows, "%.3g", reynolds(s, v)), riddle_io_table_cell(&rows, "%.4f", t->terminal / v);
+        riddle_io_table_cell(&rows, "%.3g", reynolds(s, v));
+        if (t->accelerates) riddle_io_table_cell(&rows, "%s", "");
+        else riddle_io_table_cell(&rows, "%.4f", t->terminal / v);
     }
     table_end(&rows);
+    if (t->accelerates)
+        common_print(
+            "The sphere still accelerates: there is no terminal velocity yet. A longer --time-ms gives one.\n");
 }
 
 /* ---- figures ---- */

@@ -1364,6 +1364,16 @@ class Calibrating(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "another simulation"):
                 calibrate.calibrate(run, [("mu", 0.1, 0.9)], [self.ANGLE], runs=14, store=store, of="a scene that has changed")
 
+    def test_a_mean_that_climbs(self):
+        """It is no result: a run gives it with steady false."""
+        target = {"command": sys.executable + """ -c 'open("{json}", "w").write("STATE")'""", "result": "means_of_second_half.power.mean"}
+        for steady, wanted in ((True, 3.5), (False, None)):
+            with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()) as said:
+                state = json.dumps({"means_of_second_half": {"power": {"mean": 3.5, "steady": steady}}}).replace('"', '\\"').replace("{", "{{").replace("}", "}}")
+                programs = calibrate._Programs(os.path.join(folder, "a.yaml"), folder, {}, [{**target, "command": target["command"].replace("STATE", state)}])
+                self.assertEqual(programs({}, 1), {target["result"]: wanted})
+            self.assertEqual("is not steady" in said.getvalue(), not steady)
+
     def test_runs_of_another_scene(self):
         """The runs of a command that has changed are not mixed with new ones; other measured values may use them."""
         text = """runs: 14

@@ -56,6 +56,8 @@ def trials(number, seed, only=None):
                                         parameters, targets, runs=runs, seed=k)
             for name in held:
                 held[name] += found.low[name] <= truth[name] <= found.high[name]
+            if k % 20 == 19:
+                print(f"  {model.__name__}, {k + 1} of {number}: " + ", ".join(f"{name} {n}" for name, n in held.items()), file=sys.stderr, flush=True)
         open_ = 3.0 * math.sqrt(0.05 * 0.95 / number)
         bad = [name for name in held if not 0.93 - open_ <= held[name] / number <= 0.97 + open_]
         failures += len(bad)

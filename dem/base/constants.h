@@ -30,9 +30,11 @@
 /* Near pairs for each sphere. With fewer, a wide skin costs little, and lists should last four times as long. */
 #define DEM__FEW_PAIRS 3
 /* Number of contacts from which on they lie in chunks, contacts of a chunk, and the most chunks, which is also the most
-   threads that share contacts. A chunk is a few blocks, so that shares are equal for as many threads as pay. */
+   threads that share contacts. The last block of a chunk is not full: chunks of six blocks would cost one thread 10 %.
+   From 16 chunks on their number is a multiple of 16, so that 16 threads have equal shares. */
 #define DEM__CHUNKED 8192
-#define DEM__OF_CHUNK (6 * DEM__BLOCK)
+#define DEM__OF_CHUNK (20 * DEM__BLOCK)
+#define DEM__EQUAL_CHUNKS 16
 #define DEM__CHUNKS 256
 #define DEM__RANK_STEPS 2048 /* steps between two renewals of ranks, in which particles move little */
 /* Steps of a run that pay for sorting particles in memory and back, which takes as long as three or four steps of a

@@ -6,7 +6,8 @@
 /* Returns the number of chunks for n contacts. */
 static inline int dem__chunks_for(ptrdiff_t n) {
     if (n < DEM__CHUNKED) return 1;
-    return n / DEM__OF_CHUNK < DEM__CHUNKS ? (int)(n / DEM__OF_CHUNK) : DEM__CHUNKS;
+    const ptrdiff_t chunks = n / DEM__OF_CHUNK < DEM__CHUNKS ? n / DEM__OF_CHUNK : DEM__CHUNKS;
+    return (int)(chunks < DEM__EQUAL_CHUNKS ? chunks : chunks - chunks % DEM__EQUAL_CHUNKS);
 }
 
 /* Returns whether contacts lie in the order of ranks, the last rank first. */

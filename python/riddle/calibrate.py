@@ -366,10 +366,13 @@ class _Programs:
                         done[what] = json.load(file)
                 else:
                     print(f"{what}: {(said.stderr.strip() or 'failed').splitlines()[-1]}", file=sys.stderr)
-            number = done[what]
+            number, steady = done[what], True
             for word in target["result"].split("."):
+                steady = steady and not (isinstance(number, dict) and number.get("steady") is False)  # a mean of a curve that still climbs
                 number = number.get(word) if isinstance(number, dict) else number[int(word)] if isinstance(number, list) else None
-            results[name] = number if isinstance(number, (int, float)) else None
+            if not steady:
+                print(f"{what}: {target['result']} is not steady: the run says nothing about it", file=sys.stderr)
+            results[name] = number if steady and isinstance(number, (int, float)) else None
         return results
 
 
