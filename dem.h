@@ -321,6 +321,14 @@ typedef struct dem_clump {
                         const double *diameters, const double *orientations, int material, int group);
 } dem_clump;
 
+/* How well the spheres of a clump fill the body that they stand for (dem_make_clump_from_mesh). */
+typedef struct dem_clump_fit {
+    double volume;  /* of the union of the spheres over that of the body, less 1 [-] */
+    double moments; /* greatest difference between elements of the two tensors of inertia, each about its own centre of
+                       mass and of the same density, over the greatest moment [-] */
+    double centre;  /* distance of the two centres of mass over the diameter of the sphere of the body's volume [-] */
+} dem_clump_fit;
+
 typedef struct dem_material {
     double density;       /* [kg/m3] > 0 */
     double young_modulus; /* [Pa] > 0; used by DEM_HERTZ and the Rayleigh time */
@@ -831,6 +839,14 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
    case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere inside another one
    is left out, because it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
+/* Makes a clump from a closed surface, for instance of an STL file: at most n spheres inside it, each of which fills
+   most of what those before it leave, to the resolution of a grid of 8000 points in the body. Volume, centre of mass
+   and moments are those of the body within the surface, exact. n: 1 .. DEM_CLUMP_MAX; allocator: for working memory,
+   NULL: realloc and free; fit: how well the spheres fill the body, may be NULL. Spheres do not protrude, so edges and
+   corners of the body are missing. DEM_BAD_ARGUMENT: a surface that is not closed or encloses no volume; DEM_TOO_MANY;
+   DEM_OUT_OF_MEMORY. */
+DEM_API dem_status dem_make_clump_from_mesh(const dem_mesh *mesh, int n, const dem_allocator *allocator,
+                                            dem_clump *clump, dem_clump_fit *fit);
 /* Makes a capsule along the x axis: a row of spheres so close that the grooves between them are 1 % of the radius deep.
    diameter, length: overall [m] > 0, length >= diameter. DEM_TOO_MANY from 9.8 diameters on. */
 DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double length);
@@ -8792,9 +8808,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         contacts->type_count += same == contacts->type_count;
         return;
     }
-    contacts->type_count =
-        DEM__TYPES_MAX +
-        1; /* from here on each contact has its own: a search would cost more than it saves */
+    contacts->type_count = DEM__TYPES_MAX + 1; /* from here on each has its own: a search would cost more than it saves */
     contacts->type[c] = -1;
     for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
     contacts->mass[c] = kind.mass;
@@ -14195,6 +14209,676 @@ DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double le
     return dem_make_clump(n, centre[0], width, clump);
 }
 
+/* ------------------------------------------------------------------------------------------- >>polyhedra/springs.h */
+/* What a shape tells about its contacts: among how many corners a face shares the spring of a pair, and how fast
+   contacts are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a single face or
+   corner. */
+
+/* A contact's stiffness over k/m, for motion along its normal and for rotations about the three axes. */
+typedef struct dem__modes {
+    double of[4][4];
+} dem__modes;
+
+/* Adds the spring of a point with part w. u: how fast the point moves along the normal by each motion. */
+static inline void dem__add_spring(dem__modes *m, double w, const double *u) {
+    for (int k = 0; k < 16; k++) m->of[k / 4][k % 4] += w * u[k / 4] * u[k % 4];
+}
+
+/* Returns the largest eigenvalue, or at most 5 % more: the 32nd root of the trace of the 32nd power. */
+static inline double dem__highest_rate(const dem__modes *modes) {
+    dem__modes m = *modes, square;
+    double scale = 0.0, trace = 0.0;
+    for (int a = 0; a < 4; a++) scale += m.of[a][a];
+    for (int k = 0; k < 16; k++) m.of[k / 4][k % 4] /= scale;
+    for (int pass = 0; pass < 5; pass++) {
+        memset(&square, 0, sizeof square);
+        for (int k = 0; k < 64; k++) square.of[k / 16][k % 4] += m.of[k / 16][k / 4 % 4] * m.of[k / 4 % 4][k % 4];
+        m = square;
+    }
+    for (int a = 0; a < 4; a++) trace += m.of[a][a];
+    for (int pass = 0; pass < 5; pass++) trace = sqrt(trace);
+    return scale * trace;
+}
+
+/* Returns the rate of a single corner, in the direction in which it is highest: along each direction the corner moves
+   with the body, and by rotations about the axes. */
+static inline double dem__rate_of_corner(const dem_convex *s, dem_vec r) {
+    dem__modes m;
+    memset(&m, 0, sizeof m);
+    for (int a = 0; a < 3; a++) {
+        dem_vec axis = dem_vec3(0.0, 0.0, 0.0);
+        double own[4] = {0.0, 0.0, 0.0, 0.0};
+        *dem_axis_of(&axis, a) = own[a] = 1.0;
+        const dem_vec turned = dem__scale(sqrt(s->volume / s->moment[a]), dem__cross(axis, r));
+        const double u[4] = {turned.x, turned.y, turned.z, 0.0};
+        dem__add_spring(&m, 1.0, own), dem__add_spring(&m, 1.0, u);
+    }
+    return dem__highest_rate(&m) / (double)s->springs;
+}
+
+/* Returns the rate of a face. */
+static inline double dem__rate_of_face(const dem_convex *s, int f) {
+    const dem_vec n = dem__point(s->plane[f]);
+    dem__modes m;
+    memset(&m, 0, sizeof m);
+    for (int k = s->face_start[f]; k < s->face_start[f + 1]; k++) {
+        const dem_vec arm = dem__cross(dem__point(s->corner[s->face_corner[k]]), n);
+        double u[4] = {1.0, 0.0, 0.0, 0.0};
+        for (int a = 0; a < 3; a++) u[1 + a] = dem_axis(arm, a) * sqrt(s->volume / s->moment[a]);
+        dem__add_spring(&m, 1.0 / (double)s->springs, u);
+    }
+    return dem__highest_rate(&m);
+}
+
+/* Sets how many corners share a spring, and the rate. */
+static inline void dem__find_springs(dem_convex *s) {
+    s->springs = 1, s->rate = 1.0;
+    for (int f = 0; f < s->faces; f++) {
+        const int corners = s->face_start[f + 1] - s->face_start[f];
+        s->springs = corners > s->springs ? corners : s->springs;
+    }
+    for (int f = 0; f < s->faces; f++) {
+        const double rate = dem__rate_of_face(s, f);
+        s->rate = rate > s->rate ? rate : s->rate;
+    }
+    for (int k = 0; k < s->corners; k++) {
+        const double rate = dem__rate_of_corner(s, dem__point(s->corner[k]));
+        s->rate = rate > s->rate ? rate : s->rate;
+    }
+}
+
+/* --------------------------------------------------------------------------------------------- >>polyhedra/shape.h */
+/* Convex polyhedra: faces from corners, mass properties, erosion. Promises: an accepted shape is closed and convex, and
+   its tables agree with each other. */
+
+/* Corners closer than this to a plane, over the size of the whole, lie in it. The single precision of files is
+   enough. */
+#define DEM__FLAT 1e-6
+#define DEM__NO_CORE "its core is no polyhedron: a smaller rounding leaves one"
+
+/* The hull of a set of points: the planes with all other points behind them, and the points in each plane. */
+typedef struct dem__hull {
+    int faces;
+    uint32_t holds[DEM_FACES_MAX];
+    double plane[DEM_FACES_MAX][4], area[DEM_FACES_MAX];
+} dem__hull;
+
+/* Returns half the size of a set of points: half of the longest side of the box around it. */
+static inline double dem__half_size(const double *x, int n) {
+    double size = 0.0;
+    for (int a = 0; a < 3; a++) {
+        double low = x[a], high = x[a];
+        for (int k = 1; k < n; k++)
+            low = x[3 * k + a] < low ? x[3 * k + a] : low, high = x[3 * k + a] > high ? x[3 * k + a] : high;
+        size = 0.5 * (high - low) > size ? 0.5 * (high - low) : size;
+    }
+    return size;
+}
+
+/* Adds a plane unless one has the same points; of the two, the one from the larger triangle stays. Returns 0 if there
+   are too many. */
+static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
+    int f = 0;
+    while (f < hull->faces && hull->holds[f] != holds) f++;
+    if (f < hull->faces && hull->area[f] >= area) return 1;
+    if (f == DEM_FACES_MAX) return 0;
+    if (f == hull->faces) hull->faces++;
+    hull->holds[f] = holds, hull->area[f] = area;
+    hull->plane[f][0] = n.x, hull->plane[f][1] = n.y, hull->plane[f][2] = n.z, hull->plane[f][3] = offset;
+    return 1;
+}
+
+/* Adds the face in which three points lie, if no point is in front of it. Returns 0 if there are too many faces. */
+static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, int b, int c, double flat) {
+    const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p),
+                  v = dem__sub(dem__point(x + 3 * c), p), cross = dem__cross(u, v);
+    const double area = dem__length(cross), longest = dem__dot(u, u) > dem__dot(v, v) ? dem__dot(u, u) : dem__dot(v, v);
+    double lowest = 0.0, highest = 0.0;
+    uint32_t holds = 0;
+    if (!(area > 1e-5 * longest)) return 1;
+    const dem_vec normal = dem__scale(1.0 / area, cross);
+    for (int k = 0; k < n; k++) {
+        const double height = dem__dot(normal, dem__sub(dem__point(x + 3 * k), p));
+        lowest = height < lowest ? height : lowest, highest = height > highest ? height : highest;
+        if (fabs(height) <= flat) holds |= (uint32_t)1 << k;
+    }
+    if (highest <= flat && lowest < -flat) return dem__add_face(hull, holds, normal, dem__dot(normal, p), area);
+    if (lowest >= -flat && highest > flat)
+        return dem__add_face(hull, holds, dem__scale(-1.0, normal), -dem__dot(normal, p), area);
+    return 1;
+}
+
+/* Finds the faces of the hull of points. Returns 0 if there are too many. */
+static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double flat) {
+    hull->faces = 0;
+    for (int a = 0; a < n; a++) {
+        for (int b = a + 1; b < n; b++) {
+            for (int c = b + 1; c < n; c++) {
+                if (!dem__try_face(hull, x, n, a, b, c, flat)) return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they do not
+   form a polygon. */
+static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
+    const dem_vec normal = dem__point(hull->plane[f]);
+    const int begin = count;
+    int first = 0, at, total = 0;
+    while (!(hull->holds[f] >> first & 1)) first++;
+    for (int k = 0; k < n; k++) total += (int)(hull->holds[f] >> k & 1);
+    at = first;
+    do {
+        int next = -1;
+        if (count == 2 * DEM_EDGES_MAX || count - begin == total) return 0;
+        corner[count++] = (uint8_t)at;
+        for (int k = 0; k < n; k++) {
+            if (k == at || !(hull->holds[f] >> k & 1)) continue;
+            const dem_vec u = dem__sub(dem__point(x + 3 * k), dem__point(x + 3 * at));
+            if (next < 0 ||
+                dem__dot(normal, dem__cross(dem__sub(dem__point(x + 3 * next), dem__point(x + 3 * at)), u)) < 0.0)
+                next = k;
+        }
+        at = next;
+    } while (at != first);
+    return count - begin == total && total > 2 ? count : 0;
+}
+
+/* Finds the edges from the corners of faces. Returns 0 if an edge does not have two faces or is too short, or the
+   surface is not that of a ball. */
+static inline int dem__find_edges(dem_convex *s, double shortest) {
+    s->edges = 0;
+    for (int f = 0; f < s->faces; f++) {
+        for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
+            const int from = s->face_corner[k], to = s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]];
+            int e = 0, backward = 0;
+            for (; e < s->edges; e++) {
+                if (s->edge[e][0] == from && s->edge[e][1] == to) return 0;
+                if (s->edge[e][0] == to && s->edge[e][1] == from) break;
+            }
+            backward = e < s->edges;
+            if (!backward && s->edges++ == DEM_EDGES_MAX) return 0;
+            if (!(dem__length(dem__sub(dem__point(s->corner[from]), dem__point(s->corner[to]))) > shortest)) return 0;
+            if (!backward) s->edge[e][0] = (uint8_t)from, s->edge[e][1] = (uint8_t)to;
+            s->edge_face[e][backward] = (uint8_t)f;
+        }
+    }
+    int sides = 0;
+    for (int f = 0; f < s->faces; f++) sides += s->face_start[f + 1] - s->face_start[f];
+    return sides == 2 * s->edges && s->corners - s->edges + s->faces == 2;
+}
+
+/* Finds faces and edges of a shape whose corners are set. Returns NULL, or what is wrong. */
+static inline const char *dem__find_surface(dem_convex *s, double flat) {
+    dem__hull hull;
+    int count = 0, used[DEM_CORNERS_MAX] = {0};
+    if (!dem__find_hull(&hull, s->corner[0], s->corners, flat)) return "its faces are more than DEM_FACES_MAX";
+    if (hull.faces < 4) return "the corners lie in one plane";
+    s->faces = hull.faces;
+    for (int f = 0; f < hull.faces; f++) {
+        s->face_start[f] = (uint8_t)count;
+        count = dem__go_round(&hull, f, s->corner[0], s->corners, s->face_corner, count);
+        if (count == 0) return "a point is no corner: it lies in a face, on an edge or on another point";
+        for (int a = 0; a < 4; a++) s->plane[f][a] = hull.plane[f][a];
+        for (int k = s->face_start[f]; k < count; k++) used[s->face_corner[k]]++;
+    }
+    s->face_start[hull.faces] = (uint8_t)count;
+    for (int k = 0; k < s->corners; k++) {
+        if (used[k] == 0) return "a point is no corner: it lies inside";
+        if (used[k] < 3) return "a point is no corner: it lies in a face, on an edge or on another point";
+    }
+    return dem__find_edges(s, flat) ? NULL : "a point is no corner: it lies in a face, on an edge or on another point";
+}
+
+/* Volume, first and second moments of a polyhedron, by signed tetrahedra from the origin to triangles of its faces. */
+typedef struct dem__moments {
+    double volume;
+    dem_vec first;
+    double second[3][3];
+} dem__moments;
+static inline void dem__add_triangle(dem__moments *bulk, const double *a, const double *b, const double *c) {
+    const double six = dem__dot(dem__point(a), dem__cross(dem__point(b), dem__point(c)));
+    const double sum[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
+    bulk->volume += six / 6.0;
+    bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++)
+            bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
+    }
+}
+static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
+    memset(bulk, 0, sizeof *bulk);
+    for (int f = 0; f < s->faces; f++) {
+        const double *a = s->corner[s->face_corner[s->face_start[f]]];
+        for (int k = s->face_start[f] + 2; k < s->face_start[f + 1]; k++)
+            dem__add_triangle(bulk, a, s->corner[s->face_corner[k - 1]], s->corner[s->face_corner[k]]);
+    }
+}
+
+/* Diagonalises a symmetric matrix (Jacobi). axis[k][a]: component a of principal axis k. A diagonal matrix is left as
+   it is. */
+static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
+    const double size = m[0][0] + m[1][1] + m[2][2];
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) axis[p][q] = p == q ? 1.0 : 0.0;
+    }
+    for (int sweep = 0; sweep < 30; sweep++) {
+        for (int p = 0; p < 2; p++) {
+            for (int q = p + 1; q < 3; q++) {
+                if (fabs(m[p][q]) <= 1e-13 * size) continue;
+                const double theta = 0.5 * (m[q][q] - m[p][p]) / m[p][q], root = sqrt(theta * theta + 1.0);
+                const double t = theta < 0.0 ? -1.0 / (root - theta) : 1.0 / (root + theta),
+                             c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+                for (int a = 0; a < 3; a++) {
+                    const double old = m[a][p];
+                    m[a][p] = c * old - s * m[a][q], m[a][q] = s * old + c * m[a][q];
+                }
+                for (int a = 0; a < 3; a++) {
+                    double old = m[p][a];
+                    m[p][a] = c * old - s * m[q][a], m[q][a] = s * old + c * m[q][a];
+                    old = axis[p][a];
+                    axis[p][a] = c * old - s * axis[q][a], axis[q][a] = s * old + c * axis[q][a];
+                }
+            }
+        }
+    }
+}
+
+/* Sets volume, centroid, moments and axes. centre: the centroid, from the middle. Returns NULL, or what is wrong. */
+static inline const char *dem__set_moments(dem_convex *s, const dem__moments *bulk, dem_vec middle, dem_vec *centre) {
+    double second[3][3], axis[3][3];
+    if (!(bulk->volume > 0.0 && bulk->volume < HUGE_VAL)) return "the corners lie in one plane";
+    const dem_vec c = *centre = dem__scale(1.0 / bulk->volume, bulk->first);
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) second[p][q] = bulk->second[p][q] - bulk->volume * dem_axis(c, p) * dem_axis(c, q);
+    }
+    dem__principal(second, axis);
+    s->volume = bulk->volume;
+    s->centroid = dem__add(middle, c);
+    for (int a = 0; a < 3; a++) {
+        s->axis[a] = dem__point(axis[a]);
+        s->moment[a] = second[(a + 1) % 3][(a + 1) % 3] + second[(a + 2) % 3][(a + 2) % 3];
+        if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL))
+            return "it is too small or too large for its inertia to be a number";
+    }
+    return NULL;
+}
+
+/* Does so from the faces. Moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what
+   is wrong. */
+static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
+    dem__moments bulk;
+    dem_vec c;
+    dem__integrate(s, &bulk);
+    const char *reason = dem__set_moments(s, &bulk, middle, &c);
+    if (reason) return reason;
+    for (int k = 0; k < s->corners; k++) {
+        const dem_vec d = dem__sub(dem__point(s->corner[k]), c);
+        for (int a = 0; a < 3; a++) s->corner[k][a] = dem__dot(d, s->axis[a]);
+    }
+    return NULL;
+}
+
+/* Finds the point where three planes meet after they have moved inwards. Returns the absolute value of their
+   determinant; 0 if that is below `least`. */
+static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, double least,
+                               dem_vec *at) {
+    const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
+    const double det = dem__dot(a, bc);
+    if (fabs(det) < least) return 0.0;
+    const dem_vec sum =
+        dem__add(dem__scale(p[3] - inwards, bc),
+                 dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
+    *at = dem__scale(1.0 / det, sum);
+    return fabs(det);
+}
+
+/* Adds a corner of the core unless it is there; of two equal corners the better determined one stays. Returns 0 if
+   there are too many. */
+static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
+    int k = 0;
+    while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
+    if (k == DEM_CORNERS_MAX) return 0;
+    if (k < core->corners && sure[k] >= det) return 1;
+    if (k == core->corners) core->corners++;
+    core->corner[k][0] = x.x, core->corner[k][1] = x.y, core->corner[k][2] = x.z;
+    sure[k] = det;
+    return 1;
+}
+
+/* Finds the corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all
+   others. Returns 0 if there are too many. */
+static inline int dem__erode(const dem_convex *s, dem_convex *core, double radius, double flat) {
+    double sure[DEM_CORNERS_MAX];
+    core->corners = 0;
+    for (int a = 0; a < s->faces; a++) {
+        for (int b = a + 1; b < s->faces; b++) {
+            for (int c = b + 1; c < s->faces; c++) {
+                dem_vec x;
+                int f = 0;
+                const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, 1e-6, &x);
+                if (det == 0.0) continue;
+                while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat)
+                    f++;
+                if (f == s->faces && !dem__add_corner(core, sure, x, det, flat)) return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Returns the smallest distance between a face and the corner opposite to it. */
+static inline double dem__least_width(const dem_convex *s) {
+    double least = HUGE_VAL;
+    for (int f = 0; f < s->faces; f++) {
+        double deepest = 0.0;
+        for (int k = 0; k < s->corners; k++) {
+            const double depth = s->plane[f][3] - dem__dot(dem__point(s->plane[f]), dem__point(s->corner[k]));
+            deepest = depth > deepest ? depth : deepest;
+        }
+        least = deepest < least ? deepest : least;
+    }
+    return least;
+}
+
+/* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths
+   to the last bit, because distances are computed from these. */
+static inline void dem__find_box(dem_convex *s) {
+    const double *h = s->corner[0];
+    s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
+    s->is_box = s->corners == 8 && s->faces == 6;
+    for (int k = 0; k < s->corners; k++) {
+        for (int a = 0; a < 3; a++) s->is_box &= fabs(fabs(s->corner[k][a]) - dem_axis(s->half, a)) <= 1e-9 * s->reach;
+    }
+    for (int k = 0; k < s->corners && s->is_box; k++) {
+        for (int a = 0; a < 3; a++)
+            s->corner[k][a] = s->corner[k][a] < 0.0 ? -dem_axis(s->half, a) : dem_axis(s->half, a);
+    }
+}
+
+/* Turns corners and planes of a shape. Its axes become x, y and z, the columns of the rotation. */
+static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec z) {
+    if (x.x == 1.0 && y.y == 1.0 && z.z == 1.0) return;
+    for (int k = 0; k < s->corners + s->faces; k++) {
+        double *v = k < s->corners ? s->corner[k] : s->plane[k - s->corners];
+        const dem_vec at = dem__plus(dem__plus(dem__scale(v[0], x), v[1], y), v[2], z);
+        v[0] = at.x, v[1] = at.y, v[2] = at.z;
+    }
+}
+/* Turns corners and planes from the principal axes to the frame in which the shape was given. */
+static inline void dem__turn_to_given(dem_convex *s) {
+    dem__turn_shape(s, s->axis[0], s->axis[1], s->axis[2]);
+    s->along_axes = 0;
+}
+/* Turns corners and planes to the principal axes. The corners of a box then equal the half lengths to the last bit. */
+static inline void dem__turn_to_axes(dem_convex *s) {
+    const dem_vec *a = s->axis;
+    if (!s->along_axes)
+        dem__turn_shape(s, dem_vec3(a[0].x, a[1].x, a[2].x), dem_vec3(a[0].y, a[1].y, a[2].y),
+                        dem_vec3(a[0].z, a[1].z, a[2].z));
+    for (int k = 0; k < 3 * s->corners && s->is_box; k++) {
+        double *v = &s->corner[k / 3][k % 3], half = dem_axis(s->half, k % 3);
+        *v = *v < 0.0 ? -half : half;
+    }
+    s->along_axes = 1;
+}
+/* Returns whether the axes of a shape are a right-handed frame. */
+static inline int dem__are_axes(const dem_vec *a) {
+    const double size = dem__dot(a[0], dem__cross(a[1], a[2]));
+    int right = fabs(size - 1.0) < 1e-6;
+    for (int k = 0; k < 3; k++) right &= fabs(dem__dot(a[k], a[k]) - 1.0) < 1e-6;
+    return right;
+}
+
+/* Completes a shape whose core has its corners, faces and edges, along the principal axes. */
+static inline void dem__finish_shape(dem_convex *core) {
+    core->reach = 0.0;
+    for (int k = 0; k < core->corners; k++) {
+        const double far = dem__length(dem__point(core->corner[k])) + core->radius;
+        core->reach = far > core->reach ? far : core->reach;
+    }
+    dem__find_box(core);
+    dem__find_springs(core);
+    dem__turn_to_given(core);
+}
+
+/* Makes the shape from corners relative to their middle. Returns NULL, or what is wrong. is_large: set if its core has
+   too many corners. */
+static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding, int *is_large) {
+    dem_convex core;
+    const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
+    const char *reason;
+    if (!(flat > 0.0)) return "the corners lie in one point";
+    if ((reason = dem__find_surface(s, flat)) != NULL) return reason;
+    if ((reason = dem__set_bulk(s, middle)) != NULL) return reason;
+    if ((reason = dem__find_surface(s, flat)) != NULL) return reason; /* planes in the new frame */
+    core = *s;
+    core.radius = rounding * dem__least_width(s);
+    *is_large = !dem__erode(s, &core, core.radius, flat);
+    if (*is_large) return "its core has more than DEM_CORNERS_MAX corners";
+    if (dem__find_surface(&core, 0.1 * flat) != NULL) return DEM__NO_CORE;
+    core.given = s->corners;
+    dem__finish_shape(&core);
+    *s = core;
+    return NULL;
+}
+
+/* ------------------------------------------------------------------------------------- >>polyhedra/clump_of_mesh.h */
+/* Clumps from closed surfaces: spheres are fitted inside, and mass properties are those of the surface. Reads a mesh;
+   makes a clump; owns scratch memory while it works. Promises: no sphere reaches out of the surface, but for rounding;
+   mass, centre and moments are exact. */
+
+#define DEM__FILL_POINTS 8000.0     /* grid points in a body: their pairs are compared */
+#define DEM__FILL_NODES_MAX 2000000 /* grid points in its bounding box */
+
+/* A point of the grid that lies in the body. */
+typedef struct dem__fill_point {
+    dem_vec x;
+    double clear;    /* distance from the surface: radius of the greatest sphere about x [m] */
+    int32_t gain;    /* points in that sphere that no chosen sphere covers */
+    int32_t covered; /* by a chosen sphere */
+} dem__fill_point;
+
+/* A body to be filled, with lengths over its greatest extent and measured from the middle of its box. */
+typedef struct dem__fill {
+    dem__tree *tree;
+    dem_vec half, centre; /* half lengths of the box; centre of mass */
+    double volume, tensor[6];
+    int32_t nodes[3];
+    ptrdiff_t n;
+    dem__fill_point *point;
+} dem__fill;
+
+/* Returns the distance of a point from a surface. */
+static inline double dem__from_surface(const dem__tree *t, dem_vec p) {
+    double least = HUGE_VAL, distance;
+    int inside;
+    for (int32_t b = 0; b < t->nodes;) {
+        const dem__node *node = &t->node[b];
+        if (dem__is_far(node, p, least)) {
+            b = node->skip;
+            continue;
+        }
+        b++;
+        for (int32_t k = node->first; k < node->first + node->count; k++) {
+            dem__from_triangle(t, k, p, &distance, &inside);
+            least = distance < least ? distance : least;
+        }
+    }
+    return least;
+}
+
+/* Finds volume, centre of mass and tensor of inertia of a closed surface whose triangles face outwards or inwards.
+   Returns 0 if it encloses no volume. */
+static inline int dem__weigh_surface(dem__fill *f) {
+    dem__moments bulk;
+    memset(&bulk, 0, sizeof bulk);
+    for (int32_t k = 0; k < 3 * f->tree->triangles; k += 3) {
+        double x[3][3];
+        for (int c = 0; c < 9; c++) x[c / 3][c % 3] = dem_axis(f->tree->vertex[f->tree->corner[k + c / 3]], c % 3);
+        dem__add_triangle(&bulk, x[0], x[1], x[2]);
+    }
+    const double sign = bulk.volume < 0.0 ? -1.0 : 1.0, v = f->volume = sign * bulk.volume;
+    if (!(v > 1e-9)) return 0;
+    const dem_vec m = f->centre = dem__scale(sign / v, bulk.first);
+    double s[3][3];
+    for (int k = 0; k < 9; k++)
+        s[k / 3][k % 3] = sign * bulk.second[k / 3][k % 3] - v * dem_axis(m, k / 3) * dem_axis(m, k % 3);
+    for (int a = 0; a < 3; a++) {
+        f->tensor[a] = s[(a + 1) % 3][(a + 1) % 3] + s[(a + 2) % 3][(a + 2) % 3];
+        f->tensor[3 + a] = -s[a][(a + 1) % 3];
+    }
+    return f->tensor[0] > 0.0 && f->tensor[1] > 0.0 && f->tensor[2] > 0.0;
+}
+
+/* Chooses a grid with a point in the middle of the box. */
+static inline void dem__choose_grid(dem__fill *f) {
+    double width = riddle_cbrt(f->volume / DEM__FILL_POINTS), nodes;
+    do {
+        nodes = 1.0;
+        for (int a = 0; a < 3; a++) {
+            f->nodes[a] = 1 + 2 * (int32_t)(dem_axis(f->half, a) / width);
+            nodes *= (double)f->nodes[a];
+        }
+        width *= 1.25;
+    } while (nodes > (double)DEM__FILL_NODES_MAX);
+}
+
+/* Lists the points of the grid that lie in the body, or with point == NULL counts them. */
+static inline void dem__list_fill_points(dem__fill *f) {
+    f->n = 0;
+    for (int32_t k = 0; k < f->nodes[0] * f->nodes[1] * f->nodes[2]; k++) {
+        const int32_t at[3] = {k % f->nodes[0], k / f->nodes[0] % f->nodes[1], k / f->nodes[0] / f->nodes[1]};
+        dem_vec x;
+        for (int a = 0; a < 3; a++)
+            *dem_axis_of(&x, a) = dem_axis(f->half, a) * ((double)(2 * at[a] + 1) / (double)f->nodes[a] - 1.0);
+        if (!dem__is_inside_tree(f->tree, x)) continue;
+        if (f->point) {
+            dem__fill_point *p = &f->point[f->n];
+            p->x = x, p->clear = dem__from_surface(f->tree, x), p->gain = p->covered = 0;
+        }
+        f->n++;
+    }
+}
+
+/* Adds `gain` to each point whose sphere holds x. */
+static inline void dem__change_gains(dem__fill *f, dem_vec x, int32_t gain) {
+    for (dem__fill_point *p = f->point; p < f->point + f->n; p++) {
+        const dem_vec d = dem__sub(p->x, x);
+        p->gain += dem__dot(d, d) < p->clear * p->clear ? gain : 0;
+    }
+}
+
+/* Chooses at most n spheres, each of which fills most of what those before it leave. Returns how many. */
+static inline int dem__choose_spheres(dem__fill *f, int n, dem_vec *centre, double *diameter) {
+    for (ptrdiff_t k = 0; k < f->n; k++) dem__change_gains(f, f->point[k].x, 1);
+    for (int s = 0; s < n; s++) {
+        const dem__fill_point *best = f->point;
+        for (const dem__fill_point *p = f->point; p < f->point + f->n; p++) {
+            if (p->gain > best->gain || (p->gain == best->gain && p->clear > best->clear)) best = p;
+        }
+        if (!(best->gain > 0 && best->clear > 0.0)) return s;
+        const dem_vec x = best->x;
+        const double r = best->clear;
+        centre[s] = x, diameter[s] = 2.0 * r;
+        for (ptrdiff_t k = 0; k < f->n; k++) {
+            const dem_vec at = f->point[k].x, d = dem__sub(at, x);
+            if (f->point[k].covered || !(dem__dot(d, d) < r * r)) continue;
+            f->point[k].covered = 1;
+            dem__change_gains(f, at, -1);
+        }
+    }
+    return n;
+}
+
+/* Returns an element of the tensor of inertia of a clump: 0 .. 2: xx, yy, zz; 3 .. 5: xy, yz, zx. */
+static inline double dem__tensor_of(const dem_clump *c, int k) {
+    const dem_vec e[3] = {dem__first_axis(c->axes), dem__second_axis(c->axes), dem__third_axis(c->axes)};
+    const int p = k % 3, q = k < 3 ? p : (p + 1) % 3;
+    double sum = 0.0;
+    for (int a = 0; a < 3; a++) sum += dem_axis(c->moments, a) * dem_axis(e[a], p) * dem_axis(e[a], q);
+    return sum;
+}
+
+/* Gives a union of spheres the mass properties of the body. size, middle: of the body's box, in the frame of the mesh.
+ */
+static inline void dem__take_body(const dem__fill *f, double size, dem_vec middle, dem_clump *c, dem_clump_fit *fit) {
+    int order[3];
+    double largest = 0.0, differs = 0.0;
+    for (int k = 0; k < 6; k++) {
+        const double off = fabs(dem__tensor_of(c, k) - f->tensor[k]);
+        differs = off > differs ? off : differs;
+    }
+    fit->volume = c->volume / f->volume - 1.0;
+    fit->centre = dem__length(dem__sub(c->origin, f->centre)) / riddle_cbrt(6.0 / RIDDLE_PI * f->volume);
+    c->moments = dem__clump_axes(f->tensor, &c->axes);
+    for (int a = 0; a < 3; a++) largest = dem_axis(c->moments, a) > largest ? dem_axis(c->moments, a) : largest;
+    fit->moments = differs / largest;
+    dem__merge_moments(&c->moments, 1e-12);
+    dem__order_moments(&c->moments, &c->axes, order);
+    for (int k = 0; k < c->spheres; k++) {
+        c->centre[k] = dem__scale(size, dem__add(c->centre[k], dem__sub(c->origin, f->centre)));
+        c->radius[k] *= size;
+    }
+    c->origin = dem__plus(middle, size, f->centre);
+    c->volume = f->volume * size * size * size;
+    c->moments = dem__scale(size * size * size * size * size, c->moments);
+}
+
+/* Fills a body whose tree has been made. Returns a status. */
+static inline dem_status dem__fill_body(const dem_allocator *a, dem__fill *f, int n, dem_clump *clump) {
+    double centre[DEM_CLUMP_MAX][3], diameter[DEM_CLUMP_MAX];
+    dem_vec at[DEM_CLUMP_MAX];
+    if (!dem__weigh_surface(f)) return DEM_BAD_ARGUMENT;
+    dem__choose_grid(f);
+    dem__list_fill_points(f);
+    const size_t bytes = (size_t)f->n * sizeof *f->point;
+    if (f->n == 0) return DEM_BAD_ARGUMENT;
+    f->point = (dem__fill_point *)a->fn(a->user, NULL, 0, bytes);
+    if (!f->point) return DEM_OUT_OF_MEMORY;
+    dem__list_fill_points(f);
+    const int chosen = dem__choose_spheres(f, n, at, diameter);
+    a->fn(a->user, f->point, bytes, 0);
+    for (int k = 0; k < 3 * chosen; k++) centre[k / 3][k % 3] = dem_axis(at[k / 3], k % 3);
+    return dem_make_clump(chosen, centre[0], diameter, clump);
+}
+
+DEM_API dem_status dem_make_clump_from_mesh(const dem_mesh *mesh, int n, const dem_allocator *allocator,
+                                            dem_clump *clump, dem_clump_fit *fit) {
+    dem_allocator a;
+    dem_clump_fit own;
+    dem__fill f;
+    dem_vec low, high;
+    dem_status status = DEM_OUT_OF_MEMORY;
+    memset(&a, 0, sizeof a), memset(&f, 0, sizeof f);
+    a.fn = dem__default_allocator;
+    if (allocator) a = *allocator;
+    if (!clump || n < 1 || !dem__is_mesh(mesh, &low, &high)) return DEM_BAD_ARGUMENT;
+    if (n > DEM_CLUMP_MAX) return DEM_TOO_MANY;
+    const dem_vec d = dem__sub(high, low), middle = dem__plus(low, 0.5, d);
+    const double size = d.x > d.y ? (d.x > d.z ? d.x : d.z) : d.y > d.z ? d.y : d.z;
+    const size_t bytes = (size_t)mesh->vertices * sizeof(dem_vec);
+    if (!(size >= 1e-30 && size <= 1e30)) return DEM_BAD_ARGUMENT;
+    dem_vec *vertex = (dem_vec *)a.fn(a.user, NULL, 0, bytes);
+    if (!vertex) return DEM_OUT_OF_MEMORY;
+    for (ptrdiff_t k = 0; k < mesh->vertices; k++)
+        vertex[k] = dem__scale(1.0 / size, dem__sub(dem__point(mesh->vertex + 3 * k), middle));
+    f.half = dem__scale(0.5 / size, d);
+    status = dem__check_closed(&a, mesh->triangles, vertex, mesh->triangle);
+    if (status == DEM_OK) f.tree = dem__make_tree(&a, mesh->vertices, vertex, mesh->triangles, mesh->triangle, &status);
+    a.fn(a.user, vertex, bytes, 0);
+    if (!f.tree) return status;
+    dem_clump made;
+    status = dem__fill_body(&a, &f, n, &made);
+    a.fn(a.user, f.tree, f.tree->bytes, 0);
+    if (status != DEM_OK) return status;
+    dem__take_body(&f, size, middle, &made, fit ? fit : &own);
+    *clump = made;
+    return DEM_OK;
+}
+
 /* ----------------------------------------------------------------------------------------------------- >>gas/gas.h */
 /* A gas around the particles: definition, frame, porosity. Reads the world; writes the caller's structures. */
 
@@ -16710,462 +17394,6 @@ static inline int dem__shape_fields(dem_convex *c, dem__saved_field *field) {
     };
     memcpy(field, fields, sizeof fields);
     return (int)(sizeof fields / sizeof *fields);
-}
-
-/* ------------------------------------------------------------------------------------------- >>polyhedra/springs.h */
-/* What a shape tells about its contacts: among how many corners a face shares the spring of a pair, and how fast
-   contacts are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a single face or
-   corner. */
-
-/* A contact's stiffness over k/m, for motion along its normal and for rotations about the three axes. */
-typedef struct dem__modes {
-    double of[4][4];
-} dem__modes;
-
-/* Adds the spring of a point with part w. u: how fast the point moves along the normal by each motion. */
-static inline void dem__add_spring(dem__modes *m, double w, const double *u) {
-    for (int k = 0; k < 16; k++) m->of[k / 4][k % 4] += w * u[k / 4] * u[k % 4];
-}
-
-/* Returns the largest eigenvalue, or at most 5 % more: the 32nd root of the trace of the 32nd power. */
-static inline double dem__highest_rate(const dem__modes *modes) {
-    dem__modes m = *modes, square;
-    double scale = 0.0, trace = 0.0;
-    for (int a = 0; a < 4; a++) scale += m.of[a][a];
-    for (int k = 0; k < 16; k++) m.of[k / 4][k % 4] /= scale;
-    for (int pass = 0; pass < 5; pass++) {
-        memset(&square, 0, sizeof square);
-        for (int k = 0; k < 64; k++) square.of[k / 16][k % 4] += m.of[k / 16][k / 4 % 4] * m.of[k / 4 % 4][k % 4];
-        m = square;
-    }
-    for (int a = 0; a < 4; a++) trace += m.of[a][a];
-    for (int pass = 0; pass < 5; pass++) trace = sqrt(trace);
-    return scale * trace;
-}
-
-/* Returns the rate of a single corner, in the direction in which it is highest: along each direction the corner moves
-   with the body, and by rotations about the axes. */
-static inline double dem__rate_of_corner(const dem_convex *s, dem_vec r) {
-    dem__modes m;
-    memset(&m, 0, sizeof m);
-    for (int a = 0; a < 3; a++) {
-        dem_vec axis = dem_vec3(0.0, 0.0, 0.0);
-        double own[4] = {0.0, 0.0, 0.0, 0.0};
-        *dem_axis_of(&axis, a) = own[a] = 1.0;
-        const dem_vec turned = dem__scale(sqrt(s->volume / s->moment[a]), dem__cross(axis, r));
-        const double u[4] = {turned.x, turned.y, turned.z, 0.0};
-        dem__add_spring(&m, 1.0, own), dem__add_spring(&m, 1.0, u);
-    }
-    return dem__highest_rate(&m) / (double)s->springs;
-}
-
-/* Returns the rate of a face. */
-static inline double dem__rate_of_face(const dem_convex *s, int f) {
-    const dem_vec n = dem__point(s->plane[f]);
-    dem__modes m;
-    memset(&m, 0, sizeof m);
-    for (int k = s->face_start[f]; k < s->face_start[f + 1]; k++) {
-        const dem_vec arm = dem__cross(dem__point(s->corner[s->face_corner[k]]), n);
-        double u[4] = {1.0, 0.0, 0.0, 0.0};
-        for (int a = 0; a < 3; a++) u[1 + a] = dem_axis(arm, a) * sqrt(s->volume / s->moment[a]);
-        dem__add_spring(&m, 1.0 / (double)s->springs, u);
-    }
-    return dem__highest_rate(&m);
-}
-
-/* Sets how many corners share a spring, and the rate. */
-static inline void dem__find_springs(dem_convex *s) {
-    s->springs = 1, s->rate = 1.0;
-    for (int f = 0; f < s->faces; f++) {
-        const int corners = s->face_start[f + 1] - s->face_start[f];
-        s->springs = corners > s->springs ? corners : s->springs;
-    }
-    for (int f = 0; f < s->faces; f++) {
-        const double rate = dem__rate_of_face(s, f);
-        s->rate = rate > s->rate ? rate : s->rate;
-    }
-    for (int k = 0; k < s->corners; k++) {
-        const double rate = dem__rate_of_corner(s, dem__point(s->corner[k]));
-        s->rate = rate > s->rate ? rate : s->rate;
-    }
-}
-
-/* --------------------------------------------------------------------------------------------- >>polyhedra/shape.h */
-/* Convex polyhedra: faces from corners, mass properties, erosion. Promises: an accepted shape is closed and convex, and
-   its tables agree with each other. */
-
-/* Corners closer than this to a plane, over the size of the whole, lie in it. The single precision of files is
-   enough. */
-#define DEM__FLAT 1e-6
-#define DEM__NO_CORE "its core is no polyhedron: a smaller rounding leaves one"
-
-/* The hull of a set of points: the planes with all other points behind them, and the points in each plane. */
-typedef struct dem__hull {
-    int faces;
-    uint32_t holds[DEM_FACES_MAX];
-    double plane[DEM_FACES_MAX][4], area[DEM_FACES_MAX];
-} dem__hull;
-
-/* Returns half the size of a set of points: half of the longest side of the box around it. */
-static inline double dem__half_size(const double *x, int n) {
-    double size = 0.0;
-    for (int a = 0; a < 3; a++) {
-        double low = x[a], high = x[a];
-        for (int k = 1; k < n; k++)
-            low = x[3 * k + a] < low ? x[3 * k + a] : low, high = x[3 * k + a] > high ? x[3 * k + a] : high;
-        size = 0.5 * (high - low) > size ? 0.5 * (high - low) : size;
-    }
-    return size;
-}
-
-/* Adds a plane unless one has the same points; of the two, the one from the larger triangle stays. Returns 0 if there
-   are too many. */
-static inline int dem__add_face(dem__hull *hull, uint32_t holds, dem_vec n, double offset, double area) {
-    int f = 0;
-    while (f < hull->faces && hull->holds[f] != holds) f++;
-    if (f < hull->faces && hull->area[f] >= area) return 1;
-    if (f == DEM_FACES_MAX) return 0;
-    if (f == hull->faces) hull->faces++;
-    hull->holds[f] = holds, hull->area[f] = area;
-    hull->plane[f][0] = n.x, hull->plane[f][1] = n.y, hull->plane[f][2] = n.z, hull->plane[f][3] = offset;
-    return 1;
-}
-
-/* Adds the face in which three points lie, if no point is in front of it. Returns 0 if there are too many faces. */
-static inline int dem__try_face(dem__hull *hull, const double *x, int n, int a, int b, int c, double flat) {
-    const dem_vec p = dem__point(x + 3 * a), u = dem__sub(dem__point(x + 3 * b), p),
-                  v = dem__sub(dem__point(x + 3 * c), p), cross = dem__cross(u, v);
-    const double area = dem__length(cross), longest = dem__dot(u, u) > dem__dot(v, v) ? dem__dot(u, u) : dem__dot(v, v);
-    double lowest = 0.0, highest = 0.0;
-    uint32_t holds = 0;
-    if (!(area > 1e-5 * longest)) return 1;
-    const dem_vec normal = dem__scale(1.0 / area, cross);
-    for (int k = 0; k < n; k++) {
-        const double height = dem__dot(normal, dem__sub(dem__point(x + 3 * k), p));
-        lowest = height < lowest ? height : lowest, highest = height > highest ? height : highest;
-        if (fabs(height) <= flat) holds |= (uint32_t)1 << k;
-    }
-    if (highest <= flat && lowest < -flat) return dem__add_face(hull, holds, normal, dem__dot(normal, p), area);
-    if (lowest >= -flat && highest > flat)
-        return dem__add_face(hull, holds, dem__scale(-1.0, normal), -dem__dot(normal, p), area);
-    return 1;
-}
-
-/* Finds the faces of the hull of points. Returns 0 if there are too many. */
-static inline int dem__find_hull(dem__hull *hull, const double *x, int n, double flat) {
-    hull->faces = 0;
-    for (int a = 0; a < n; a++) {
-        for (int b = a + 1; b < n; b++) {
-            for (int c = b + 1; c < n; c++) {
-                if (!dem__try_face(hull, x, n, a, b, c, flat)) return 0;
-            }
-        }
-    }
-    return 1;
-}
-
-/* Appends the corners of a face, counterclockwise from outside, to a list. Returns the new length, or 0 if they do not
-   form a polygon. */
-static inline int dem__go_round(const dem__hull *hull, int f, const double *x, int n, uint8_t *corner, int count) {
-    const dem_vec normal = dem__point(hull->plane[f]);
-    const int begin = count;
-    int first = 0, at, total = 0;
-    while (!(hull->holds[f] >> first & 1)) first++;
-    for (int k = 0; k < n; k++) total += (int)(hull->holds[f] >> k & 1);
-    at = first;
-    do {
-        int next = -1;
-        if (count == 2 * DEM_EDGES_MAX || count - begin == total) return 0;
-        corner[count++] = (uint8_t)at;
-        for (int k = 0; k < n; k++) {
-            if (k == at || !(hull->holds[f] >> k & 1)) continue;
-            const dem_vec u = dem__sub(dem__point(x + 3 * k), dem__point(x + 3 * at));
-            if (next < 0 ||
-                dem__dot(normal, dem__cross(dem__sub(dem__point(x + 3 * next), dem__point(x + 3 * at)), u)) < 0.0)
-                next = k;
-        }
-        at = next;
-    } while (at != first);
-    return count - begin == total && total > 2 ? count : 0;
-}
-
-/* Finds the edges from the corners of faces. Returns 0 if an edge does not have two faces or is too short, or the
-   surface is not that of a ball. */
-static inline int dem__find_edges(dem_convex *s, double shortest) {
-    s->edges = 0;
-    for (int f = 0; f < s->faces; f++) {
-        for (int k = s->face_start[f], end = s->face_start[f + 1]; k < end; k++) {
-            const int from = s->face_corner[k], to = s->face_corner[k + 1 < end ? k + 1 : s->face_start[f]];
-            int e = 0, backward = 0;
-            for (; e < s->edges; e++) {
-                if (s->edge[e][0] == from && s->edge[e][1] == to) return 0;
-                if (s->edge[e][0] == to && s->edge[e][1] == from) break;
-            }
-            backward = e < s->edges;
-            if (!backward && s->edges++ == DEM_EDGES_MAX) return 0;
-            if (!(dem__length(dem__sub(dem__point(s->corner[from]), dem__point(s->corner[to]))) > shortest)) return 0;
-            if (!backward) s->edge[e][0] = (uint8_t)from, s->edge[e][1] = (uint8_t)to;
-            s->edge_face[e][backward] = (uint8_t)f;
-        }
-    }
-    int sides = 0;
-    for (int f = 0; f < s->faces; f++) sides += s->face_start[f + 1] - s->face_start[f];
-    return sides == 2 * s->edges && s->corners - s->edges + s->faces == 2;
-}
-
-/* Finds faces and edges of a shape whose corners are set. Returns NULL, or what is wrong. */
-static inline const char *dem__find_surface(dem_convex *s, double flat) {
-    dem__hull hull;
-    int count = 0, used[DEM_CORNERS_MAX] = {0};
-    if (!dem__find_hull(&hull, s->corner[0], s->corners, flat)) return "its faces are more than DEM_FACES_MAX";
-    if (hull.faces < 4) return "the corners lie in one plane";
-    s->faces = hull.faces;
-    for (int f = 0; f < hull.faces; f++) {
-        s->face_start[f] = (uint8_t)count;
-        count = dem__go_round(&hull, f, s->corner[0], s->corners, s->face_corner, count);
-        if (count == 0) return "a point is no corner: it lies in a face, on an edge or on another point";
-        for (int a = 0; a < 4; a++) s->plane[f][a] = hull.plane[f][a];
-        for (int k = s->face_start[f]; k < count; k++) used[s->face_corner[k]]++;
-    }
-    s->face_start[hull.faces] = (uint8_t)count;
-    for (int k = 0; k < s->corners; k++) {
-        if (used[k] == 0) return "a point is no corner: it lies inside";
-        if (used[k] < 3) return "a point is no corner: it lies in a face, on an edge or on another point";
-    }
-    return dem__find_edges(s, flat) ? NULL : "a point is no corner: it lies in a face, on an edge or on another point";
-}
-
-/* Volume, first and second moments of a polyhedron, by signed tetrahedra from the origin to triangles of its faces. */
-typedef struct dem__moments {
-    double volume;
-    dem_vec first;
-    double second[3][3];
-} dem__moments;
-static inline void dem__add_triangle(dem__moments *bulk, const double *a, const double *b, const double *c) {
-    const double six = dem__dot(dem__point(a), dem__cross(dem__point(b), dem__point(c)));
-    const double sum[3] = {a[0] + b[0] + c[0], a[1] + b[1] + c[1], a[2] + b[2] + c[2]};
-    bulk->volume += six / 6.0;
-    bulk->first = dem__plus(bulk->first, six / 24.0, dem__point(sum));
-    for (int p = 0; p < 3; p++) {
-        for (int q = 0; q < 3; q++)
-            bulk->second[p][q] += six / 120.0 * (sum[p] * sum[q] + a[p] * a[q] + b[p] * b[q] + c[p] * c[q]);
-    }
-}
-static inline void dem__integrate(const dem_convex *s, dem__moments *bulk) {
-    memset(bulk, 0, sizeof *bulk);
-    for (int f = 0; f < s->faces; f++) {
-        const double *a = s->corner[s->face_corner[s->face_start[f]]];
-        for (int k = s->face_start[f] + 2; k < s->face_start[f + 1]; k++)
-            dem__add_triangle(bulk, a, s->corner[s->face_corner[k - 1]], s->corner[s->face_corner[k]]);
-    }
-}
-
-/* Diagonalises a symmetric matrix (Jacobi). axis[k][a]: component a of principal axis k. A diagonal matrix is left as
-   it is. */
-static inline void dem__principal(double (*m)[3], double (*axis)[3]) {
-    const double size = m[0][0] + m[1][1] + m[2][2];
-    for (int p = 0; p < 3; p++) {
-        for (int q = 0; q < 3; q++) axis[p][q] = p == q ? 1.0 : 0.0;
-    }
-    for (int sweep = 0; sweep < 30; sweep++) {
-        for (int p = 0; p < 2; p++) {
-            for (int q = p + 1; q < 3; q++) {
-                if (fabs(m[p][q]) <= 1e-13 * size) continue;
-                const double theta = 0.5 * (m[q][q] - m[p][p]) / m[p][q], root = sqrt(theta * theta + 1.0);
-                const double t = theta < 0.0 ? -1.0 / (root - theta) : 1.0 / (root + theta),
-                             c = 1.0 / sqrt(t * t + 1.0), s = t * c;
-                for (int a = 0; a < 3; a++) {
-                    const double old = m[a][p];
-                    m[a][p] = c * old - s * m[a][q], m[a][q] = s * old + c * m[a][q];
-                }
-                for (int a = 0; a < 3; a++) {
-                    double old = m[p][a];
-                    m[p][a] = c * old - s * m[q][a], m[q][a] = s * old + c * m[q][a];
-                    old = axis[p][a];
-                    axis[p][a] = c * old - s * axis[q][a], axis[q][a] = s * old + c * axis[q][a];
-                }
-            }
-        }
-    }
-}
-
-/* Sets volume, centroid, moments and axes. centre: the centroid, from the middle. Returns NULL, or what is wrong. */
-static inline const char *dem__set_moments(dem_convex *s, const dem__moments *bulk, dem_vec middle, dem_vec *centre) {
-    double second[3][3], axis[3][3];
-    if (!(bulk->volume > 0.0 && bulk->volume < HUGE_VAL)) return "the corners lie in one plane";
-    const dem_vec c = *centre = dem__scale(1.0 / bulk->volume, bulk->first);
-    for (int p = 0; p < 3; p++) {
-        for (int q = 0; q < 3; q++) second[p][q] = bulk->second[p][q] - bulk->volume * dem_axis(c, p) * dem_axis(c, q);
-    }
-    dem__principal(second, axis);
-    s->volume = bulk->volume;
-    s->centroid = dem__add(middle, c);
-    for (int a = 0; a < 3; a++) {
-        s->axis[a] = dem__point(axis[a]);
-        s->moment[a] = second[(a + 1) % 3][(a + 1) % 3] + second[(a + 2) % 3][(a + 2) % 3];
-        if (!(s->moment[a] > 0.0 && s->moment[a] < HUGE_VAL))
-            return "it is too small or too large for its inertia to be a number";
-    }
-    return NULL;
-}
-
-/* Does so from the faces. Moves the corners to the centroid and turns them to the principal axes. Returns NULL, or what
-   is wrong. */
-static inline const char *dem__set_bulk(dem_convex *s, dem_vec middle) {
-    dem__moments bulk;
-    dem_vec c;
-    dem__integrate(s, &bulk);
-    const char *reason = dem__set_moments(s, &bulk, middle, &c);
-    if (reason) return reason;
-    for (int k = 0; k < s->corners; k++) {
-        const dem_vec d = dem__sub(dem__point(s->corner[k]), c);
-        for (int a = 0; a < 3; a++) s->corner[k][a] = dem__dot(d, s->axis[a]);
-    }
-    return NULL;
-}
-
-/* Finds the point where three planes meet after they have moved inwards. Returns the absolute value of their
-   determinant; 0 if that is below `least`. */
-static inline double dem__meet(const double *p, const double *q, const double *r, double inwards, double least,
-                               dem_vec *at) {
-    const dem_vec a = dem__point(p), b = dem__point(q), c = dem__point(r), bc = dem__cross(b, c);
-    const double det = dem__dot(a, bc);
-    if (fabs(det) < least) return 0.0;
-    const dem_vec sum =
-        dem__add(dem__scale(p[3] - inwards, bc),
-                 dem__add(dem__scale(q[3] - inwards, dem__cross(c, a)), dem__scale(r[3] - inwards, dem__cross(a, b))));
-    *at = dem__scale(1.0 / det, sum);
-    return fabs(det);
-}
-
-/* Adds a corner of the core unless it is there; of two equal corners the better determined one stays. Returns 0 if
-   there are too many. */
-static inline int dem__add_corner(dem_convex *core, double *sure, dem_vec x, double det, double same) {
-    int k = 0;
-    while (k < core->corners && !(dem__length(dem__sub(x, dem__point(core->corner[k]))) <= same)) k++;
-    if (k == DEM_CORNERS_MAX) return 0;
-    if (k < core->corners && sure[k] >= det) return 1;
-    if (k == core->corners) core->corners++;
-    core->corner[k][0] = x.x, core->corner[k][1] = x.y, core->corner[k][2] = x.z;
-    sure[k] = det;
-    return 1;
-}
-
-/* Finds the corners of a shape whose faces have moved inwards by a radius: where three of the planes meet, behind all
-   others. Returns 0 if there are too many. */
-static inline int dem__erode(const dem_convex *s, dem_convex *core, double radius, double flat) {
-    double sure[DEM_CORNERS_MAX];
-    core->corners = 0;
-    for (int a = 0; a < s->faces; a++) {
-        for (int b = a + 1; b < s->faces; b++) {
-            for (int c = b + 1; c < s->faces; c++) {
-                dem_vec x;
-                int f = 0;
-                const double det = dem__meet(s->plane[a], s->plane[b], s->plane[c], radius, 1e-6, &x);
-                if (det == 0.0) continue;
-                while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] - radius + 0.1 * flat)
-                    f++;
-                if (f == s->faces && !dem__add_corner(core, sure, x, det, flat)) return 0;
-            }
-        }
-    }
-    return 1;
-}
-
-/* Returns the smallest distance between a face and the corner opposite to it. */
-static inline double dem__least_width(const dem_convex *s) {
-    double least = HUGE_VAL;
-    for (int f = 0; f < s->faces; f++) {
-        double deepest = 0.0;
-        for (int k = 0; k < s->corners; k++) {
-            const double depth = s->plane[f][3] - dem__dot(dem__point(s->plane[f]), dem__point(s->corner[k]));
-            deepest = depth > deepest ? depth : deepest;
-        }
-        least = deepest < least ? deepest : least;
-    }
-    return least;
-}
-
-/* Finds whether the core is a box along the axes, with its middle at the centroid. Sets its corners to the half lengths
-   to the last bit, because distances are computed from these. */
-static inline void dem__find_box(dem_convex *s) {
-    const double *h = s->corner[0];
-    s->half = dem_vec3(fabs(h[0]), fabs(h[1]), fabs(h[2]));
-    s->is_box = s->corners == 8 && s->faces == 6;
-    for (int k = 0; k < s->corners; k++) {
-        for (int a = 0; a < 3; a++) s->is_box &= fabs(fabs(s->corner[k][a]) - dem_axis(s->half, a)) <= 1e-9 * s->reach;
-    }
-    for (int k = 0; k < s->corners && s->is_box; k++) {
-        for (int a = 0; a < 3; a++)
-            s->corner[k][a] = s->corner[k][a] < 0.0 ? -dem_axis(s->half, a) : dem_axis(s->half, a);
-    }
-}
-
-/* Turns corners and planes of a shape. Its axes become x, y and z, the columns of the rotation. */
-static inline void dem__turn_shape(dem_convex *s, dem_vec x, dem_vec y, dem_vec z) {
-    if (x.x == 1.0 && y.y == 1.0 && z.z == 1.0) return;
-    for (int k = 0; k < s->corners + s->faces; k++) {
-        double *v = k < s->corners ? s->corner[k] : s->plane[k - s->corners];
-        const dem_vec at = dem__plus(dem__plus(dem__scale(v[0], x), v[1], y), v[2], z);
-        v[0] = at.x, v[1] = at.y, v[2] = at.z;
-    }
-}
-/* Turns corners and planes from the principal axes to the frame in which the shape was given. */
-static inline void dem__turn_to_given(dem_convex *s) {
-    dem__turn_shape(s, s->axis[0], s->axis[1], s->axis[2]);
-    s->along_axes = 0;
-}
-/* Turns corners and planes to the principal axes. The corners of a box then equal the half lengths to the last bit. */
-static inline void dem__turn_to_axes(dem_convex *s) {
-    const dem_vec *a = s->axis;
-    if (!s->along_axes)
-        dem__turn_shape(s, dem_vec3(a[0].x, a[1].x, a[2].x), dem_vec3(a[0].y, a[1].y, a[2].y),
-                        dem_vec3(a[0].z, a[1].z, a[2].z));
-    for (int k = 0; k < 3 * s->corners && s->is_box; k++) {
-        double *v = &s->corner[k / 3][k % 3], half = dem_axis(s->half, k % 3);
-        *v = *v < 0.0 ? -half : half;
-    }
-    s->along_axes = 1;
-}
-/* Returns whether the axes of a shape are a right-handed frame. */
-static inline int dem__are_axes(const dem_vec *a) {
-    const double size = dem__dot(a[0], dem__cross(a[1], a[2]));
-    int right = fabs(size - 1.0) < 1e-6;
-    for (int k = 0; k < 3; k++) right &= fabs(dem__dot(a[k], a[k]) - 1.0) < 1e-6;
-    return right;
-}
-
-/* Completes a shape whose core has its corners, faces and edges, along the principal axes. */
-static inline void dem__finish_shape(dem_convex *core) {
-    core->reach = 0.0;
-    for (int k = 0; k < core->corners; k++) {
-        const double far = dem__length(dem__point(core->corner[k])) + core->radius;
-        core->reach = far > core->reach ? far : core->reach;
-    }
-    dem__find_box(core);
-    dem__find_springs(core);
-    dem__turn_to_given(core);
-}
-
-/* Makes the shape from corners relative to their middle. Returns NULL, or what is wrong. is_large: set if its core has
-   too many corners. */
-static inline const char *dem__shape_from(dem_convex *s, dem_vec middle, double rounding, int *is_large) {
-    dem_convex core;
-    const double flat = DEM__FLAT * dem__half_size(s->corner[0], s->corners);
-    const char *reason;
-    if (!(flat > 0.0)) return "the corners lie in one point";
-    if ((reason = dem__find_surface(s, flat)) != NULL) return reason;
-    if ((reason = dem__set_bulk(s, middle)) != NULL) return reason;
-    if ((reason = dem__find_surface(s, flat)) != NULL) return reason; /* planes in the new frame */
-    core = *s;
-    core.radius = rounding * dem__least_width(s);
-    *is_large = !dem__erode(s, &core, core.radius, flat);
-    if (*is_large) return "its core has more than DEM_CORNERS_MAX corners";
-    if (dem__find_surface(&core, 0.1 * flat) != NULL) return DEM__NO_CORE;
-    core.given = s->corners;
-    dem__finish_shape(&core);
-    *s = core;
-    return NULL;
 }
 
 /* ------------------------------------------------------------------------------------------ >>polyhedra/distance.h */

@@ -83,6 +83,7 @@ extern "C" {
 #include "links/links.h"
 #include "gas/flights.h"
 #include "bodies/clump_shape.h"
+#include "polyhedra/clump_of_mesh.h"
 #include "gas/gas.h"
 #include "removal/remove.h"
 #include "measure/mixing.h"

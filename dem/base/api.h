@@ -38,6 +38,14 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
    case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere inside another one
    is left out, because it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
+/* Makes a clump from a closed surface, for instance of an STL file: at most n spheres inside it, each of which fills
+   most of what those before it leave, to the resolution of a grid of 8000 points in the body. Volume, centre of mass
+   and moments are those of the body within the surface, exact. n: 1 .. DEM_CLUMP_MAX; allocator: for working memory,
+   NULL: realloc and free; fit: how well the spheres fill the body, may be NULL. Spheres do not protrude, so edges and
+   corners of the body are missing. DEM_BAD_ARGUMENT: a surface that is not closed or encloses no volume; DEM_TOO_MANY;
+   DEM_OUT_OF_MEMORY. */
+DEM_API dem_status dem_make_clump_from_mesh(const dem_mesh *mesh, int n, const dem_allocator *allocator,
+                                            dem_clump *clump, dem_clump_fit *fit);
 /* Makes a capsule along the x axis: a row of spheres so close that the grooves between them are 1 % of the radius deep.
    diameter, length: overall [m] > 0, length >= diameter. DEM_TOO_MANY from 9.8 diameters on. */
 DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double length);

@@ -244,8 +244,10 @@ static const scene_field shape_mesh_fields[] = {
     CHOICE(shape_mesh, hull, "no|yes", "no", "no: a surface that is not closed and convex is refused; yes: its convex hull, for a scan"),
     {"tolerance", FIELD_NUMBER, UNIT_NONE, offsetof(shape_mesh, tolerance), 0.0, 0.2, false, "0", 0, NO_WORDS,
      "of the hull: as few corners as keep the surface as near, over the diameter; 0: as near as 32 corners can be"},
+    {"spheres", FIELD_WHOLE, UNIT_NONE, offsetof(shape_mesh, spheres), 0.0, SHAPE_SPHERES_MAX, false, "0", 0, NO_WORDS,
+     "above 0: a clump of at most so many spheres inside the closed surface, which may be concave, with its mass and moments"},
 };
-SECTION(shape_mesh, shape_mesh, "mesh of a shape", "Any number of corners; contacts see at most 32.");
+SECTION(shape_mesh, shape_mesh, "mesh of a shape", "A convex body of any number of corners, of which contacts see at most 32, or a clump.");
 static const scene_field shape_tablet_fields[] = {
     NUMBER(shape_tablet, diameter, UNIT_LENGTH, POSITIVE, MUST, "of the round tablet"),
     NUMBER(shape_tablet, height, UNIT_LENGTH, POSITIVE, MUST, "over all"),

@@ -126,7 +126,7 @@ typedef struct shape_sphere {
 typedef struct shape_mesh {
     scene_part part;
     const char *file;
-    double unit, weld, tolerance;
+    double unit, weld, tolerance, spheres;
     int hull;
 } shape_mesh;
 typedef struct shape_tablet {

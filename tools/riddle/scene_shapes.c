@@ -23,19 +23,32 @@ static double diameter_of(double volume) { return 2.0 * riddle_cbrt(volume / (4.
 
 /* ---- making ---- */
 
+static dem_status fill_mesh(scene *s, body_shape *b) {
+    const shape_mesh *m = &b->def->mesh;
+    dem_mesh mesh;
+    if (scene_read_stl(s->file, fields_where(&m->part, "file"), m->file, m->unit, m->weld, &mesh)) return DEM_BAD_ARGUMENT;
+    const dem_status status = dem_make_clump_from_mesh(&mesh, (int)m->spheres, NULL, &b->clump, NULL);
+    dem_free_mesh(&mesh);
+    return status;
+}
+
+static int is_filled(const shape_def *d) { return d->mesh.part.where && d->mesh.spheres > 0.0; }
+
 static int make_clump(scene *s, body_shape *b) {
     const shape_sphere *sphere = b->def->spheres.item;
     double centre[SHAPE_SPHERES_MAX][3], diameter[SHAPE_SPHERES_MAX], reach = 0.0;
     const int n = b->def->spheres.n;
     for (int k = 0; k < n; k++) memcpy(centre[k], sphere[k].centre, sizeof centre[k]), diameter[k] = sphere[k].diameter;
     const shape_capsule *capsule = &b->def->capsule;
-    const char *key = n ? "spheres" : "capsule";
-    const dem_status status = n ? dem_make_clump(n, &centre[0][0], diameter, &b->clump)
-                                : dem_make_capsule(&b->clump, capsule->diameter, capsule->length);
+    const char *key = n ? "spheres" : is_filled(b->def) ? "mesh" : "capsule";
+    const dem_status status = n                   ? dem_make_clump(n, &centre[0][0], diameter, &b->clump)
+                              : is_filled(b->def) ? fill_mesh(s, b)
+                                                  : dem_make_capsule(&b->clump, capsule->diameter, capsule->length);
     if (status != DEM_OK)
         return tree_fail(s->file, fields_where(&b->def->part, key),
-                         n ? "%s: %s (places or diameters too large or too small)"
-                           : "%s: %s (a length below the diameter, or above 9.8 of it)",
+                         n                   ? "%s: %s (places or diameters too large or too small)"
+                         : is_filled(b->def) ? "%s: %s (a surface that is not closed or encloses nothing)"
+                                             : "%s: %s (a length below the diameter, or above 9.8 of it)",
                          key, dem_status_text(status));
     for (int k = 0; k < b->clump.spheres; k++) {
         const dem_vec x = b->clump.centre[k];
@@ -91,7 +104,7 @@ int scene_make_shapes(scene *s) {
     if (!s->shape) return -1;
     for (int k = 0; k < s->def->shapes.n; k++) {
         s->shape[k].def = &d[k];
-        if (d[k].spheres.n || d[k].capsule.part.where ? make_clump(s, &s->shape[k]) : make_polyhedron(s, &s->shape[k])) return -1;
+        if (d[k].spheres.n || d[k].capsule.part.where || is_filled(&d[k]) ? make_clump(s, &s->shape[k]) : make_polyhedron(s, &s->shape[k])) return -1;
     }
     return 0;
 }
