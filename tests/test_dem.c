@@ -957,10 +957,10 @@ static void test_lists_last(void **state) {
             move(&w, i, v3(v.x, v.y + of[k].drift * diameter / def.dt, v.z), zero);
         }
         run(&w, 4000 * def.dt, DEM_LINEAR);
-        const double margin = w.engine->pairs.margin / (def.skin * diameter), life = 4000.0 / (double)w.rebuilds;
-        if (of[k].lasts == 0.0) assert_true(margin == 1.0 && w.rebuilds == 1);
-        else if (of[k].lasts < 0.0) near_absolute(margin, 3.0, 1e-12, "margin");
-        else assert_true(margin > 1.0 && margin < 3.0 && fabs(life / of[k].lasts - 1.0) < 0.3);
+        const double skin = w.engine->pairs.skin / (def.skin * diameter), life = 4000.0 / (double)w.rebuilds;
+        if (of[k].lasts == 0.0) assert_true(skin == 1.0 && w.rebuilds == 1);
+        else if (of[k].lasts < 0.0) near_absolute(skin, 3.0, 1e-12, "skin");
+        else assert_true(skin > 1.0 && skin < 3.0 && fabs(life / of[k].lasts - 1.0) < 0.3);
         dem_free(&w);
     }
 }

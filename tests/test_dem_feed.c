@@ -64,10 +64,10 @@ static void list_equals_brute_force(dem_world *w, const char *what) {
     ptrdiff_t near_pairs = 0;
     for (ptrdiff_t i = 0; i < n; i++) {
         for (ptrdiff_t j = i + 1; j < n; j++) {
-            const double gap = closest_gap(w, i, j) - w->engine->pairs.margin;
+            const double gap = closest_gap(w, i, j) - w->engine->pairs.skin;
             near_pairs += gap < 0.0;
             if (fabs(gap) > 1e-12 && (gap < 0.0) != listed[i * n + j])
-                fail_msg("%s: pair %d %d, %g over the margin, is %s", what, (int)i, (int)j, gap,
+                fail_msg("%s: pair %d %d, %g over the skin, is %s", what, (int)i, (int)j, gap,
                          gap < 0.0 ? "missing" : "listed");
         }
     }
