@@ -217,7 +217,7 @@ extern "C" {
 #define DEM__FEW_PAIRS 3
 /* Number of contacts from which on they lie in chunks, contacts of a chunk, and the most chunks, which is also the most
    threads that share contacts. The last block of a chunk is not full: chunks of six blocks would cost one thread 10 %.
-   From 16 chunks on their number is a multiple of 16, so that 16 threads have equal shares. */
+   Their number is a multiple of 16, so that 16 threads have equal shares. */
 #define DEM__CHUNKED 8192
 #define DEM__OF_CHUNK (20 * DEM__BLOCK)
 #define DEM__EQUAL_CHUNKS 16
@@ -2022,7 +2022,7 @@ DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, c
     return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
 }
 
-/* Returns the force of a gas on a particle [N]: drag, pressure gradient, buoyancy; 0 beyond the grid. */
+/* Returns the force of a gas on a particle [N]: drag (NULL: none), pressure gradient, buoyancy; 0 beyond the grid. */
 DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
     const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
     const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
@@ -2033,7 +2033,8 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     const dem_vec slip = dem__sub(dem__gas_speed(gas, &f, &cell, at->position), at->velocity);
     const double porosity = gas->porosity ? dem__gas_value(gas->porosity, &cell, 1, 0) : 1.0;
     const double reynolds = gas->density * porosity * dem__length(slip) * d / gas->viscosity;
-    dem_vec force = dem__scale(RIDDLE_PI / 8.0 * gas->viscosity * d * drag(reynolds, porosity, gas), slip);
+    const double coefficient = drag ? drag(reynolds, porosity, gas) : 0.0;
+    dem_vec force = dem__scale(RIDDLE_PI / 8.0 * gas->viscosity * d * coefficient, slip);
     if (gas->pressure_gradient)
         force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
     return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
@@ -10043,8 +10044,9 @@ static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int h
 /* Returns the number of chunks for n contacts. */
 static inline int dem__chunks_for(ptrdiff_t n) {
     if (n < DEM__CHUNKED) return 1;
-    const ptrdiff_t chunks = n / DEM__OF_CHUNK < DEM__CHUNKS ? n / DEM__OF_CHUNK : DEM__CHUNKS;
-    return (int)(chunks < DEM__EQUAL_CHUNKS ? chunks : chunks - chunks % DEM__EQUAL_CHUNKS);
+    const ptrdiff_t equal = n / (DEM__OF_CHUNK * DEM__EQUAL_CHUNKS);
+    const ptrdiff_t chunks = (equal > 1 ? equal : 1) * DEM__EQUAL_CHUNKS;
+    return chunks < DEM__CHUNKS ? (int)chunks : DEM__CHUNKS;
 }
 
 /* Returns whether contacts lie in the order of ranks, the last rank first. */

@@ -765,7 +765,7 @@ static void test_face_on_face(void **state) {
     assert_int_equal(dem__find_points(&a, &pa, &b, &pb, gap.normal, point), 4);
     for (int k = 0; k < 4; k++) {
         near(point[k].gap, -0.002, 1e-12);
-        near(point[k].weight, 1.0, 1e-12);
+        near(point[k].weight, 1.0 / a.springs, 1e-12);
     }
     for (int way = 0; way < 3; way++) {
         for (int n = -2000; n <= 2000; n++) {

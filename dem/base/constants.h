@@ -31,7 +31,7 @@
 #define DEM__FEW_PAIRS 3
 /* Number of contacts from which on they lie in chunks, contacts of a chunk, and the most chunks, which is also the most
    threads that share contacts. The last block of a chunk is not full: chunks of six blocks would cost one thread 10 %.
-   From 16 chunks on their number is a multiple of 16, so that 16 threads have equal shares. */
+   Their number is a multiple of 16, so that 16 threads have equal shares. */
 #define DEM__CHUNKED 8192
 #define DEM__OF_CHUNK (20 * DEM__BLOCK)
 #define DEM__EQUAL_CHUNKS 16

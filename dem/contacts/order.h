@@ -6,8 +6,9 @@
 /* Returns the number of chunks for n contacts. */
 static inline int dem__chunks_for(ptrdiff_t n) {
     if (n < DEM__CHUNKED) return 1;
-    const ptrdiff_t chunks = n / DEM__OF_CHUNK < DEM__CHUNKS ? n / DEM__OF_CHUNK : DEM__CHUNKS;
-    return (int)(chunks < DEM__EQUAL_CHUNKS ? chunks : chunks - chunks % DEM__EQUAL_CHUNKS);
+    const ptrdiff_t equal = n / (DEM__OF_CHUNK * DEM__EQUAL_CHUNKS);
+    const ptrdiff_t chunks = (equal > 1 ? equal : 1) * DEM__EQUAL_CHUNKS;
+    return chunks < DEM__CHUNKS ? (int)chunks : DEM__CHUNKS;
 }
 
 /* Returns whether contacts lie in the order of ranks, the last rank first. */

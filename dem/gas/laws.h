@@ -173,7 +173,7 @@ DEM_INLINE dem_vec dem__gas_speed(const dem_gas *gas, const dem__gas_frame *f, c
     return gas->velocity ? dem__add(u, dem__gas_vector(gas, f, gas->velocity, cell)) : u;
 }
 
-/* Returns the force of a gas on a particle [N]: drag, pressure gradient, buoyancy; 0 beyond the grid. */
+/* Returns the force of a gas on a particle [N]: drag (NULL: none), pressure gradient, buoyancy; 0 beyond the grid. */
 DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, dem_drag_fn drag) {
     const dem__gas_frame f = dem__gas_frame_at(gas, at->time);
     const double d = 2.0 * at->radius, volume = RIDDLE_PI / 6.0 * d * d * d;
@@ -184,7 +184,8 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     const dem_vec slip = dem__sub(dem__gas_speed(gas, &f, &cell, at->position), at->velocity);
     const double porosity = gas->porosity ? dem__gas_value(gas->porosity, &cell, 1, 0) : 1.0;
     const double reynolds = gas->density * porosity * dem__length(slip) * d / gas->viscosity;
-    dem_vec force = dem__scale(RIDDLE_PI / 8.0 * gas->viscosity * d * drag(reynolds, porosity, gas), slip);
+    const double coefficient = drag ? drag(reynolds, porosity, gas) : 0.0;
+    dem_vec force = dem__scale(RIDDLE_PI / 8.0 * gas->viscosity * d * coefficient, slip);
     if (gas->pressure_gradient)
         force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
     return gas->buoyancy ? dem__plus(force, -gas->density * volume, at->gravity) : force;
