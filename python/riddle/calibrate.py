@@ -415,7 +415,7 @@ def _number(name, entry, key):
 
 def _read(path):
     try:
-        import yaml
+        import yaml  # type: ignore[import]
     except ImportError:
         raise SystemExit("calibrate: PyYAML is missing (Debian: python3-yaml)") from None
     try:
