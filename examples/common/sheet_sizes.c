@@ -395,7 +395,7 @@ static int read_place(reader *r, int row, double (*width)(double), sieve_row *ou
         return 0;
     }
     const char *cell = cell_of(r, row, l->mesh);
-    bool unused;
+    bool unused = false;
     if (strpbrk(cell, "\"/") || strstr(cell, "in")) {
         if (!read_size(cell, &r->marks, 0.0254, true, out, &unused)) return refuse_cell(r, row, l->mesh, "no sieve");
         return 0;
