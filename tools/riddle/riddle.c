@@ -13,6 +13,7 @@
 #include "scene_check.h"
 #include "scene_materials.h"
 #include "scene_same.h"
+#include "scene_shapes.h"
 #include "templates.h"
 
 enum { SCENE_MB = 16 }; /* at most */
@@ -275,6 +276,12 @@ static int hold_folder(const job *j) {
     return refuse(message);
 }
 
+static void tell_fits(job *j) {
+    char line[300];
+    for (int k = 0; k < j->s.def->shapes.n; k++)
+        if (scene_say_fit(&j->s, k, line, sizeof line)) common_print("%s\n", line);
+}
+
 /* What --check says: sizes, what is allowed and yet may be a mistake; 2 where a pair has no contact. */
 static int tell_check(job *j) {
     char line[300];
@@ -282,6 +289,7 @@ static int tell_check(job *j) {
     common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt);
     scene_say_size(&size, line, sizeof line);
     common_print("%s\n%s", line, j->tree.notes);
+    tell_fits(j);
     if (!scene_lacks_contact(&j->s, line, sizeof line)) return 0;
     return tree_fail(&j->tree, NULL, "%s", line), refuse(j->tree.message);
 }
@@ -292,6 +300,7 @@ static void tell_begin(job *j) {
     const scene_size size = scene_estimate(&j->s);
     scene_say_size(&size, line, sizeof line);
     if (size.seconds > 60.0) common_print("%s\n", line);
+    tell_fits(j);
     if (scene_lacks_contact(&j->s, line, sizeof line)) common_print("%s: %s\n", j->file, line);
 }
 
