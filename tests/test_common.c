@@ -436,7 +436,8 @@ static void test_particles_as_others_write_them(void **state) {
     }
 }
 
-/* Arrays of a .vtp file under other names and types: read as they are meant, or refused; never left out without a word. */
+/* Arrays of a .vtp file under other names and types: read as they are meant, or refused; never left out
+   without a word. */
 static void test_vtp_arrays_as_others_write_them(void **state) {
     (void)state;
     double x[] = {0.1, 0.2}, y[] = {0.25, 0.25}, z[] = {0.5, 0.5}, size[] = {5000.0, 5000.0}, radius[] = {2.5, 2.5},

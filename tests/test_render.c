@@ -1,4 +1,5 @@
-/* render.h: spheres and triangles stand where the camera sees them, nothing that is not finite is drawn, files are whole. */
+/* render.h: spheres and triangles stand where the camera sees them, nothing that is not finite is drawn,
+   files are whole. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -114,7 +115,8 @@ static void test_hostile(void **state) {
     picture_look(p, bad);
     picture_title(p, "\x01\xff ~");
     for (int k = 0; k < 20; k++)
-        picture_legend(p, "too many rows of the legend, each too long for the width of the picture that it stands in", red);
+        picture_legend(p, "too many rows of the legend, each too long for the width of the picture that it stands in",
+                       red);
     picture_bar(p, "speed [m/s]", (double)NAN);
     assert_int_equal(picture_draw(p, &rgb[0][0][0]), 0);
     picture_free(p);
@@ -130,7 +132,8 @@ static void test_hostile(void **state) {
 static void test_file(void **state) {
     (void)state;
     char name[300];
-    snprintf(name, sizeof name, "%s/riddle-render.%ld.png", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp", (long)getpid());
+    snprintf(name, sizeof name, "%s/riddle-render.%ld.png", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp",
+             (long)getpid());
     picture *p = picture_new(W, H);
     picture_sphere(p, ahead, 0.5, red);
     const int status = picture_write(p, NULL, name);
