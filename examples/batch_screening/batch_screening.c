@@ -858,6 +858,7 @@ int main(int argc, char **argv) {
         option_double("steps-per-contact", "N", &w.set.dt_ratio, 8.0, 1000.0, "duration of the shortest contact over the time step [-]"),
         option_flag("no-frames", &w.no_frames, "no .vtp series"),
         option_flag("movie", &w.film, "batch_screening.mp4, half as fast as it is, by ffmpeg"),
+        option_size("size", screen_view.size, "of the picture and the movie [pixels]"),
         option_flag("no-energy", &w.no_energy, "no energy ledger"),
         option_flag("all-cases", &w.all_cases, "the 27 cases, --seeds runs each: a file a case, all curves, summary.json"),
         option_flag("vary", &w.vary, "the case and its neighbours in table 3: amplitude, frequency, moisture, one at a time"),

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-typedef enum { OPTION_FLAG, OPTION_INT, OPTION_SEED, OPTION_DOUBLE, OPTION_STRING, OPTION_CHOICE } option_kind;
+typedef enum { OPTION_FLAG, OPTION_INT, OPTION_SEED, OPTION_DOUBLE, OPTION_STRING, OPTION_CHOICE, OPTION_SIZE } option_kind;
 
 /* One option. Made by the functions below; `value` points to the caller's variable, which holds the default before and the answer after. */
 typedef struct option {
@@ -27,6 +27,7 @@ option option_double(const char *name, const char *metavar, double *value, doubl
 option option_positive(const char *name, const char *metavar, double *value, double high, const char *help); /* 0 < value <= high */
 option option_string(const char *name, const char *metavar, const char **value, const char *help);
 option option_choice(const char *name, int *value, const char *choices, const char *help); /* value: index into "first|second|third" */
+option option_size(const char *name, int size[2], const char *help); /* of a picture, WxH, such as 1920x1280: 64 .. 4096 pixels each */
 
 /* What every program has. Strings live as long as argv. */
 typedef struct program {

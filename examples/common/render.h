@@ -35,7 +35,7 @@ picture_colour picture_steel(void);         /* of wires and what is solid */
 picture_colour picture_glass(void);         /* of walls that one looks through */
 
 void picture_look(picture *s, const double direction[3]); /* the camera stands where all is seen when one looks into that direction */
-void picture_title(picture *s, const char *text);         /* at the upper left; letters, digits and . , : - + / = ( ) [ ] % */
+void picture_title(picture *s, const char *text);         /* at the upper left; UTF-8, the letters of letters.h */
 void picture_legend(picture *s, const char *text, picture_colour colour); /* one more row, at most 8 */
 void picture_bar(picture *s, const char *text, double high); /* a scale of colours from 0 to high instead, such as "speed [m/s]" */
 
