@@ -27,7 +27,7 @@ enum {
     FEATURES = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
 };
 
-static const picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}, 0, 0};
+static picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}, {960, 640}};
 
 typedef struct heap {
     /* asked for */
@@ -333,6 +333,7 @@ int main(int argc, char **argv) {
         option_string("stl", "FILE", &stl,
                       "a funnel of your own: mouth up, outlet down, the axis in the middle of its box"),
         option_flag("movie", &film, "angle_of_repose.mp4 of the last heap, by ffmpeg"),
+        option_size("size", view.size, "of the picture and the movie [pixels]"),
         option_positive("stl-scale", "M", &scale, 1e6, "length of the file's unit [m]"),
         option_double("outlet", "X", &outlet, 2.0, 1000.0,
                       "height of the outlet over the plate, in diameters; it rises where the heap grows to it [-]"),

@@ -30,7 +30,7 @@ typedef struct silo {
     int passing;                                      /* spheres that a rate is taken from */
 } silo;
 
-static const picture_def view = {{NULL}, 0, 0.6, {0.25, 1.0, -0.25}, 0, 0};
+static picture_def view = {{NULL}, 0, 0.6, {0.25, 1.0, -0.25}, {960, 640}};
 
 typedef struct discharge {
     double orifice, radius, height;                  /* diameter, radius of the cylinder, fill [m] */
@@ -407,6 +407,7 @@ int main(int argc, char **argv) {
         option_int("spheres", "N", &spheres, 100, 10000000, "dosta: number of spheres, 100 000 in the paper"),
         option_positive("time", "S", &longest, 1e6, "dosta: longest discharge [s]"),
         option_flag("movie", &st.film, "hopper.mp4 of the first two seconds of the first run, half as fast, by ffmpeg"),
+        option_size("size", view.size, "of the picture and the movie [pixels]"),
     };
     program self = program_start("hopper", "Discharge of a silo: Beverloo's law, rate and height of fill.", options,
                                  sizeof options / sizeof *options, argc, argv);

@@ -27,7 +27,7 @@ typedef struct drum {
     double stiffness, restitution, friction, rolling; /* [N/m], [-], [-], lever arm [m] */
 } drum;
 
-static const picture_def view = {{"small", "large"}, SPECIES, 0.0, {0.35, 1.0, -0.18}, 0, 0};
+static picture_def view = {{"small", "large"}, SPECIES, 0.0, {0.35, 1.0, -0.18}, {960, 640}};
 
 typedef struct curves {
     int n;
@@ -354,6 +354,7 @@ int main(int argc, char **argv) {
         option_positive("scale", "X", &scale, 1.0, "dosta: share of the numbers and of the width [-]"),
         option_positive("time", "S", &time, 1e4, "dosta: time that the drum turns, 5 in the paper [s]"),
         option_flag("movie", &film, "rotating_drum.mp4, by ffmpeg"),
+        option_size("size", view.size, "of the picture and the movie [pixels]"),
         option_string(
             "from", "FILE", &from,
             "begin with the spheres of a table, CSV or .vtp (a frame of this program); group 0: the small ones"),

@@ -26,6 +26,7 @@ typedef struct scene {
     double stiffness;   /* of the dry contact [N/m] */
     double restitution; /* dry [-] */
     double volume;      /* of the bridge [m3] */
+    int size[2];        /* of the picture [pixels] */
 } scene;
 
 /* m_i m_j/(m_i + m_j); a plate does not move [kg] */
@@ -395,7 +396,7 @@ static void draw_doublet(const program *self, const scene *s, const bridge_pair 
     bridge_shape shape;
     char text[60];
     if (bridge_young_laplace(&s->def, s->volume, gap, &shape) != BRIDGE_OK) return;
-    picture *p = picture_new(960, 640);
+    picture *p = picture_new(s->size[0], s->size[1]);
     picture_sphere(p, centre, ri, picture_class(4));
     centre[0] = ri + gap + (isinf(rj) ? 0.0 : rj);
     if (!isinf(rj)) picture_sphere(p, centre, rj, picture_class(4));
@@ -413,7 +414,7 @@ static void draw_doublet(const program *self, const scene *s, const bridge_pair 
     put_lathe(p, profile, neck, -1.0);
     meridian(&shape, sigma, shape.ring_j, profile);
     put_lathe(p, profile, neck, 1.0);
-    snprintf(text, sizeof text, "bridge of %.3g mm3, gap %.3g mm", 1e9 * s->volume, 1e3 * gap);
+    snprintf(text, sizeof text, "bridge of %.3g mm\xc2\xb3, gap %.3g mm", 1e9 * s->volume, 1e3 * gap);
     picture_title(p, text);
     picture_look(p, direction);
     picture_write(p, self->out, "wet_pair.png");
@@ -421,7 +422,7 @@ static void draw_doublet(const program *self, const scene *s, const bridge_pair 
 }
 
 int main(int argc, char **argv) {
-    scene s = {bridge_pair_default_def(), 2534.1, 1e5, 0.7808, 1e-10};
+    scene s = {bridge_pair_default_def(), 2534.1, 1e5, 0.7808, 1e-10, {960, 640}};
     double diameter_i = 5.0, diameter_j = 5.0, angle_i = 15.0, angle_j = 15.0, volume_ul = 0.1;
     bool plate = false;
     option options[] = {
@@ -436,6 +437,7 @@ int main(int argc, char **argv) {
         option_double("restitution", "E", &s.restitution, 0.2, 0.999, "dry coefficient of restitution [-]"),
         option_positive("stiffness", "N/M", &s.stiffness, 1e9, "of the dry contact [N/m]"),
         option_positive("density", "KG/M3", &s.density, 1e5, "of the spheres [kg/m3]"),
+        option_size("size", s.size, "of the picture [pixels]"),
     };
     program self =
         program_start("wet_pair", "Two wet spheres, or a sphere and a plate, pulled apart and thrown at each other.",

@@ -175,7 +175,7 @@ void common_print(const char *format, ...) { (void)format; }
 
 int riddle_picture(const dem_world *world, char **names, int n_names, double speed, const double *direction, int width,
                    int height, unsigned char *rgb) {
-    picture_def look = {{NULL}, n_names, speed, {direction[0], direction[1], direction[2]}, width, height};
+    picture_def look = {{NULL}, n_names, speed, {direction[0], direction[1], direction[2]}, {width, height}};
     for (int k = 0; k < n_names; k++) look.names[k] = names[k];
     picture *s = picture_of_world(world, &look);
     const int status = s ? picture_draw(s, rgb) : -1;

@@ -899,6 +899,7 @@ int main(int argc, char **argv) {
                       "duration of the shortest contact over the time step [-]"),
         option_flag("no-frames", &w.no_frames, "no .vtp series"),
         option_flag("movie", &w.film, "batch_screening.mp4, half as fast as it is, by ffmpeg"),
+        option_size("size", screen_view.size, "of the picture and the movie [pixels]"),
         option_flag("no-energy", &w.no_energy, "no energy ledger"),
         option_flag("all-cases", &w.all_cases,
                     "the 27 cases, --seeds runs each: a file a case, all curves, summary.json"),

@@ -466,8 +466,8 @@ typedef struct observer {
     const char *out; /* folder of the series and of the picture; NULL: none */
 } observer;
 
-static const picture_def screen_view = {
-    {"small 5 mm", "near-mesh 7 mm", "large 10 mm"}, CLASSES, 0.0, {0.3, 1.0, -0.75}, 0, 0};
+static picture_def screen_view = {
+    {"small 5 mm", "near-mesh 7 mm", "large 10 mm"}, CLASSES, 0.0, {0.3, 1.0, -0.75}, {960, 640}};
 
 static dem_status add_liquid(wet_scene **wet, dem_world *world, const batch *b, const settings *s, int deck) {
     *wet = malloc(sizeof **wet);

@@ -62,6 +62,12 @@ option option_choice(const char *name, int *value, const char *choices, const ch
     return o;
 }
 
+option option_size(const char *name, int size[2], const char *help) {
+    option o = make(OPTION_SIZE, name, "WxH", size, help);
+    o.low = 64.0, o.high = 4096.0; /* as in picture_new */
+    return o;
+}
+
 /* "a number above 0 and at most 20" */
 static void allowed(const option *o, char *text, size_t size) {
     const char *noun = o->kind == OPTION_DOUBLE ? "a number" : "a whole number";
@@ -69,6 +75,7 @@ static void allowed(const option *o, char *text, size_t size) {
     case OPTION_FLAG: snprintf(text, size, "no value"); return;
     case OPTION_STRING: snprintf(text, size, "a text that is not empty"); return;
     case OPTION_CHOICE: snprintf(text, size, "one of %s", o->choices); return;
+    case OPTION_SIZE: snprintf(text, size, "width x height, such as 1920x1280, each from %.0f to %.0f", o->low, o->high); return;
     case OPTION_SEED: snprintf(text, size, "a whole number from 0 to %llu", (unsigned long long)UINT64_MAX); return;
     case OPTION_INT:
     case OPTION_DOUBLE: break;
@@ -98,6 +105,19 @@ static int choice_index(const char *choices, const char *text) {
 static bool looks_like_number(const char *text, bool fraction) {
     const char *allowed_characters = fraction ? "0123456789+-.eE" : "0123456789+-";
     return *text && text[strspn(text, allowed_characters)] == '\0';
+}
+
+/* "1920x1280" */
+static bool set_size(const option *o, const char *text) {
+    char *end = NULL;
+    int size[2];
+    for (int k = 0; k < 2; k++, text = end + 1) {
+        const long v = *text >= '0' && *text <= '9' ? strtol(text, &end, 10) : -1;
+        if (!((double)v >= o->low && (double)v <= o->high) || *end != (k ? '\0' : 'x')) return false;
+        size[k] = (int)v;
+    }
+    memcpy(o->value, size, sizeof size);
+    return true;
 }
 
 static bool set_value(option *o, const char *text) {
@@ -132,6 +152,7 @@ static bool set_value(option *o, const char *text) {
         if (!*text) return false;
         *(const char **)o->value = text;
         return true;
+    case OPTION_SIZE: return set_size(o, text);
     case OPTION_CHOICE: {
         int index = choice_index(o->choices, text);
         if (index < 0) return false;
@@ -190,6 +211,7 @@ static void print_default(const option *o) {
     case OPTION_FLAG: break;
     case OPTION_INT: printf(" (default %d)", *(int *)o->value); break;
     case OPTION_SEED: printf(" (default %llu)", (unsigned long long)*(uint64_t *)o->value); break;
+    case OPTION_SIZE: printf(" (default %dx%d)", ((int *)o->value)[0], ((int *)o->value)[1]); break;
     case OPTION_DOUBLE: printf(" (default %.10g)", *(double *)o->value); break;
     case OPTION_STRING:
         if (*(const char **)o->value) printf(" (default %s)", *(const char **)o->value);

@@ -5,7 +5,15 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-typedef enum { OPTION_FLAG, OPTION_INT, OPTION_SEED, OPTION_DOUBLE, OPTION_STRING, OPTION_CHOICE } option_kind;
+typedef enum {
+    OPTION_FLAG,
+    OPTION_INT,
+    OPTION_SEED,
+    OPTION_DOUBLE,
+    OPTION_STRING,
+    OPTION_CHOICE,
+    OPTION_SIZE
+} option_kind;
 
 /* One option. Made by the functions below; `value` points to the caller's variable, which holds the default before and
    the answer after. */
@@ -30,6 +38,8 @@ option option_positive(const char *name, const char *metavar, double *value, dou
 option option_string(const char *name, const char *metavar, const char **value, const char *help);
 /* value: index into "first|second|third" */
 option option_choice(const char *name, int *value, const char *choices, const char *help);
+/* Of a picture, WxH, such as 1920x1280: 64 .. 4096 pixels each. */
+option option_size(const char *name, int size[2], const char *help);
 
 /* What every program has. Strings live as long as argv. */
 typedef struct program {

@@ -13,6 +13,7 @@
 #include <png.h>
 #endif
 
+#include "letters.h"
 #include "output.h"
 
 enum { FINE = 2, SHADOW = 2048, CORNER_SAMPLES = 12, LEGEND = 8, NAME = 64 }; /* FINE: points a pixel along each axis */
@@ -469,77 +470,6 @@ static void shade(const canvas *c, const picture *s, sample *to, int x, int y, d
 
 /* ---- letters ---- */
 
-/* Strokes on a grid 4 wide, 6 high (to 8 below the line): pairs of digits x, y; a blank lifts the pen.
-   From ' ' to 'z'. */
-static const char *glyph(char letter) {
-    static const char *const digits[10] = {
-        "103041453616050110",          "112026 1636", "01103041420646",
-        "01103041423323 334445361605", "36300444",    "400003334445361605",
-        "413010010516364544331304",    "004016",      "13020110304142331304051636454433",
-        "051636454130100102133342"};
-    static const char *const large[26] = {"062046 1434",
-                                          "0006 0030414233 0333 3344453606",
-                                          "4130100105163645",
-                                          "0006 003041453606",
-                                          "40000646 0333",
-                                          "400006 0333",
-                                          "41301001051636454323",
-                                          "0006 4046 0343",
-                                          "1030 2026 1636",
-                                          "4045361605",
-                                          "0006 4004 1346",
-                                          "000646",
-                                          "0600234046",
-                                          "06004640",
-                                          "103041453616050110",
-                                          "06003041423303",
-                                          "103041453616050110 2446",
-                                          "06003041423303 2346",
-                                          "413010010213334445361605",
-                                          "0040 2026",
-                                          "000516364540",
-                                          "002640",
-                                          "0016233640",
-                                          "0046 4006",
-                                          "002340 2326",
-                                          "00400646"};
-    static const char *const small[26] = {"4246 4332120305163645",
-                                          "0006 0312324345361605",
-                                          "4332120305163645",
-                                          "4046 4332120305163645",
-                                          "04444332120305163645",
-                                          "40302126 0242",
-                                          "4247381807 4332120305163645",
-                                          "0006 0312324346",
-                                          "2226 2020",
-                                          "222718 2020",
-                                          "0006 4205 1446",
-                                          "2026",
-                                          "0206 03122326 23324346",
-                                          "0206 0312324346",
-                                          "120305163645433212",
-                                          "0208 0312324345361605",
-                                          "4248 4332120305163645",
-                                          "0206 04133242",
-                                          "43321203143445361605",
-                                          "20253646 0242",
-                                          "0205163645 4246",
-                                          "022642",
-                                          "0216243642",
-                                          "0246 4206",
-                                          "0226 4218",
-                                          "02420646"};
-    static const char marks[] = ".,:-+/=()[]%";
-    static const char *const of_mark[] = {"1616",      "1617",     "1313 1616", "0343",
-                                          "0343 2125", "4006",     "0242 0444", "30212536",
-                                          "10212516",  "30202636", "10202616",  "4006 0011 3546"};
-    if (letter >= '0' && letter <= '9') return digits[letter - '0'];
-    if (letter >= 'A' && letter <= 'Z') return large[letter - 'A'];
-    if (letter >= 'a' && letter <= 'z') return small[letter - 'a'];
-    const char *mark = letter ? strchr(marks, letter) : NULL;
-    return mark ? of_mark[mark - marks] : "";
-}
-
 typedef struct image {
     int width, height;
     unsigned char *rgb;
@@ -564,26 +494,21 @@ static void stroke(image *m, double x0, double y0, double x1, double y1, double 
         }
 }
 
-/* x, y: left end of the line that the letters stand on. Returns their width. */
-static double write_text(image *m, double x, double y, double size, const char *text, picture_colour colour,
-                         bool draw) {
-    const double step = size / 6.0;
-    double at = x;
-    for (; *text; text++) {
-        for (const char *g = draw ? glyph(*text) : ""; g[0] && g[1];) {
-            if (g[0] == ' ') {
-                g++;
-                continue;
-            }
-            if (g[2] && g[2] != ' ') {
-                stroke(m, at + step * (g[0] - '0'), y + step * (g[1] - '6'), at + step * (g[2] - '0'),
-                       y + step * (g[3] - '6'), 0.15 * size, colour);
-            }
-            g += 2;
-        }
-        at += *text == ' ' || strchr(".,:il", *text) ? 4.2 * step : 5.8 * step;
-    }
-    return at - x;
+typedef struct pen {
+    image *m;
+    picture_colour colour;
+} pen;
+
+static void put_ink(void *user, int x, int y, double share) {
+    const pen *p = user;
+    blend(p->m, x, y, share, p->colour);
+}
+
+/* x, y: left end of the line that the letters stand on. Size: height of a capital [pixels]. */
+static void write_text(image *m, double x, double y, double size, const char *text, picture_colour colour) {
+    pen p = {m, colour};
+    const letters_target to = {put_ink, &p};
+    letters_draw(&to, x, y, size, text);
 }
 
 static const picture_colour INK = {45, 48, 54};
@@ -602,36 +527,33 @@ static void draw_scale_bar(image *m, const picture *s, double size) {
     char text[40];
     if (length >= 1.0) snprintf(text, sizeof text, "%.0f m", length);
     else if (length >= 1e-3) snprintf(text, sizeof text, "%.0f mm", 1e3 * length);
-    else snprintf(text, sizeof text, "%.3g um", 1e6 * length);
+    else snprintf(text, sizeof text, "%.3g \xC2\xB5m", 1e6 * length);
     stroke(m, x, y, end, y, 0.2 * size, INK);
     stroke(m, x, y - 0.4 * size, x, y + 0.4 * size, 0.15 * size, INK);
     stroke(m, end, y - 0.4 * size, end, y + 0.4 * size, 0.15 * size, INK);
-    write_text(m, 0.5 * (x + end) - 0.5 * write_text(m, 0, 0, size, text, INK, false), y - 0.6 * size, size, text, INK,
-               true);
+    write_text(m, 0.5 * (x + end) - 0.5 * letters_width(text, size), y - 0.7 * size, size, text, INK);
 }
 
 static void draw_legend(image *m, const picture *s, double size) {
     double widest = 0.0;
-    for (int k = 0; k < s->legends; k++) widest = fmax(widest, write_text(m, 0, 0, size, s->legend[k], INK, false));
+    for (int k = 0; k < s->legends; k++) widest = fmax(widest, letters_width(s->legend[k], size));
     for (int k = 0; k < s->legends; k++) {
         const double y = 2.2 * size + 2.0 * size * k, x = m->width - widest - 1.2 * size;
         stroke(m, x - 1.4 * size, y - 0.5 * size, x - 1.4 * size, y - 0.5 * size, 1.3 * size, s->legend_colour[k]);
-        write_text(m, x, y, size, s->legend[k], INK, true);
+        write_text(m, x, y, size, s->legend[k], INK);
     }
     if (!*s->bar) return;
     char text[40];
     snprintf(text, sizeof text, "%.3g", s->bar_high);
-    const double words =
-        write_text(m, 0, 0, size, s->bar, INK, false) + 2.0 * write_text(m, 0, 0, size, text, INK, false);
-    const double length = fmax(0.22 * m->width, words + size), x0 = m->width - length - 1.5 * size, y = 2.4 * size;
+    const double words = letters_width(s->bar, size) + 2.0 * letters_width(text, size);
+    const double length = fmax(0.22 * m->width, words + size), x0 = m->width - length - 1.5 * size,
+                 y = (2.4 + 2.0 * s->legends) * size;
     for (int k = 0; k < 100; k++)
         stroke(m, x0 + length * k / 100.0, y, x0 + length * (k + 1) / 100.0, y, 0.7 * size,
                picture_scale((k + 0.5) / 100.0));
-    write_text(m, x0 - 0.3 * size, y + 2.0 * size, size, "0", INK, true);
-    write_text(m, x0 + length - 0.7 * write_text(m, 0, 0, size, text, INK, false), y + 2.0 * size, size, text, INK,
-               true);
-    write_text(m, x0 + 0.5 * length - 0.5 * write_text(m, 0, 0, size, s->bar, INK, false), y + 2.0 * size, size, s->bar,
-               INK, true);
+    write_text(m, x0 - 0.3 * size, y + 2.0 * size, size, "0", INK);
+    write_text(m, x0 + length - 0.7 * letters_width(text, size), y + 2.0 * size, size, text, INK);
+    write_text(m, x0 + 0.5 * length - 0.5 * letters_width(s->bar, size), y + 2.0 * size, size, s->bar, INK);
 }
 
 /* ---- the picture ---- */
@@ -689,7 +611,7 @@ int picture_draw(picture *s, unsigned char *rgb) {
         average(&c, &m);
         draw_scale_bar(&m, s, size);
         draw_legend(&m, s, size);
-        write_text(&m, 1.5 * size, 2.2 * size, size, s->title, INK, true);
+        write_text(&m, 1.5 * size, 2.2 * size, size, s->title, INK);
     }
     const bool drawn = c.at && c.shadow;
     free(c.at);
@@ -795,9 +717,8 @@ void movie_add(movie *m, picture *s) {
         quoted(m->temporary, file, sizeof file);
         m->width = s->width, m->height = s->height;
         snprintf(command, sizeof command,
-                 "ffmpeg -y -loglevel error -f rawvideo -pix_fmt rgb24 -s %dx%d -r %d -i - -an -pix_fmt yuv420p "
-                 "-movflags +faststart '%s' "
-                 "</dev/stdin",
+                 "ffmpeg -y -loglevel error -f rawvideo -pix_fmt rgb24 -s %dx%d -r %d -i - -an "
+                 "-vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2:0:0:white' -pix_fmt yuv420p -movflags +faststart '%s' </dev/stdin",
                  s->width, s->height, m->rate, file);
         m->pipe = popen(command, "w");
     }

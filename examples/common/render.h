@@ -41,8 +41,7 @@ picture_colour picture_glass(void);         /* of walls that one looks through *
 
 /* The camera stands where all is seen when one looks into that direction. */
 void picture_look(picture *s, const double direction[3]);
-/* At the upper left; letters, digits and . , : - + / = ( ) [ ] %. */
-void picture_title(picture *s, const char *text);
+void picture_title(picture *s, const char *text);         /* at the upper left; UTF-8, the letters of letters.h */
 void picture_legend(picture *s, const char *text, picture_colour colour); /* one more row, at most 8 */
 /* a scale of colours from 0 to high instead, such as "speed [m/s]" */
 void picture_bar(picture *s, const char *text, double high);

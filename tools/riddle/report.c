@@ -80,7 +80,7 @@ static int check_curves(report *r) {
                                    "curves: %d panels; allowed are at most 6", panels);
 }
 
-report *report_open(scene *s, const char *folder) {
+report *report_open(scene *s, const char *folder, const int size[2]) {
     const scene_def *def = s->def;
     report *r = tree_memory(s->file, sizeof *r);
     if (!r) return NULL;
@@ -88,6 +88,7 @@ report *report_open(scene *s, const char *folder) {
     r->loads = load_maps_open(s);
     if (!r->loads || rows_open(&r->rows, s) || check_stops(r) || check_curves(r)) return NULL;
     r->look.speed = def->output.colour == 1 ? def->output.top_speed : 0.0;
+    memcpy(r->look.size, size, sizeof r->look.size);
     memcpy(r->look.direction, def->output.view, sizeof r->look.direction);
     for (int g = 0; g < s->groups && g < 8; g++) r->look.names[r->look.n_names++] = s->group[g].name;
     return r;

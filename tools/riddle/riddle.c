@@ -26,6 +26,7 @@ typedef struct job {
     const char *file;
     program self;
     bool again, check;
+    int size[2]; /* of pictures [pixels] */
     char **set; /* [sets] "key=value" */
     int sets;
     bool halfway; /* stopped while feeds looked for places, or failed: not a state to go on from */
@@ -116,7 +117,7 @@ static int read_scene(job *j, bool seed_given) {
     if (j->self.quick) j->def.duration *= 0.1;
     if (scene_make(&j->s, &j->def, &j->tree, seed_given ? j->self.seed : (uint64_t)j->def.seed, j->self.threads))
         return refuse(j->tree.message);
-    j->r = report_open(&j->s, j->self.out);
+    j->r = report_open(&j->s, j->self.out, j->size);
     j->keys = scene_keys(&j->s);
     return j->r && j->keys ? 0 : refuse(j->tree.message);
 }
@@ -327,7 +328,7 @@ static bool word_given(int argc, char **argv, const char *name) {
 
 /* The place of the scene's file among the words behind "run", before or after the options; 0: there is none. */
 static int place_of_file(int argc, char **argv) {
-    static const char *const valued[] = {"--out", "--threads", "--seed", "--json", "--template", "--set"};
+    static const char *const valued[] = {"--out", "--threads", "--seed", "--json", "--template", "--set", "--size"};
     for (int k = 2; k < argc; k++) {
         bool takes = false;
         for (size_t v = 0; v < sizeof valued / sizeof *valued; v++) takes |= strcmp(argv[k], valued[v]) == 0;
@@ -360,6 +361,7 @@ static int rest_of(job *j, int argc, char **argv, int place, char *out, size_t s
 
 int main(int argc, char **argv) {
     static job j;
+    j.size[0] = 960, j.size[1] = 640;
     j.saved = (double)NAN;
     char out[600];
     const char *pattern = NULL, *set = NULL;
@@ -371,6 +373,7 @@ int main(int argc, char **argv) {
         option_string("set", "KEY=VALUE", &set,
                       "another value than the file's: materials.glass.density=2600, feeds[1].rate='2 t/h', "
                       "contacts.glass-steel.friction=0.4; may be given often; @FILE: of each line of a file"),
+        option_size("size", j.size, "of scene.png and the movie [pixels]"),
         option_string("template", "NAME", &pattern,
                       "write NAME.yaml, to begin with: hopper, screen, drum, box or shapes"),
     };
