@@ -174,7 +174,8 @@ static void test_letters_have_their_size(void **state) {
 
 static void test_letters_of_the_signs(void **state) {
     (void)state;
-    static const char *const signs[] = {"\xc2\xb1", "\xc2\xb5", "\xc2\xb0", "\xc2\xb2", "\xc2\xb3", "\xce\xbc", "\xe2\x89\xa4", "\xe2\x88\x92"};
+    static const char *const signs[] = {"\xc2\xb1", "\xc2\xb5", "\xc2\xb0",     "\xc2\xb2",
+                                        "\xc2\xb3", "\xce\xbc", "\xe2\x89\xa4", "\xe2\x88\x92"};
     double w, none;
     const double space = letters_width(" ", 20.0);
     for (size_t k = 0; k < sizeof signs / sizeof *signs; k++) assert_true(inked(signs[k], 20.0, 100.0, 20.0, &w) > 5.0);
@@ -184,7 +185,8 @@ static void test_letters_of_the_signs(void **state) {
     }
     assert_true(inked("a", 20.0, 100.0, 20.0, &w) < inked("\xc3\xa4", 20.0, 100.0, 20.0, &none)); /* with its dots */
     assert_true(fabs(w - none) < 1e-12);
-    static const char *const odd[] = {"\xe2\x82", "\xff", "\x80", "\xc3", "\xf0\x9f\x92\xa9", "\xe4\xb8\xad"}; /* damaged; not in the font */
+    /* Damaged; not in the font. */
+    static const char *const odd[] = {"\xe2\x82", "\xff", "\x80", "\xc3", "\xf0\x9f\x92\xa9", "\xe4\xb8\xad"};
     for (size_t k = 0; k < sizeof odd / sizeof *odd; k++) {
         assert_true(inked(odd[k], 20.0, 100.0, 20.0, &none) == 0.0);
         assert_true(none >= 0.999 * space && none <= 2.001 * space);

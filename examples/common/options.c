@@ -75,7 +75,9 @@ static void allowed(const option *o, char *text, size_t size) {
     case OPTION_FLAG: snprintf(text, size, "no value"); return;
     case OPTION_STRING: snprintf(text, size, "a text that is not empty"); return;
     case OPTION_CHOICE: snprintf(text, size, "one of %s", o->choices); return;
-    case OPTION_SIZE: snprintf(text, size, "width x height, such as 1920x1280, each from %.0f to %.0f", o->low, o->high); return;
+    case OPTION_SIZE:
+        snprintf(text, size, "width x height, such as 1920x1280, each from %.0f to %.0f", o->low, o->high);
+        return;
     case OPTION_SEED: snprintf(text, size, "a whole number from 0 to %llu", (unsigned long long)UINT64_MAX); return;
     case OPTION_INT:
     case OPTION_DOUBLE: break;

@@ -502,7 +502,9 @@ static const scene_field output_fields[] = {
      "`passed.csv`: a row for each particle that has passed an exit: time, exit, class, diameter, mass, residence "
      "time"},
 };
-SECTION(output, output_def, "output", "`scene.png` and `curves.svg` are always written; `--size 1920x1280` sets the size of the picture and of the movie.");
+SECTION(output, output_def, "output",
+        "`scene.png` and `curves.svg` are always written; `--size 1920x1280` sets the size of the picture and of the "
+        "movie.");
 static const scene_field stop_fields[] = {
     TEXT(stop_def, column, MUST, "any column of `measured.csv`"),
     ONE_NUMBER(stop_def, below, FIELD_NUMBER, UNIT_NONE, ANY, 1, "stop when it is below this"),
