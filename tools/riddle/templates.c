@@ -91,8 +91,7 @@ static const char *const drum[] = {
 
 static const char *const hopper[] = {
     "# A hopper that is filled and then opened. Run: riddle run hopper.yaml\n",
-    "# Every key with its unit, range and default: docs/scene_files.md. Bare numbers are SI; angles and speeds of "
-    "rotation name their unit.\n",
+    "# Every key with its unit, range and default: docs/scene_files.md. Bare numbers are SI; angles and speeds of rotation name their unit.\n",
     "title: Hopper\n",
     "duration: 2 s\n",
     "\n",
@@ -100,8 +99,7 @@ static const char *const hopper[] = {
     "  glass: {density: 2500 kg/m3}\n",
     "  steel: {density: 7850 kg/m3}\n",
     "\n",
-    "contacts: # soft, to run in seconds: overlaps reach 7 % of a diameter (largest_overlap in measured.csv); below 1 "
-    "% is better\n",
+    "contacts: # soft, to run in seconds: overlaps reach 7 % of a diameter (largest_overlap in measured.csv); below 1 % is better\n",
     "  - {between: [glass, glass], stiffness: 1000 N/m, restitution: 0.7, friction: 0.4}\n",
     "  - {between: [glass, steel], stiffness: 1000 N/m, restitution: 0.6, friction: 0.3}\n",
     "\n",
@@ -229,8 +227,7 @@ static const char *const shapes[] = {
     "  back: {material: steel, plane: {point: [0, 30 mm, 0], normal: [0, -1, 0]}, rotate: *turn}\n",
     "\n",
     "feeds:\n",
-    "  - {material: wood, shape: rod, count: 24, region: &space {box: {low: [-50 mm, -30 mm, -50 mm], high: [50 mm, 30 "
-    "mm, 58 mm]}}}\n",
+    "  - {material: wood, shape: rod, count: 24, region: &space {box: {low: [-50 mm, -30 mm, -50 mm], high: [50 mm, 30 mm, 58 mm]}}}\n",
     "  - {material: wood, shape: brick, count: 16, region: *space}\n",
     "  - material: wood\n",
     "    shape: wedge\n",
@@ -249,5 +246,4 @@ static const char *const shapes[] = {
     "  view: [0.25, 1, -0.15]\n",
     0};
 
-const scene_template templates[] = {{"box", box},       {"drum", drum},     {"hopper", hopper},
-                                    {"screen", screen}, {"shapes", shapes}, {0, 0}};
+const scene_template templates[] = {{"box", box}, {"drum", drum}, {"hopper", hopper}, {"screen", screen}, {"shapes", shapes}, {0, 0}};
