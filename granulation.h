@@ -591,16 +591,18 @@ static inline double granulation_sum_kernel(const granulation_granule *i, const 
 /* u v */
 static inline double granulation_product_kernel(const granulation_granule *i, const granulation_granule *j,
                                                 const void *data);
+/* (u^1/3 + v^1/3)^3 */
 static inline double granulation_shear_kernel(const granulation_granule *i, const granulation_granule *j,
-                                              const void *data); /* (u^1/3 + v^1/3)^3 */
+                                              const void *data);
 /* Equipartition of kinetic energy, Hounslow (1998): (u^1/3 + v^1/3)^2 (1/u + 1/v)^1/2 */
 static inline double granulation_eke_kernel(const granulation_granule *i, const granulation_granule *j,
                                             const void *data);
 /* Brownian: (u^1/3 + v^1/3)(u^-1/3 + v^-1/3) */
 static inline double granulation_brownian_kernel(const granulation_granule *i, const granulation_granule *j,
                                                  const void *data);
+/* (u + v)^a / (u v)^b */
 static inline double granulation_kapur_kernel(const granulation_granule *i, const granulation_granule *j,
-                                              const void *data); /* (u + v)^a / (u v)^b */
+                                              const void *data);
 /* Hard spheres at one relative speed: (pi / 4) (D1 + D2)^2 speed [m3/s] */
 static inline double granulation_collision_kernel(const granulation_granule *i, const granulation_granule *j,
                                                   const void *data);
