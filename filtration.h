@@ -734,7 +734,7 @@ FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, i
 /* Sets tau, and with it the time step, and rescales the flow: velocity, pressure and stress keep their SI values.
    Adopts changes of bulk_ratio and magic that the caller has made in fluid->def. */
 FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *fluid, double tau);
-/* [N/m3] */
+/* Sets the force on the fluid [N/m3], or a face's pressure [Pa] or velocity [m/s]. */
 FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_fluid *fluid, const double force[3]);
 FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure);
 FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face,
