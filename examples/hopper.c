@@ -1,10 +1,10 @@
 /* hopper - discharge of a silo at constant fill height, compared with Beverloo's law.
 
-   Spheres fall into a cylinder whose orifice is closed, and come to rest. Then it opens. Spheres that leave are counted and fed again at
-   the top, so that the rate is steady. Silos of one shape (width and fill height over the diameter D of the orifice) and several sizes
-   give the exponent n of W ~ (D - k d)^n (Beverloo, Leniger & van de Velde 1961: n = 2.5, k about 1.4); others differ in the fill height
-   only. --scene dosta: the silo of Dosta et al. (2024) with its Hertz-Mindlin parameters and --spheres of its 100 000 spheres, until it is
-   empty or for --time.
+   Spheres fall into a cylinder whose orifice is closed, and come to rest. Then it opens. Spheres that leave are counted
+   and fed again at the top, so that the rate is steady. Silos of one shape (width and fill height over the diameter D
+   of the orifice) and several sizes give the exponent n of W ~ (D - k d)^n (Beverloo, Leniger & van de Velde 1961:
+   n = 2.5, k about 1.4); others differ in the fill height only. --scene dosta: the silo of Dosta et al. (2024) with its
+   Hertz-Mindlin parameters and --spheres of its 100 000 spheres, until it is empty or for --time.
    For your own hopper: the options, and the materials and walls in build(). */
 #include <math.h>
 #include <stdio.h>
@@ -30,7 +30,7 @@ typedef struct silo {
     int passing;                                      /* spheres that a rate is taken from */
 } silo;
 
-static const picture_def view = {{NULL}, 0, 0.6, {0.25, 1.0, -0.25}, 0, 0};
+static picture_def view = {{NULL}, 0, 0.6, {0.25, 1.0, -0.25}, {960, 640}};
 
 typedef struct discharge {
     double orifice, radius, height;                  /* diameter, radius of the cylinder, fill [m] */
@@ -249,7 +249,8 @@ static double logarithms(int n, const double *width, const double *rate, double 
 enum { EXPONENT, FREE_EXPONENT, FREE_K, K, CONSTANT, LOG_SCALE, ANSWERS };
 typedef struct beverloo {
     double answer
-        [ANSWERS]; /* n at the k that is given; n and k, both free; k and C, n = 2.5; log of W where D = (k + 1) d, at the given k */
+        [ANSWERS]; /* n at the k that is given; n and k, both free; k and C, n = 2.5; log of W where D = (k + 1) d,
+                      at the given k */
     double error[ANSWERS]; /* standard errors of them, from those of the rates */
 } beverloo;
 
@@ -406,6 +407,7 @@ int main(int argc, char **argv) {
         option_int("spheres", "N", &spheres, 100, 10000000, "dosta: number of spheres, 100 000 in the paper"),
         option_positive("time", "S", &longest, 1e6, "dosta: longest discharge [s]"),
         option_flag("movie", &st.film, "hopper.mp4 of the first two seconds of the first run, half as fast, by ffmpeg"),
+        option_size("size", view.size, "of the picture and the movie [pixels]"),
     };
     program self = program_start("hopper", "Discharge of a silo: Beverloo's law, rate and height of fill.", options,
                                  sizeof options / sizeof *options, argc, argv);

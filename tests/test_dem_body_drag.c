@@ -35,7 +35,8 @@ static void add_shape(dem_world *w, const dem_convex *shape, dem_vec x, const do
     assert_int_equal(dem_add_convex(w, number, 1, at, turn, 0, 0), DEM_OK);
 }
 
-/* A cube: the sphere's circle over its face, its corner view, and (3 - 4/pi) faces; however it lies, is sized or rounded. */
+/* A cube: the sphere's circle over its face, its corner view, and (3 - 4/pi) faces; however it lies, is sized or
+   rounded. */
 static void cube(void **state) {
     (void)state;
     const double circle = RIDDLE_PI / 4.0 * pow(6.0 / RIDDLE_PI, 2.0 / 3.0), tilt = sqrt(0.5);
@@ -200,7 +201,8 @@ DEM_INLINE double mine(double reynolds, double porosity, const dem_gas *gas) {
 }
 DEM_GAS(my_drag, mine)
 
-/* The force on a cube, a disc and two balls, from slow to fast, on the face and on the edge; by sphericity; shared; a user's law. */
+/* The force on a cube, a disc and two balls, from slow to fast, on the face and on the edge; by sphericity; shared;
+   a user's law. */
 static void forces(void **state) {
     (void)state;
     const double two[6] = {0, 0, -0.5, 0, 0, 0.5}, ones[2] = {1, 1}, d = 1e-3;
@@ -262,8 +264,8 @@ static void add_crowd(dem_world *w, int backwards) {
     }
 }
 
-/* Threads, pieces of a run, a save, and the order in which bodies came change no bit; small steps of flight change little, and the work of
-   the field is what the bodies lose. */
+/* Threads, pieces of a run, a save, and the order in which bodies came change no bit; small steps of flight change
+   little, and the work of the field is what the bodies lose. */
 static void same_bits(void **state) {
     (void)state;
     dem_vec x[7][40];

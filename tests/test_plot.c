@@ -1,4 +1,5 @@
-/* The SVG figures: data stand where the axes say, the text is well-formed whatever the data are, the legend keeps off the data. */
+/* The SVG figures: data stand where the axes say, the text is well-formed whatever the data are, the legend keeps
+   off the data. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -42,7 +43,8 @@ static void expect_well_formed(const char *text) {
     char stack[20][16];
     int depth = 0;
     for (const char *c = text; *c; c++) {
-        if (*c == '&') assert_true(strncmp(c, "&amp;", 5) == 0 || strncmp(c, "&lt;", 4) == 0 || strncmp(c, "&gt;", 4) == 0);
+        if (*c == '&')
+            assert_true(strncmp(c, "&amp;", 5) == 0 || strncmp(c, "&lt;", 4) == 0 || strncmp(c, "&gt;", 4) == 0);
         if (*c != '<') continue;
         const char *end = strchr(c, '>');
         assert_non_null(end);
@@ -70,7 +72,8 @@ static void frame(const char *text, double box[4]) {
     const char *at = strstr(text, "class=\"frame\"");
     assert_non_null(at);
     while (at > text && *at != '<') at--;
-    assert_int_equal(sscanf(at, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\" height=\"%lf\"", &box[0], &box[1], &box[2], &box[3]), 4);
+    assert_int_equal(
+        sscanf(at, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\" height=\"%lf\"", &box[0], &box[1], &box[2], &box[3]), 4);
 }
 
 static bool has_tick(const char *text, const char *label) {
@@ -220,8 +223,8 @@ static void test_wrong_calls(void **state) {
     assert_int_not_equal(riddle_plot_write(riddle_plot_new("x", 1, 1), "/dev/null", "x.svg"), 0);
 }
 
-/* A heat map of classes has their names, and no number, beside its colours; the label of a vertical line that has no room on either side
-   stands along it. */
+/* A heat map of classes has their names, and no number, beside its colours; the label of a vertical line that has no
+   room on either side stands along it. */
 static void test_classes_and_long_labels(void **state) {
     (void)state;
     const double values[4] = {0.0, 1.0, 2.0, 1.0};
@@ -255,7 +258,8 @@ static bool legend_box(const char *text, double box[4]) {
     const char *at = strstr(text, "rx=\"4\"");
     if (!at) return false;
     while (at > text && *at != '<') at--;
-    return sscanf(at, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\" height=\"%lf\"", &box[0], &box[1], &box[2], &box[3]) == 4;
+    return sscanf(at, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\" height=\"%lf\"", &box[0], &box[1], &box[2], &box[3]) ==
+           4;
 }
 
 static void test_legend_keeps_off_the_data(void **state) {
@@ -318,7 +322,8 @@ static void test_text_stays_in_its_panel(void **state) {
     char *svg = drawn(p);
     const double begin = text_x(svg, ">begin<"), middle = text_x(svg, ">middle<"), end = text_x(svg, ">I<");
     assert_true(end > middle && 2.0 * (middle - begin) > end - begin && 2.0 * (middle - begin) < end - begin + 30.0);
-    const double one = text_x(svg, ">a text of forty letters, which"), two = text_x(svg, ">a text of forty letters, at");
+    const double one = text_x(svg, ">a text of forty letters, which"),
+                 two = text_x(svg, ">a text of forty letters, at");
     assert_true(one > begin && one + 40.0 * 14.0 * 0.35 < end);
     assert_true(two > begin && two + 40.0 * 14.0 * 0.35 < end);
     free(svg);
@@ -343,7 +348,8 @@ static void test_discs_are_to_scale(void **state) {
         at = strstr(at + 1, "<circle");
         assert_non_null(at);
         assert_int_equal(sscanf(at, "<circle cx=\"%lf\" cy=\"%lf\" r=\"%lf\"", &cx, &cy, &radius), 3);
-        assert_true(fabs(cx - box[0] - box[2] * (x[i] + 2.0) / 4.0) < 0.1 && fabs(cy - box[1] - box[3] * (2.0 - y[i]) / 4.0) < 0.1);
+        assert_true(fabs(cx - box[0] - box[2] * (x[i] + 2.0) / 4.0) < 0.1 &&
+                    fabs(cy - box[1] - box[3] * (2.0 - y[i]) / 4.0) < 0.1);
         assert_true(fabs(radius - 100.0 * r[i]) < 0.1);
     }
     free(text);
