@@ -9,7 +9,8 @@
        picture_free(s);
 
    A movie: movie *m = movie_open(folder, "drum.mp4", 25); then for each frame picture_clear(s), spheres and triangles again, movie_add(m, s);
-   and movie_close(m). By ffmpeg; without it the movie is left out, and that is said. Functions take the NULL that others return. */
+   and movie_close(m). By ffmpeg; without it the movie is left out, and that is said. A name that ends in .png makes an animated PNG instead, by libpng, of 255
+   colours: for a page. Functions take the NULL that others return. */
 #ifndef RIDDLE_RENDER_H
 #define RIDDLE_RENDER_H
 
