@@ -21,34 +21,39 @@
            return status != DEM_OK;
        }
 
-   Models    linear spring-dashpot, naive or clipped restitution (Schwager & Poeschel 2007); Hertz-Mindlin with damping from the
-             coefficient of restitution (Tsuji et al. 1992); tangential spring with Coulomb limit (Cundall & Strack 1979); rolling
-             resistance with a lever arm in metres, relative and capped. A law of your own: dem_law and DEM_KERNEL below.
-   Bodies    spheres, clumps of them (dem_add_clumps, docs/dem_bodies.md), and convex polyhedra with rounded edges (dem_add_convex,
-             docs/dem_convex.md).
-   Walls     plane, cylinder, wire screen, cone, disc, sphere, box, triangle mesh (STL); each at rest, vibrating, turning,
-             moving, prescribed or driven by a force or torque. A wall supplies geometry (normal, gap, surface velocity,
-             inverse mass 0); everything after that is the pair's kernel.
-   Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
-             Velocity Verlet with the dashpot's velocity predicted and the first and last step of a contact resolved in time: second
-             order in dt with damping, third for the restitution of a linear contact.
+   Models    linear spring-dashpot, naive or clipped restitution (Schwager & Poeschel 2007); Hertz-Mindlin with damping
+             from the coefficient of restitution (Tsuji et al. 1992); tangential spring with Coulomb limit (Cundall &
+             Strack 1979); rolling resistance with a lever arm in metres, relative and capped. A law of your own:
+             dem_law and DEM_KERNEL below.
+   Bodies    spheres, clumps of them (dem_add_clumps, docs/dem_bodies.md), and convex polyhedra with rounded edges
+             (dem_add_convex, docs/dem_convex.md).
+   Walls     plane, cylinder, wire screen, cone, disc, sphere, box, triangle mesh (STL); each at rest, vibrating,
+             turning, moving, prescribed or driven by a force or torque. A wall supplies geometry (normal, gap, surface
+             velocity, inverse mass 0); everything after that is the pair's kernel.
+   Time      A particle is on a parabola from the step at which its last force ended; only particles that touch
+             something take steps. Velocity Verlet with the dashpot's velocity predicted and the first and last step of
+             a contact resolved in time: second order in dt with damping, third for the restitution of a linear contact.
              A pair is not tested before it can touch. Results do not depend on what is skipped, bit for bit.
    Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
-   Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
+   Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const
+   world.
    Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 560 bytes a
-             sphere and 12 more for every wall, 40 a near pair, 340 a contact with friction (64 more with a ledger), room for at least
-             64 to 1024 of each and 6 near pairs a sphere, and half as much again for growing. Running out gives DEM_OUT_OF_MEMORY and
-             a world that can be read, saved and freed.
-   Threads   def.threads with OpenMP (no more than there are processors) or a pool of the host's, else one; fewer where a loop has little
-             work or another program takes the cores. Same bits for any number. Worlds are independent of each other; several threads may
-             read one.
-   Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
-   Flags     -O2 is enough: with gcc the functions here bring their own options (#pragma GCC optimize, undone at the end), and with gcc
-             and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
-   Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file; laws of yours stand there.
-   Fields    a force on every particle, in flight by steps of its own, by a law of yours (DEM_FORCE_FIELD); drag in a gas, at rest or on a
-             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld; with a porosity Di Felice,
-             Gidaspow, Beetstra, Koch & Hill.
+             sphere and 12 more for every wall, 40 a near pair, 340 a contact with friction (64 more with a ledger),
+             room for at least 64 to 1024 of each and 6 near pairs a sphere, and half as much again for growing. Running
+             out gives DEM_OUT_OF_MEMORY and a world that can be read, saved and freed.
+   Threads   def.threads with OpenMP (no more than there are processors) or a pool of the host's, else one; fewer where
+             a loop has little work or another program takes the cores. Same bits for any number. Worlds are independent
+             of each other; several threads may read one.
+   Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off;
+             dem_build_is_deterministic().
+   Flags     -O2 is enough: with gcc the functions here bring their own options (#pragma GCC optimize, undone at the
+             end), and with gcc and clang sqrt in a file that includes this does not set errno. A law of yours takes
+             part if declared DEM_INLINE.
+   Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file; laws of yours
+             stand there.
+   Fields    a force on every particle, in flight by steps of its own, by a law of yours (DEM_FORCE_FIELD); drag in a
+             gas, at rest or on a Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer &
+             Sommerfeld; with a porosity Di Felice, Gidaspow, Beetstra, Koch & Hill.
    Not here  the flow of fluids, heat, files, printing. */
 #ifndef DEM_H
 #define DEM_H
@@ -168,8 +173,8 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
     DEM__FAST DEM__STATIC void name parameters { call; }
 #endif
-/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built with. Clang fuses
-   only if told to by -ffp-contract=fast. With the address sanitizer the command line decides. */
+/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built
+   with. Clang fuses only if told to by -ffp-contract=fast. With the address sanitizer the command line decides. */
 #if defined(__clang__)
 #pragma float_control(push)
 #pragma clang fp contract(off)
@@ -1475,9 +1480,9 @@ typedef struct dem__tree {
 } dem__tree;
 
 /* ------------------------------------------------------------------------------------------ >>base/portable_math.h */
-/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
-   stated; NaN outside the domain. */
+/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ.
+   Identical in every Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the
+   copies). Within 5 ulp unless stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
 #define RIDDLE_PORTABLE_MATH
@@ -1541,7 +1546,9 @@ static inline double riddle_log(double x) {
     return e * RIDDLE_LN2_HI + (riddle__log1p_small(m - 1.0) + e * RIDDLE_LN2_LO);
 }
 
-static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
+static inline double riddle_log1p(double x) {
+    return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x);
+}
 
 /* Returns x^y for x >= 0; relative error about (2 + |y log x|) ulp. */
 static inline double riddle_pow(double x, double y) {
@@ -2238,8 +2245,8 @@ typedef struct dem__convex_point {
                            ends */
     int32_t taken;      /* a contact uses it */
     dem_vec normal, at; /* from b to a; [m] */
-    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1, over the
-                           springs of its body; later its part of the pair's law */
+    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1, over
+                           the springs of its body; later its part of the pair's law */
     double count;       /* for a corner 1, for a crossing what its ends leave, for an end 0; over the springs of its
                            body */
     double pull;        /* its part of the pair's pull, over the force of its spring */
@@ -8809,7 +8816,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         contacts->type_count += same == contacts->type_count;
         return;
     }
-    contacts->type_count = DEM__TYPES_MAX + 1; /* from here on each has its own: a search would cost more than it saves */
+    /* from here on each has its own: a search would cost more than it saves */
+    contacts->type_count = DEM__TYPES_MAX + 1;
     contacts->type[c] = -1;
     for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
     contacts->mass[c] = kind.mass;
@@ -13907,8 +13915,9 @@ typedef struct dem__zone {
 static inline void dem__add_zone(dem__exposed *e, const dem__zone *z, int m, const dem__cover *cap) {
     static const double node[8] = {0.095012509837637441, 0.28160355077925892, 0.45801677765722737, 0.61787624440264377,
                                    0.755404408355003,    0.86563120238783176, 0.9445750230732326,  0.98940093499164994};
-    static const double part[8] = {0.18945061045506847, 0.18260341504492361,  0.16915651939500256,  0.14959598881657682,
-                                   0.12462897125553395, 0.095158511682492897, 0.062253523938647776, 0.027152459411754058};
+    static const double part[8] = {0.18945061045506847,  0.18260341504492361, 0.16915651939500256,
+                                   0.14959598881657682,  0.12462897125553395, 0.095158511682492897,
+                                   0.062253523938647776, 0.027152459411754058};
     const double half = 0.25 * RIDDLE_PI * (z->to - z->from), middle = 0.25 * RIDDLE_PI * (z->to + z->from);
     for (int g = 0; g < 16; g++) {
         const double s = middle + half * (g < 8 ? -node[7 - g] : node[g - 8]);
@@ -17822,8 +17831,8 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
     return dem__from_near_faces(s, p, HUGE_VAL, n);
 }
 
-/* Returns the signed distance of a point, given in the frame of a core, from the core. n: the direction away from it, in
-   the world. Beyond `enough`, returns any larger value. */
+/* Returns the signed distance of a point, given in the frame of a core, from the core. n: the direction away from it,
+   in the world. Beyond `enough`, returns any larger value. */
 DEM_INLINE double dem__from_core_in(const dem_convex *s, const dem__placed *place, dem_vec x, double enough,
                                     dem_vec *n) {
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);
@@ -18846,10 +18855,10 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/share.h */
-/* How the points of a pair share its law: a face that lands flat has the spring and the dashpot of the pair, however many
-   corners it is drawn with. Reads a pair's points and bodies; writes their parts and what the springs of the pair exert
-   beyond them. Promises: springs are the gradient of a potential (of a linear law and of Hertz's); a point that begins or
-   ends changes no force by a jump.
+/* How the points of a pair share its law: a face that lands flat has the spring and the dashpot of the pair, however
+   many corners it is drawn with. Reads a pair's points and bodies; writes their parts and what the springs of the pair
+   exert beyond them. Promises: springs are the gradient of a potential (of a linear law and of Hertz's); a point that
+   begins or ends changes no force by a jump.
 
    A point has the part w = 1/n of the spring, where n is the greatest number of corners of a face of its body
    (dem_convex.springs), and l what the ends of edges leave of it (1 for a corner). With D its overlap and t = D^2, the
@@ -18857,10 +18866,10 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
 
        U = (k/p) sum w l D^p / N(c),     c = (sum w l t)^2 / sum w l t^2,     p = 2, Hertz 5/2.
 
-   c is the stiffness over k if all points are as deep as each other. N is 1 up to 2, which two equal faces on each other
-   have, and c/2 from 2.5 on: a tile that lies on a hundred wires is no stiffer than 2 k. Up to there nothing but the sum
-   of springs acts. It must be a sum: a body tips when the load is over its edge, and if an edge were as stiff as a face,
-   points about to part would have to pull for it.
+   c is the stiffness over k if all points are as deep as each other. N is 1 up to 2, which two equal faces on each
+   other have, and c/2 from 2.5 on: a tile that lies on a hundred wires is no stiffer than 2 k. Up to there nothing but
+   the sum of springs acts. It must be a sum: a body tips when the load is over its edge, and if an edge were as stiff
+   as a face, points about to part would have to pull for it.
 
    The dashpot acts on the mass that the resultant of the springs meets, with the stiffness that they have. So the
    restitution, at the point where the resultant acts, is that of the pair. */
@@ -19041,8 +19050,8 @@ static inline void dem__scale_shared(dem__shared *s, double by) {
 
 /* Adds to the n points of a pair the one at which two overlapping cores are pushed apart. With U, the energy of the
    other points over k/p, and V = (radii + depth)^p, that of the new one, the energy of the pair is (1 - s) U + s V,
-   where s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. There must be room for
-   one more. power: p. */
+   where s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. There must be room
+   for one more. power: p. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                          const dem__placed *pb, const dem__gap_of_cores *gap, double power,
                                          dem__shared *sums, dem__convex_point *out, int n) {

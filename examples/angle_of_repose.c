@@ -1,12 +1,13 @@
 /* angle_of_repose - spheres through a funnel onto a plate: the slope of the heap against the coefficient of friction.
 
-   The funnel is a triangle mesh from an STL file: the program writes one, or --stl names yours. Spheres of one size are fed into its top.
-   Below it is a round plate with a rim one diameter high, over which the surplus falls. The surface of the heap at rest is the highest
-   centre in each ring and sector of the plate; the angle of repose is the slope of a line through the means of the rings. Its error is the
-   standard error of the mean of several heaps with other random numbers. The funnel rises with the tip of
-   a heap that grows to it; where a heap does not come to rest, has too few spheres, or the funnel is blocked, there is no angle, and the program says
-   why. Friction acts between spheres and with the plate; the funnel is
-   smooth. Rolling resistance with a lever arm replaces the shape that spheres lack. For your own heap: the options and your funnel. */
+   The funnel is a triangle mesh from an STL file: the program writes one, or --stl names yours. Spheres of one size are
+   fed into its top. Below it is a round plate with a rim one diameter high, over which the surplus falls. The surface
+   of the heap at rest is the highest centre in each ring and sector of the plate; the angle of repose is the slope of a
+   line through the means of the rings. Its error is the standard error of the mean of several heaps with other random
+   numbers. The funnel rises with the tip of a heap that grows to it; where a heap does not come to rest, has too few
+   spheres, or the funnel is blocked, there is no angle, and the program says why. Friction acts between spheres and
+   with the plate; the funnel is smooth. Rolling resistance with a lever arm replaces the shape that spheres lack. For
+   your own heap: the options and your funnel. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -97,8 +98,8 @@ static double speed_of(const dem_world *w, ptrdiff_t i) {
     return sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
 }
 
-/* Spheres on the plate and above the outlet, and the largest speed of those on the plate. The highest of these that does not fall,
-   or with supported has two neighbours [m]. */
+/* Spheres on the plate and above the outlet, and the largest speed of those on the plate. The highest of these that
+   does not fall, or with supported has two neighbours [m]. */
 static double take_stock(heap *h, const dem_world *w, dem_vec centre, double plate, bool supported) {
     const double falls = 0.2 * sqrt(9.81 * h->diameter);
     double top = 0.0;
@@ -229,8 +230,8 @@ static int pour_one(int index, void *user) {
     return h->status != DEM_OK;
 }
 
-/* Heaps of one friction: the mean of their angles, and its standard error, NaN of one heap [rad]. The heights are those of the first.
-   Returns how many heaps have an angle. */
+/* Heaps of one friction: the mean of their angles, and its standard error, NaN of one heap [rad]. The heights are those
+   of the first. Returns how many heaps have an angle. */
 static int average(const heap *h, int heaps, double *mean, double *error) {
     double sum = 0.0, square = 0.0;
     int n = 0;

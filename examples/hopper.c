@@ -1,10 +1,10 @@
 /* hopper - discharge of a silo at constant fill height, compared with Beverloo's law.
 
-   Spheres fall into a cylinder whose orifice is closed, and come to rest. Then it opens. Spheres that leave are counted and fed again at
-   the top, so that the rate is steady. Silos of one shape (width and fill height over the diameter D of the orifice) and several sizes
-   give the exponent n of W ~ (D - k d)^n (Beverloo, Leniger & van de Velde 1961: n = 2.5, k about 1.4); others differ in the fill height
-   only. --scene dosta: the silo of Dosta et al. (2024) with its Hertz-Mindlin parameters and --spheres of its 100 000 spheres, until it is
-   empty or for --time.
+   Spheres fall into a cylinder whose orifice is closed, and come to rest. Then it opens. Spheres that leave are counted
+   and fed again at the top, so that the rate is steady. Silos of one shape (width and fill height over the diameter D
+   of the orifice) and several sizes give the exponent n of W ~ (D - k d)^n (Beverloo, Leniger & van de Velde 1961:
+   n = 2.5, k about 1.4); others differ in the fill height only. --scene dosta: the silo of Dosta et al. (2024) with its
+   Hertz-Mindlin parameters and --spheres of its 100 000 spheres, until it is empty or for --time.
    For your own hopper: the options, and the materials and walls in build(). */
 #include <math.h>
 #include <stdio.h>
@@ -249,7 +249,8 @@ static double logarithms(int n, const double *width, const double *rate, double 
 enum { EXPONENT, FREE_EXPONENT, FREE_K, K, CONSTANT, LOG_SCALE, ANSWERS };
 typedef struct beverloo {
     double answer
-        [ANSWERS]; /* n at the k that is given; n and k, both free; k and C, n = 2.5; log of W where D = (k + 1) d, at the given k */
+        [ANSWERS]; /* n at the k that is given; n and k, both free; k and C, n = 2.5; log of W where D = (k + 1) d,
+                      at the given k */
     double error[ANSWERS]; /* standard errors of them, from those of the rates */
 } beverloo;
 
@@ -334,8 +335,9 @@ static void report(study *st, double k) {
     double x[RUNS_MAX] = {0.0}, y[RUNS_MAX] = {0.0}, error[RUNS_MAX];
     json *j = json_open(st->self->json);
     result_table *t = RESULTS(columns), *curves = results_of("orifice_m,height_m,time_s,mass_kg");
-    riddle_plot *figure = riddle_plot_new(
-        s->dosta ? "Silo of Dosta et al." : "Discharge of silos with a fill of constant height", s->dosta || n_orifices < 3 ? 1 : 2, 1);
+    riddle_plot *figure =
+        riddle_plot_new(s->dosta ? "Silo of Dosta et al." : "Discharge of silos with a fill of constant height",
+                        s->dosta || n_orifices < 3 ? 1 : 2, 1);
     riddle_plot_panel(figure, 0, 0, "time [s]", s->dosta ? "number left [-]" : "mass passed [kg]");
     for (int r = 0; r < st->runs; r++) {
         const discharge *d = &st->run[r];

@@ -1,11 +1,12 @@
 /* rotating_drum - two species in a rotating drum: segregation over time, and the dynamic angle of repose.
 
-   Small and large spheres (or light and heavy ones) fall into the lower half of a drum between two flat ends, mixed or small on the left
-   and large on the right (--start), and the drum turns. Results over time: Lacey's index in a grid of cells, the share of unlike contacts,
-   the radial segregation (how much nearer to the middle of the bed the small ones are), and the slope of the free surface.
-   For your own drum: the options, the materials in build(), and dem_add_box in build() for lifters (examples/first/my_drum.c has some).
-   --scene dosta: the drum of Dosta et al. (2024), R 0.1 m, 2 rad/s, Hertz-Mindlin, M2 of 4 mm and M1 of 2 mm; --scale reduces numbers and
-   drum width together (1: 8000 and 30 000 spheres in 60 mm). */
+   Small and large spheres (or light and heavy ones) fall into the lower half of a drum between two flat ends, mixed or
+   small on the left and large on the right (--start), and the drum turns. Results over time: Lacey's index in a grid of
+   cells, the share of unlike contacts, the radial segregation (how much nearer to the middle of the bed the small ones
+   are), and the slope of the free surface.
+   For your own drum: the options, the materials in build(), and dem_add_box in build() for lifters
+   (examples/first/my_drum.c has some). --scene dosta: the drum of Dosta et al. (2024), R 0.1 m, 2 rad/s, Hertz-Mindlin,
+   M2 of 4 mm and M1 of 2 mm; --scale reduces numbers and drum width together (1: 8000 and 30 000 spheres in 60 mm). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -62,7 +63,8 @@ static dem_status build(dem_world *world, const drum *d, int *wall) {
     return DEM_OK;
 }
 
-/* Shares of both species, in turns, at random places in the drum, as often as it takes: what is there sinks while more comes. */
+/* Shares of both species, in turns, at random places in the drum, as often as it takes: what is there sinks
+   while more comes. */
 static dem_status fill(dem_world *world, const drum *d, uint64_t seed, progress *bar, double work) {
     const double half = 0.5 * d->width, side = 0.7 * d->radius;
     dem_feed feed[SPECIES];
@@ -110,7 +112,8 @@ static dem_status take(dem_world *world, const drum *d, const particles *given) 
     return status == DEM_OK ? dem_run(world, 0.0, features(d)) : status;
 }
 
-/* Slope of the free surface in the middle half of the drum [degrees]: a line through the highest sphere of each strip. */
+/* Slope of the free surface in the middle half of the drum [degrees]: a line through the highest sphere
+   of each strip. */
 static double surface_angle(const dem_world *world, const drum *d) {
     enum { STRIPS = 16 };
     double top[STRIPS], sx = 0.0, sz = 0.0, sxx = 0.0, sxz = 0.0, n = 0.0;

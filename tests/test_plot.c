@@ -1,4 +1,5 @@
-/* The SVG figures: data stand where the axes say, the text is well-formed whatever the data are, the legend keeps off the data. */
+/* The SVG figures: data stand where the axes say, the text is well-formed whatever the data are, the legend keeps
+   off the data. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -42,7 +43,8 @@ static void expect_well_formed(const char *text) {
     char stack[20][16];
     int depth = 0;
     for (const char *c = text; *c; c++) {
-        if (*c == '&') assert_true(strncmp(c, "&amp;", 5) == 0 || strncmp(c, "&lt;", 4) == 0 || strncmp(c, "&gt;", 4) == 0);
+        if (*c == '&')
+            assert_true(strncmp(c, "&amp;", 5) == 0 || strncmp(c, "&lt;", 4) == 0 || strncmp(c, "&gt;", 4) == 0);
         if (*c != '<') continue;
         const char *end = strchr(c, '>');
         assert_non_null(end);
@@ -70,7 +72,8 @@ static void frame(const char *text, double box[4]) {
     const char *at = strstr(text, "class=\"frame\"");
     assert_non_null(at);
     while (at > text && *at != '<') at--;
-    assert_int_equal(sscanf(at, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\" height=\"%lf\"", &box[0], &box[1], &box[2], &box[3]), 4);
+    assert_int_equal(
+        sscanf(at, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\" height=\"%lf\"", &box[0], &box[1], &box[2], &box[3]), 4);
 }
 
 static bool has_tick(const char *text, const char *label) {
@@ -196,12 +199,14 @@ static void test_hostile_data(void **state) {
             }
 }
 
-/* A panel to scale has no axes, and a bar that is as long as it says, whatever the shape of the panel; NULL brings the axes back. */
+/* A panel to scale has no axes, and a bar that is as long as it says, whatever the shape of the panel; NULL brings the
+   axes back. */
 static void test_scale_bar(void **state) {
     (void)state;
     static const double scales[] = {1e-3, 1.0, 37.0, 4e5};
     for (int k = 0; k < 8; k++) {
-        const double unit = scales[k % 4], x[] = {unit, 3.0 * unit}, y[] = {unit, 1.5 * unit}, r[] = {0.5 * unit, 0.1 * unit};
+        const double unit = scales[k % 4], x[] = {unit, 3.0 * unit}, y[] = {unit, 1.5 * unit},
+                     r[] = {0.5 * unit, 0.1 * unit};
         double cx[2], length, shown;
         riddle_plot *p = riddle_plot_new(NULL, 1, 1);
         riddle_plot_panel_size(p, k < 4 ? 700.0 : 300.0, k < 4 ? 200.0 : 500.0);
@@ -211,7 +216,8 @@ static void test_scale_bar(void **state) {
         char *text = drawn(p), *at = text;
         expect_well_formed(text);
         assert_true(!strstr(text, "class=\"frame\"") && !strstr(text, "x [mm]") && !strstr(text, "class=\"grid\""));
-        for (int i = 0; i < 2; i++) assert_int_equal(sscanf(at = strstr(at + 1, "<circle"), "<circle cx=\"%lf\"", &cx[i]), 1);
+        for (int i = 0; i < 2; i++)
+            assert_int_equal(sscanf(at = strstr(at + 1, "<circle"), "<circle cx=\"%lf\"", &cx[i]), 1);
         assert_non_null(at = strstr(at, "class=\"bar\""));
         assert_int_equal(sscanf(strchr(at, 'h'), "h%lf", &length), 1);
         assert_non_null(at = strstr(at, "class=\"tick\">"));
@@ -255,8 +261,8 @@ static void test_wrong_calls(void **state) {
     assert_int_not_equal(riddle_plot_write(riddle_plot_new("x", 1, 1), "/dev/null", "x.svg"), 0);
 }
 
-/* A heat map of classes has their names, and no number, beside its colours; the label of a vertical line that has no room on either side
-   stands along it. */
+/* A heat map of classes has their names, and no number, beside its colours; the label of a vertical line that has no
+   room on either side stands along it. */
 static void test_classes_and_long_labels(void **state) {
     (void)state;
     const double values[4] = {0.0, 1.0, 2.0, 1.0};
@@ -290,7 +296,8 @@ static bool legend_box(const char *text, double box[4]) {
     const char *at = strstr(text, "rx=\"4\"");
     if (!at) return false;
     while (at > text && *at != '<') at--;
-    return sscanf(at, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\" height=\"%lf\"", &box[0], &box[1], &box[2], &box[3]) == 4;
+    return sscanf(at, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\" height=\"%lf\"", &box[0], &box[1], &box[2], &box[3]) ==
+           4;
 }
 
 static void test_legend_keeps_off_the_data(void **state) {
@@ -353,7 +360,8 @@ static void test_text_stays_in_its_panel(void **state) {
     char *svg = drawn(p);
     const double begin = text_x(svg, ">begin<"), middle = text_x(svg, ">middle<"), end = text_x(svg, ">I<");
     assert_true(end > middle && 2.0 * (middle - begin) > end - begin && 2.0 * (middle - begin) < end - begin + 30.0);
-    const double one = text_x(svg, ">a text of forty letters, which"), two = text_x(svg, ">a text of forty letters, at");
+    const double one = text_x(svg, ">a text of forty letters, which"),
+                 two = text_x(svg, ">a text of forty letters, at");
     assert_true(one > begin && one + 40.0 * 14.0 * 0.35 < end);
     assert_true(two > begin && two + 40.0 * 14.0 * 0.35 < end);
     free(svg);
@@ -378,7 +386,8 @@ static void test_discs_are_to_scale(void **state) {
         at = strstr(at + 1, "<circle");
         assert_non_null(at);
         assert_int_equal(sscanf(at, "<circle cx=\"%lf\" cy=\"%lf\" r=\"%lf\"", &cx, &cy, &radius), 3);
-        assert_true(fabs(cx - box[0] - box[2] * (x[i] + 2.0) / 4.0) < 0.1 && fabs(cy - box[1] - box[3] * (2.0 - y[i]) / 4.0) < 0.1);
+        assert_true(fabs(cx - box[0] - box[2] * (x[i] + 2.0) / 4.0) < 0.1 &&
+                    fabs(cy - box[1] - box[3] * (2.0 - y[i]) / 4.0) < 0.1);
         assert_true(fabs(radius - 100.0 * r[i]) < 0.1);
     }
     free(text);

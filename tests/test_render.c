@@ -1,4 +1,5 @@
-/* render.h: spheres and triangles stand where the camera sees them, nothing that is not finite is drawn, files are whole. */
+/* render.h: spheres and triangles stand where the camera sees them, nothing that is not finite is drawn,
+   files are whole. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -115,7 +116,8 @@ static void test_hostile(void **state) {
     picture_look(p, bad);
     picture_title(p, "\x01\xff ~");
     for (int k = 0; k < 20; k++)
-        picture_legend(p, "too many rows of the legend, each too long for the width of the picture that it stands in", red);
+        picture_legend(p, "too many rows of the legend, each too long for the width of the picture that it stands in",
+                       red);
     picture_bar(p, "speed [m/s]", (double)NAN);
     assert_int_equal(picture_draw(p, &rgb[0][0][0]), 0);
     picture_free(p);
@@ -132,8 +134,8 @@ static unsigned number_at(const unsigned char *c) {
     return (unsigned)c[0] << 24 | (unsigned)c[1] << 16 | (unsigned)c[2] << 8 | c[3];
 }
 
-/* An animated PNG: as many frames as were added, numbered in order, every chunk with its check; a frame like the one before takes next to
-   nothing, and one box of what has changed. */
+/* An animated PNG: as many frames as were added, numbered in order, every chunk with its check; a frame like the one
+   before takes next to nothing, and one box of what has changed. */
 static void test_animation(void **state) {
     (void)state;
     static unsigned char bytes[200000];
@@ -170,7 +172,8 @@ static void test_animation(void **state) {
         }
         assert_int_equal(number_at(c + 8 + length), crc ^ 0xFFFFFFFFul);
         if (memcmp(c + 4, "acTL", 4) == 0) assert_int_equal(number_at(c + 8), 4);
-        if (memcmp(c + 4, "fcTL", 4) == 0 || memcmp(c + 4, "fdAT", 4) == 0) assert_int_equal(number_at(c + 8), sequence++);
+        if (memcmp(c + 4, "fcTL", 4) == 0 || memcmp(c + 4, "fdAT", 4) == 0)
+            assert_int_equal(number_at(c + 8), sequence++);
         if (memcmp(c + 4, "fcTL", 4) == 0) {
             assert_true(frames < 4);
             for (int k = 0; k < 4; k++) box[frames][k] = number_at(c + 12 + 4 * k);
@@ -229,7 +232,8 @@ static void test_letters_have_their_size(void **state) {
 
 static void test_letters_of_the_signs(void **state) {
     (void)state;
-    static const char *const signs[] = {"\xc2\xb1", "\xc2\xb5", "\xc2\xb0", "\xc2\xb2", "\xc2\xb3", "\xce\xbc", "\xe2\x89\xa4", "\xe2\x88\x92"};
+    static const char *const signs[] = {"\xc2\xb1", "\xc2\xb5", "\xc2\xb0",     "\xc2\xb2",
+                                        "\xc2\xb3", "\xce\xbc", "\xe2\x89\xa4", "\xe2\x88\x92"};
     double w, none;
     const double space = letters_width(" ", 20.0);
     for (size_t k = 0; k < sizeof signs / sizeof *signs; k++) assert_true(inked(signs[k], 20.0, 100.0, 20.0, &w) > 5.0);
@@ -239,7 +243,8 @@ static void test_letters_of_the_signs(void **state) {
     }
     assert_true(inked("a", 20.0, 100.0, 20.0, &w) < inked("\xc3\xa4", 20.0, 100.0, 20.0, &none)); /* with its dots */
     assert_true(fabs(w - none) < 1e-12);
-    static const char *const odd[] = {"\xe2\x82", "\xff", "\x80", "\xc3", "\xf0\x9f\x92\xa9", "\xe4\xb8\xad"}; /* damaged; not in the font */
+    /* Damaged; not in the font. */
+    static const char *const odd[] = {"\xe2\x82", "\xff", "\x80", "\xc3", "\xf0\x9f\x92\xa9", "\xe4\xb8\xad"};
     for (size_t k = 0; k < sizeof odd / sizeof *odd; k++) {
         assert_true(inked(odd[k], 20.0, 100.0, 20.0, &none) == 0.0);
         assert_true(none >= 0.999 * space && none <= 2.001 * space);
@@ -249,7 +254,8 @@ static void test_letters_of_the_signs(void **state) {
 static void test_file(void **state) {
     (void)state;
     char name[300];
-    snprintf(name, sizeof name, "%s/riddle-render.%ld.png", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp", (long)getpid());
+    snprintf(name, sizeof name, "%s/riddle-render.%ld.png", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp",
+             (long)getpid());
     picture *p = picture_new(W, H);
     picture_sphere(p, ahead, 0.5, red);
     const int status = picture_write(p, NULL, name);

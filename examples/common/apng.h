@@ -1,5 +1,5 @@
-/* apng.h: a moving picture as an animated PNG, which pages and viewers show as they show any PNG: at most 255 colours, those of its first
-   frame, and of each further frame only what has changed. For render.c alone; needs libpng.
+/* apng.h: a moving picture as an animated PNG, which pages and viewers show as they show any PNG: at most 255 colours,
+   those of its first frame, and of each further frame only what has changed. For render.c alone; needs libpng.
 
    W3C, Portable Network Graphics (PNG) Specification, third edition (2025): acTL, fcTL, fdAT. */
 #ifndef APNG_H
@@ -200,7 +200,8 @@ static void apng_copy(apng *a, const apng_bytes *from) {
     }
 }
 
-/* What differs from the frame before stands in `now`, the rest of it is clear. box: x, y, width, height of what differs. */
+/* What differs from the frame before stands in `now`, the rest of it is clear. box: x, y, width, height of what
+   differs. */
 static void apng_difference(apng *a, const unsigned char *rgb, int box[4]) {
     int low[2] = {a->width, a->height}, high[2] = {-1, -1};
     for (int j = 0; j < a->height; j++)

@@ -1,9 +1,11 @@
 /* letters.h: text in pictures of pixels: DejaVu Sans, drawn with smooth edges at any size.
 
-       letters_draw(&to, x, y, size, "t = 0.5 s");      // x, y: left end of the line that the letters stand on [pixels]; size: of a capital
+       // x, y: left end of the line that the letters stand on [pixels]; size: of a capital
+       letters_draw(&to, x, y, size, "t = 0.5 s");
        letters_width("t = 0.5 s", size);                // [pixels]
 
-   Text is UTF-8: ASCII, Latin-1, Greek and a few signs of mathematics; what else there is shows as a space. For render.c alone. */
+   Text is UTF-8: ASCII, Latin-1, Greek and a few signs of mathematics; what else there is shows as a space. For
+   render.c alone. */
 #ifndef LETTERS_H
 #define LETTERS_H
 
@@ -58,8 +60,8 @@ static double letters_area(double x, double left, double span) {
     return way <= 0.0 ? 0.0 : way < span ? 0.5 * way * way / span : way - 0.5 * span;
 }
 
-/* Adds what lies right of an edge from (x0, y0) to (x1, y1), in pixels from the box's upper left corner: over a closed contour the parts
-   outside cancel. */
+/* Adds what lies right of an edge from (x0, y0) to (x1, y1), in pixels from the box's upper left corner: over a closed
+   contour the parts outside cancel. */
 static void letters_edge(letters_box *b, double x0, double y0, double x1, double y1) {
     const double low = fmin(y0, y1), high = fmax(y0, y1);
     for (int row = (int)low; row < b->height && row < high; row++) {

@@ -1,7 +1,8 @@
-/* letters_data.h: outlines of letters, digits and signs, for letters.h. Written by scripts/letters from DejaVu Sans 2.37.
+/* letters_data.h: outlines of letters, digits and signs, for letters.h. Written by scripts/letters from DejaVu
+   Sans 2.37.
 
-   The outlines are those of the DejaVu fonts, https://dejavu-fonts.github.io, whose changes to Bitstream Vera are in the public domain. Their
-   licence:
+   The outlines are those of the DejaVu fonts, https://dejavu-fonts.github.io, whose changes to Bitstream Vera are in
+   the public domain. Their licence:
 
    Copyright (c) 2003 by Bitstream, Inc. All Rights Reserved. Bitstream Vera is a trademark of Bitstream, Inc.
 
@@ -38,12 +39,14 @@
 #ifndef LETTERS_DATA_H
 #define LETTERS_DATA_H
 
-/* Coordinates in units of which 1024 are the size of the font (the height of a capital: 746), x to the right, y up from the line. An outline is
-   a list of contours, each after a space: points of a quadratic spline, of four characters each. With d(c) the place of c in letters_digits, the
-   first two are 90 d(1) + d(2) = 2 (x + 400) + (1 on the curve, 0 off it), the last two 90 d(3) + d(4) = y + 400. */
+/* Coordinates in units of which 1024 are the size of the font (the height of a capital: 746), x to the right, y up from
+   the line. An outline is a list of contours, each after a space: points of a quadratic spline, of four characters
+   each. With d(c) the place of c in letters_digits, the first two are 90 d(1) + d(2) = 2 (x + 400) + (1 on the curve, 0
+   off it), the last two 90 d(3) + d(4) = y + 400. */
 enum { LETTERS_CAPITAL = 746, LETTERS_BASE = 90, LETTERS_SHIFT = 400 };
 
-static const char letters_digits[] = "#$%&'()*+,-./0123456789:;<=>@ABCDEFGHIJKLMNOPQRSTUVWXYZ[]^_`abcdefghijklmnopqrstuvwxyz{|}~";
+static const char letters_digits[] =
+    "#$%&'()*+,-./0123456789:;<=>@ABCDEFGHIJKLMNOPQRSTUVWXYZ[]^_`abcdefghijklmnopqrstuvwxyz{|}~";
 
 /* clang-format off */
 

@@ -1,7 +1,8 @@
 /* riddle - a scene from a file, without C: riddle run scene.yaml
 
-   The file (YAML, or JSON, which is a part of it) says what there is: materials, walls and how they move, shapes, feeds, liquid, what is
-   measured, when to stop. docs/scene_files.md lists every key. `riddle run --template screen` writes one to begin with. */
+   The file (YAML, or JSON, which is a part of it) says what there is: materials, walls and how they move, shapes,
+   feeds, liquid, what is measured, when to stop. docs/scene_files.md lists every key. `riddle run --template screen`
+   writes one to begin with. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -77,7 +78,9 @@ static int set_value(job *j, const char *words) {
     char path[200], message[200];
     const char *equals = strchr(words, '=');
     if (!equals || equals == words || (size_t)(equals - words) >= sizeof path) {
-        snprintf(message, sizeof message, "--set %.100s: allowed: KEY=VALUE, such as materials.glass.density=2600, or @FILE of such lines", words);
+        snprintf(message, sizeof message,
+                 "--set %.100s: allowed: KEY=VALUE, such as materials.glass.density=2600, or @FILE of such lines",
+                 words);
         return refuse(message);
     }
     snprintf(path, sizeof path, "%.*s", (int)(equals - words), words);
@@ -107,7 +110,8 @@ static int read_scene(job *j, bool seed_given) {
     if (!text) return refuse(message);
     int failed = tree_read(&j->tree, j->file, text, size);
     free(text);
-    for (int k = 0; k < j->sets && !failed; k++) failed = j->set[k][0] == '@' ? set_values_of(j, j->set[k] + 1) : set_value(j, j->set[k]);
+    for (int k = 0; k < j->sets && !failed; k++)
+        failed = j->set[k][0] == '@' ? set_values_of(j, j->set[k] + 1) : set_value(j, j->set[k]);
     if (failed == 2) return 2;
     if (failed || scene_read(&j->tree, &j->def)) return refuse(j->tree.message);
     if (j->self.quick) j->def.duration *= 0.1;
@@ -280,7 +284,8 @@ static int hold_folder(const job *j) {
 static int tell_check(job *j) {
     char line[300];
     const scene_size size = scene_estimate(&j->s);
-    common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt);
+    common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources,
+                 j->s.world.def.dt);
     scene_say_size(&size, line, sizeof line);
     common_print("%s\n%s", line, j->tree.notes);
     if (!scene_lacks_contact(&j->s, line, sizeof line)) return 0;
@@ -338,7 +343,8 @@ static int rest_of(job *j, int argc, char **argv, int place, char *out, size_t s
     int n = 0;
     rest[n++] = argv[0];
     if (place && !word_given(argc, argv, "--out")) {
-        const char *file = argv[place], *slash = strrchr(file, '/'), *stem = slash ? slash + 1 : file, *dot = strrchr(stem, '.');
+        const char *file = argv[place], *slash = strrchr(file, '/'), *stem = slash ? slash + 1 : file,
+                   *dot = strrchr(stem, '.');
         snprintf(out, size, "out/%.*s", dot && dot > stem ? (int)(dot - stem) : (int)strlen(stem), stem);
         rest[n++] = (char *)"--out";
         rest[n++] = out;
@@ -364,9 +370,12 @@ int main(int argc, char **argv) {
         option_flag("continue", &j.again,
                     "go on from the save in --out, with the same bits as if it had never stopped"),
         option_flag("check", &j.check, "read the file and build the scene, but do not run"),
-        option_string("set", "KEY=VALUE", &set, "another value than the file's: materials.glass.density=2600, feeds[1].rate='2 t/h', contacts.glass-steel.friction=0.4; may be given often; @FILE: of each line of a file"),
+        option_string("set", "KEY=VALUE", &set,
+                      "another value than the file's: materials.glass.density=2600, feeds[1].rate='2 t/h', "
+                      "contacts.glass-steel.friction=0.4; may be given often; @FILE: of each line of a file"),
         option_size("size", j.size, "of scene.png and the movie [pixels]"),
-        option_string("template", "NAME", &pattern, "write NAME.yaml, to begin with: hopper, screen, drum, box or shapes"),
+        option_string("template", "NAME", &pattern,
+                      "write NAME.yaml, to begin with: hopper, screen, drum, box or shapes"),
     };
     if (argc == 2 && strcmp(argv[1], "keys") == 0) {
         common_open_standard_streams();
@@ -382,7 +391,8 @@ int main(int argc, char **argv) {
     if (!help && (argc < 2 || strcmp(argv[1], "run") != 0)) return refuse(usage);
     const int place = help ? 0 : place_of_file(argc, argv);
     j.file = place ? argv[place] : NULL;
-    if (!j.file && argc == 4 && strcmp(argv[2], "--template") == 0) return write_template(argv[3]); /* without a folder for output */
+    /* Without a folder for output. */
+    if (!j.file && argc == 4 && strcmp(argv[2], "--template") == 0) return write_template(argv[3]);
     char **rest = malloc(2 * ((size_t)argc + 4) * sizeof *rest);
     if (!rest) return 1;
     j.set = rest + argc + 4;
@@ -398,7 +408,8 @@ int main(int argc, char **argv) {
                            "       riddle run --template hopper|screen|drum|box|shapes\n"
                            "       riddle keys; riddle materials",
                            options, sizeof options / sizeof *options, n, help ? argv : rest);
-    const int status = pattern ? refuse("--template NAME stands alone") : run_scene(&j, word_given(argc, argv, "--seed"));
+    const int status =
+        pattern ? refuse("--template NAME stands alone") : run_scene(&j, word_given(argc, argv, "--seed"));
     free(rest);
     return status;
 }

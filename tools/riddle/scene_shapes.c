@@ -26,7 +26,8 @@ static double diameter_of(double volume) { return 2.0 * riddle_cbrt(volume / (4.
 static dem_status fill_mesh(scene *s, body_shape *b) {
     const shape_mesh *m = &b->def->mesh;
     dem_mesh mesh;
-    if (scene_read_stl(s->file, fields_where(&m->part, "file"), m->file, m->unit, m->weld, &mesh)) return DEM_BAD_ARGUMENT;
+    if (scene_read_stl(s->file, fields_where(&m->part, "file"), m->file, m->unit, m->weld, &mesh))
+        return DEM_BAD_ARGUMENT;
     const dem_status status = dem_make_clump_from_mesh(&mesh, (int)m->spheres, NULL, &b->clump, NULL);
     dem_free_mesh(&mesh);
     return status;
@@ -86,7 +87,8 @@ static int make_polyhedron(scene *s, body_shape *b) {
         status = make_from_mesh(s, b, &reason);
     } else if (t->part.where) {
         key = "tablet";
-        status = dem_make_tablet(to, t->diameter, t->height, isnan(t->band) ? t->height : t->band, d->rounding, &reason);
+        status =
+            dem_make_tablet(to, t->diameter, t->height, isnan(t->band) ? t->height : t->band, d->rounding, &reason);
     } else if (g->part.where) {
         key = "gravel";
         status = dem_make_gravel(to, g->diameter, g->elongation, g->flatness, (int)g->corners, (uint64_t)g->seed,
@@ -104,7 +106,9 @@ int scene_make_shapes(scene *s) {
     if (!s->shape) return -1;
     for (int k = 0; k < s->def->shapes.n; k++) {
         s->shape[k].def = &d[k];
-        if (d[k].spheres.n || d[k].capsule.part.where || is_filled(&d[k]) ? make_clump(s, &s->shape[k]) : make_polyhedron(s, &s->shape[k])) return -1;
+        if (d[k].spheres.n || d[k].capsule.part.where || is_filled(&d[k]) ? make_clump(s, &s->shape[k])
+                                                                          : make_polyhedron(s, &s->shape[k]))
+            return -1;
     }
     return 0;
 }
