@@ -570,7 +570,9 @@ enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
 
 /* ---- force fields ---- */
 
-/* Input of the law of a force field for one particle. */
+struct dem__seen;
+
+/* Input of the law of a force field for one particle. For one of your own: all 0, then the members that count. */
 typedef struct dem_force_point {
     dem_vec position; /* of its centre, within the periodic box [m] */
     dem_vec velocity; /* [m/s] */
@@ -579,6 +581,7 @@ typedef struct dem_force_point {
     double time;      /* [s] */
     dem_vec gravity;  /* [m/s2] */
     const void *user; /* the user of the field */
+    const struct dem__seen *body__; /* private: the body whose shape dem_sphericities() finds; NULL: a sphere */
 } dem_force_point;
 
 struct dem__field_task;
@@ -598,13 +601,21 @@ typedef struct dem_force_field {
                         default 1e-6 */
 } dem_force_field;
 
+/* The shape of a rigid body for dem_drag_hoelzer_sommerfeld: */
+typedef enum dem_drag_shape {
+    DEM_DRAG_BY_ORIENTATION, /* its own, as the flow meets it: sphericity, crosswise and lengthwise sphericity */
+    DEM_DRAG_BY_SPHERICITY,  /* its own sphericity for all three: the mean of all orientations of a convex body */
+    DEM_DRAG_SHARED          /* dem_gas.shape, as for a sphere */
+} dem_drag_shape;
+
 /* A gas: at rest, or given by values on a Cartesian grid, in a frame that may move. Made by dem_default_gas(); the
    arrays are the caller's. */
 typedef struct dem_gas {
     double density;   /* [kg/m3] > 0; default 1.2 */
     double viscosity; /* [Pa s] > 0; default 1.81e-5 */
-    double shape[3];  /* C1, C2, C3 of the drag coefficient C1/Re + C2/sqrt(Re) + C3 for dem_drag_hoelzer_sommerfeld;
-                         default 24, 3, 0.42 */
+    double shape[3];  /* of spheres: C1, C2, C3 of the drag coefficient C1/Re + C2/sqrt(Re) + C3 for
+                         dem_drag_hoelzer_sommerfeld; default 24, 3, 0.42 */
+    int bodies;       /* dem_drag_shape: the shape of polyhedra and clumps; default DEM_DRAG_BY_ORIENTATION */
     int buoyancy; /* 1: subtracts the weight of the displaced gas; 0 if pressure_gradient contains the gas's own weight;
                      default 0 */
     dem_vec low, high;      /* corners of the grid in the frame [m], no gas beyond; default -HUGE_VAL, HUGE_VAL */
@@ -617,6 +628,8 @@ typedef struct dem_gas {
     dem_vec centre, axis,
         drift; /* the frame turns about `axis` through `centre` [m], which moves at `drift` [m/s]; 0, (0, 0, 1), 0 */
     double spin, start; /* rate of this rotation [rad/s]; time at which frame and world coincide [s]; default 0 */
+    const dem_force_point *point__; /* private: for a law of drag: the body, and how the gas flows about it */
+    dem_vec flow__;
 } dem_gas;
 
 /* ---- the world ---- */
@@ -1154,8 +1167,8 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
    an error of at most `accuracy`; velocities read in between have as small an error. A particle in contact gets the
    force of the law in each step. Where the law gives exactly 0, a flight is the same to the bit as without a field.
    Call this again after dem_load (until then runs give DEM_NO_FIELD), and when the data of the law have changed. The
-   time step must be below the shortest relaxation time. A rigid body feels the field at its centre, as a sphere of its
-   volume; the field exerts no torque. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
+   time step must be below the shortest relaxation time. A rigid body feels the field at its centre, with the radius of
+   the sphere of its volume; dem_sphericities() tells the law its shape. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
 /* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, for a
@@ -1163,6 +1176,11 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
    area seen along the flow; lengthwise: (pi x^2/4)/(S/2 - B), where B is its mean area seen across the flow; both 0 <
    .. <= 100. For a convex body that turns at random all three are equal. NaN outside these ranges. */
 DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengthwise, double shape[3]);
+/* Computes sphericity, crosswise and lengthwise sphericity of the body of particle i, as dem_shape_of_drag takes them,
+   in a flow along `flow` (any length but 0). A polyhedron is taken without its rounding; exact, but for `deviation`.
+   For clumps: the union of the spheres, with its own volume; the lengthwise one to 1e-3. psi: 1, 1, 1 for a sphere.
+   DEM_BAD_ARGUMENT: i is out of range, or `flow` is 0 or not finite. */
+DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, dem_vec flow, double psi[3]);
 DEM_API dem_gas dem_default_gas(void); /* air at 20 degrees C, at rest everywhere */
 /* Returns DEM_OK, or DEM_BAD_DEFINITION with the name of the first bad field in *field (field may be NULL). */
 DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field);
@@ -1905,10 +1923,37 @@ DEM_INLINE double dem_drag_schiller_naumann(double reynolds, double porosity, co
     return dem__drag_of_sphere(reynolds) * hindrance;
 }
 
-/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among other particles
-   times Di Felice's factor. */
+/* How a law sees the shape of a body at a point of a force field; gas/view.h fills it. */
+typedef struct dem__seen {
+    void (*find)(const struct dem__seen *s, dem_vec flow, double psi[3]);
+    const dem_world *world;
+    ptrdiff_t first; /* particle of the body */
+    double tau;      /* time of the point after the body's origin step [s] */
+} dem__seen;
+
+/* Finds the sphericities of the particle at a point of a force field in a flow along `flow`, of any length: sphericity,
+   crosswise and lengthwise sphericity (see dem_shape_of_drag) [-]; 1, 1, 1 for a sphere. For laws of your own. */
+DEM_INLINE void dem_sphericities(const dem_force_point *at, dem_vec flow, double psi[3]) {
+    psi[0] = psi[1] = psi[2] = 1.0;
+    if (at->body__) at->body__->find(at->body__, flow, psi);
+}
+/* Finds the same for a law of drag, from its argument `gas`: of the particle whose drag is asked for, as the gas flows
+   about it; all three the sphericity with DEM_DRAG_BY_SPHERICITY, 1 with DEM_DRAG_SHARED. */
+DEM_INLINE void dem_gas_sphericities(const dem_gas *gas, double psi[3]) {
+    psi[0] = psi[1] = psi[2] = 1.0;
+    if (gas->point__) dem_sphericities(gas->point__, gas->flow__, psi);
+    if (gas->bodies == DEM_DRAG_BY_SPHERICITY) psi[1] = psi[2] = psi[0];
+}
+
+/* Returns c_D Re by Hoelzer & Sommerfeld 2008, eq. 9, with the shape of the body (dem_gas.bodies), or gas->shape, which
+   dem_shape_of_drag() sets; among other particles times Di Felice's factor. */
 DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, double porosity, const dem_gas *gas) {
-    const double alone = gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
+    double psi[3], shape[3] = {gas->shape[0], gas->shape[1], gas->shape[2]};
+    if (gas->point__) {
+        dem_gas_sphericities(gas, psi);
+        dem_shape_of_drag(psi[0], psi[1], psi[2], shape);
+    }
+    const double alone = shape[0] + shape[1] * sqrt(reynolds) + shape[2] * reynolds;
     return alone * dem_hindrance_di_felice(reynolds, porosity);
 }
 
@@ -2040,7 +2085,12 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     const dem_vec slip = dem__sub(dem__gas_speed(gas, &f, &cell, at->position), at->velocity);
     const double porosity = gas->porosity ? dem__gas_value(gas->porosity, &cell, 1, 0) : 1.0;
     const double reynolds = gas->density * porosity * dem__length(slip) * d / gas->viscosity;
-    const double coefficient = drag ? drag(reynolds, porosity, gas) : 0.0;
+    double coefficient = 0.0;
+    if (drag && at->body__ && gas->bodies != DEM_DRAG_SHARED) {
+        dem_gas own = *gas;
+        own.point__ = at, own.flow__ = slip;
+        coefficient = drag(reynolds, porosity, &own);
+    } else if (drag) coefficient = drag(reynolds, porosity, gas);
     dem_vec force = dem__scale(RIDDLE_PI / 8.0 * gas->viscosity * d * coefficient, slip);
     if (gas->pressure_gradient)
         force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
@@ -2618,6 +2668,8 @@ typedef struct dem__links {
     int64_t evaluated_step;     /* step of that evaluation */
 } dem__links;
 
+struct dem__view;
+
 /* A force field, and the flights in it. gas/flights.h begins and ends flights, gas/field.h computes them. */
 typedef struct dem__field {
     int on; /* a field is set; after loading its law may be missing */
@@ -2632,6 +2684,9 @@ typedef struct dem__field {
     dem_vec *torque;       /* the same [N m] */
     double *work;          /* work of the field along the flight [J] */
     double *booked;        /* part of this work that is in the ledger [J] */
+    struct dem__view *view; /* shapes of bodies as a flow sees them, made at the beginning of a run (gas/view.h) */
+    ptrdiff_t views, view_capacity;
+    int32_t *view_of; /* of a body's first particle: 1 + index of its view; 0: none yet; -1: it is one sphere */
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
@@ -13001,755 +13056,6 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
     return DEM_OK;
 }
 
-/* --------------------------------------------------------------------------------------------------- >>gas/field.h */
-/* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step.
-   Reads bodies and the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to
-   its end, computed at its origin, and the same whatever is skipped. */
-
-/* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes from a law. */
-enum {
-    DEM__FIND_FLIGHTS,   /* begins flights of particles now */
-    DEM__RENEW_FLIGHTS,  /* keeps the flights that the law still gives, and begins the others again */
-    DEM__END_FLIGHTS,    /* ends flights of particles now; from here on they take steps */
-    DEM__ADD_FIELD_FORCE /* adds the force on particles at the end of the present step, of length h */
-};
-typedef struct dem__field_task {
-    int task;
-    const int32_t *particle;
-    ptrdiff_t n;
-    double h; /* [s] */
-} dem__field_task;
-
-DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
-    return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
-}
-
-/* A rigid body feels the field at its centre and flies as its first particle: only that particle has a flight. Returns
-   whether i is a sphere or such a particle. */
-DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return !r || r->first == i;
-}
-
-/* Returns the radius of particle i, or of the sphere with the volume of its body [m]. */
-DEM_INLINE double dem__size_in_field(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? 0.5 * dem__equal_diameter(w, r) : w->particle[i].radius;
-}
-
-/* Gives particle i, or its body, a new parabola from here on. */
-static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem_vec a) {
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem_particle *p = &w->particle[i];
-    if (r) {
-        w->engine->bodies.calls->set_origin(w, r);
-        r->x = x, r->v = v, r->a = a;
-        w->engine->bodies.calls->place(w, r);
-        return;
-    }
-    p->spin = dem__spin_at(w, i, dem__now(w, i));
-    p->x = x, p->v = v, p->a = a;
-    p->origin = w->step;
-}
-
-DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
-
-/* Returns what a law is told about particle i at x with velocity v. */
-DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time) {
-    dem_force_point at;
-    at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
-    at.velocity = v;
-    at.radius = dem__size_in_field(w, i), at.mass = w->particle[i].mass;
-    at.time = time;
-    at.gravity = dem__free_fall(w);
-    at.user = w->engine->field.def.user;
-    return at;
-}
-
-/* Returns the acceleration of particle i at x with velocity v by the law [m/s2]. */
-DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
-                                   dem_vec (*law)(const dem_force_point *)) {
-    const dem_force_point at = dem__field_point(w, i, x, v, time);
-    return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
-}
-
-/* A law of torque: -c times the spin relative to the field. *spin: in, of a particle [rad/s]; out, relative to the
-   field. Returns c [N m s]. NULL: no torque. */
-typedef double (*dem__turning_fn)(const dem_force_point *at, dem_vec *spin);
-
-/* The torque of a field on a particle: c, the relative spin, and the particle's moment of inertia about it. */
-typedef struct dem__turning {
-    double c, inertia; /* c = 0: none */
-    dem_vec spin;
-} dem__turning;
-/* Returns the torque on particle i, which spins, or on its body. The velocity of the point does not count. */
-DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, const dem_force_point *at, dem_vec spin,
-                                        dem__turning_fn turning) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    dem__turning q;
-    q.spin = spin, q.c = 0.0, q.inertia = 1.0;
-    if (!turning || (!r && !(w->engine->run.features & DEM_FRICTION) && dem__is_zero(spin)))
-        return q; /* spheres without friction do not turn */
-    q.c = turning(at, &q.spin);
-    const double square = dem__dot(q.spin, q.spin);
-    if (!(q.c > 0.0 && square > 0.0 && square <= DBL_MAX)) {
-        q.c = 0.0;
-        return q;
-    }
-    q.inertia = r ? dem__dot(q.spin, dem__momentum_of(r->turn, r->moments, q.spin)) / square : dem__inertia(w, i);
-    return q;
-}
-
-/* Lets the torque act on particle i, or its body, over a past time, at an origin that has just been set. Exact for a
-   sphere if c is constant. Returns the energy gained [J]. */
-DEM_INLINE double dem__apply_drag_torque(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
-    dem__rigid *r = dem__rigid_of(w, i);
-    const double before = dem__rotational(w, i), y = q->c * passed / q->inertia;
-    const double part = y < 1e-3 ? 1.0 - y * (0.5 - y * (1.0 / 6.0 - y / 24.0)) : (1.0 - riddle_exp(-y)) / y;
-    const dem_vec impulse = dem__scale(-q->c * passed * part, q->spin);
-    if (r) {
-        r->momentum = dem__add(r->momentum, impulse);
-        w->engine->bodies.calls->place(w, r);
-    } else w->particle[i].spin = dem__plus(w->particle[i].spin, 1.0 / q->inertia, impulse);
-    return dem__rotational(w, i) - before;
-}
-
-/* Returns whether free fall is the only acceleration of particle i, or of its body. */
-DEM_INLINE int dem__falls_freely(const dem_world *w, ptrdiff_t i) {
-    return dem__is_zero(dem__sub(dem__centre_pull(w, i), dem__free_fall(w)));
-}
-
-/* Result of one step of a flight. */
-typedef struct dem__flown {
-    dem_vec way;  /* displacement over time, minus the initial velocity [m/s] */
-    dem_vec gain; /* gain of velocity at the end [m/s] */
-    double work;  /* work of the field [J] */
-    double error; /* error of position [m] */
-    int zero;     /* whether the law gave 0 at every stage */
-} dem__flown;
-
-/* Integrates one step of length h from x with velocity v: of fifth order, with an error estimate of fourth order (Cash
-   & Karp 1990). */
-DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
-                               dem_vec (*law)(const dem_force_point *)) {
-    enum { STAGES = 6 };
-    static const double at[STAGES] = {0.0, 0.2, 0.3, 0.6, 1.0, 0.875};
-    static const double by[STAGES][STAGES - 1] = {
-        {0.0, 0.0, 0.0, 0.0, 0.0},
-        {0.2, 0.0, 0.0, 0.0, 0.0},
-        {3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0},
-        {0.3, -0.9, 1.2, 0.0, 0.0},
-        {-11.0 / 54.0, 2.5, -70.0 / 27.0, 35.0 / 27.0, 0.0},
-        {1631.0 / 55296.0, 175.0 / 512.0, 575.0 / 13824.0, 44275.0 / 110592.0, 253.0 / 4096.0}};
-    static const double fifth[STAGES] = {37.0 / 378.0, 0.0, 250.0 / 621.0, 125.0 / 594.0, 0.0, 512.0 / 1771.0};
-    static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0,
-                                          277.0 / 14336.0,  0.25};
-    const dem_vec g = dem__free_fall(w), none = dem_vec3(0.0, 0.0, 0.0);
-    dem_vec gain[STAGES], pull[STAGES], off = none, error = none;
-    dem__flown q;
-    q.way = q.gain = none, q.work = 0.0, q.zero = 1;
-    for (int s = 0; s < STAGES; s++) {
-        dem_vec way = none;
-        gain[s] = none;
-        for (int r = 0; r < s; r++) {
-            gain[s] = dem__plus(gain[s], h * by[s][r], dem__add(g, pull[r]));
-            way = dem__plus(way, h * by[s][r], gain[r]);
-        }
-        const dem_vec now = dem__add(v, gain[s]);
-        pull[s] = dem__field_pull(w, i, dem__add(dem__plus(x, at[s] * h, v), way), now, time + at[s] * h, law);
-        q.zero &= dem__is_zero(pull[s]);
-        q.way = dem__plus(q.way, fifth[s], gain[s]);
-        q.gain = dem__plus(q.gain, h * fifth[s], dem__add(g, pull[s]));
-        q.work += h * fifth[s] * w->particle[i].mass * dem__dot(pull[s], now);
-        off = dem__plus(off, h * (fifth[s] - fourth[s]), gain[s]);
-        error = dem__plus(error, h * h * (fifth[s] - fourth[s]), pull[s]);
-    }
-    q.error = dem__length(off) + dem__length(error);
-    return q;
-}
-
-/* Returns the number of steps of the world in a time [s], at least one, and at most as many as a list can last. */
-DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
-    const double n = time * w->engine->pairs.steps_per_second;
-    return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
-}
-
-#define DEM__SLOWS 5e-3 /* share of its spin that a particle may lose in a flight */
-
-/* Chooses the number of steps of a flight from x with velocity v by its error, and computes the flight. A parabola that
-   is right at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first
-   one, times the time squared. */
-DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, const dem__turning *turn,
-                                  dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
-    const dem_force_field *def = &w->engine->field.def;
-    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
-                 probe = 16.0 * dt;
-    const dem_vec first = dem__field_pull(w, i, x, v, time, law), a = dem__add(dem__free_fall(w), first);
-    const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
-    const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, law);
-    const double jerk = dem__length(dem__sub(soon, first)) / probe;
-    const double far = dem__time_to_cover(def->length, dem__length(v), dem__length(a));
-    double longest = far < def->interval ? far : def->interval;
-    if (jerk > 0.0) {
-        const double guess = riddle_cbrt(13.5 * 3.0 * limit / jerk);
-        longest = guess < longest ? guess : longest;
-    }
-    if (turn->c > 0.0) { /* the spin at the beginning counts for the whole flight, so it must not change much if it
-                            matters */
-        const double slows = DEM__SLOWS * turn->inertia / turn->c;
-        longest = slows < longest && dem__length(turn->spin) * slows > def->accuracy ? slows : longest;
-    }
-    int n = dem__steps_within(w, longest);
-    for (;;) {
-        const double h = (double)n * dt;
-        *q = dem__fly(w, i, x, v, time, h, law);
-        const double bent = dem__length(dem__sub(dem__scale(2.0 / h, q->way), a)) * h * h / 13.5;
-        const double error = bent > 100.0 * q->error ? bent : 100.0 * q->error; /* errors of the ends add up */
-        if (n == 1 || error <= limit) return n;
-        const double part = 0.9 * riddle_cbrt(limit / error);
-        const int fewer = (int)((part > 0.1 ? part : 0.1) * (double)n); /* NaN: a tenth */
-        n = fewer > 1 ? fewer : 1;
-    }
-}
-
-/* Begins a flight now, after the torque of the one before. The present parabola stays where the law gives 0 as before,
-   and there is no torque. */
-DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
-                                 dem__turning_fn turning) {
-    dem__field *field = &w->engine->field;
-    const double tau = dem__now(w, i), dt = w->engine->run.dt, passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
-    const dem_vec x = dem__centre_at(w, i, tau),
-                  v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
-    const dem_vec g = dem__free_fall(w), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
-    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
-    const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
-    dem__flown q;
-    const int n = dem__choose_flight(w, i, x, v, &turn, &q, law), brakes = turn.c > 0.0 && passed > 0.0;
-    const double h = (double)n * dt;
-    field->until[i] = w->step + n;
-    field->work[i] = q.work, field->booked[i] = 0.0;
-    if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
-    if (!(q.zero && dem__falls_freely(w, i)) || brakes) {
-        dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
-        if (brakes) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn); /* the next booking adds it */
-    }
-    field->end_velocity[i] =
-        q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
-}
-
-/* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0
-   to the end. If so, computes the velocity at its end and the work. */
-DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
-    dem__field *field = &w->engine->field;
-    const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX, origin = w->particle[i].origin;
-    const dem_vec pull = dem__centre_pull(w, i);
-    const double dt = w->engine->run.dt, tau = dem__now(w, i);
-    if (!(end > w->step && end < last && origin <= w->step && end - origin < 2 * (int64_t)last)) return 0;
-    const int zero = dem__falls_freely(w, i);
-    const double h = (double)(end - (zero ? w->step : origin)) * dt, from = zero ? tau : 0.0;
-    const dem_vec v = dem__drift_at(w, i, from);
-    const dem__flown q =
-        dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), h, law);
-    const dem_vec a = dem__scale(2.0 / h, q.way);
-    if (zero != q.zero || (zero && h * dem__length(v) > 2.0 * field->def.length)) return 0;
-    if (!zero && !(a.x == pull.x && a.y == pull.y && a.z == pull.z)) return 0;
-    field->end_velocity[i] = zero ? dem__drift_at(w, i, (double)(end - origin) * dt) : dem__add(v, q.gain);
-    field->work[i] = q.work;
-    return 1;
-}
-
-/* Ends the flight of particle i now, at its position on the parabola. Its velocity is computed again. */
-DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
-                                dem__turning_fn turning) {
-    dem__field *field = &w->engine->field;
-    dem__rigid *r = dem__rigid_of(w, i);
-    const dem_vec a = dem__centre_pull(w, i);
-    const double tau = dem__now(w, i), passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
-    const dem_vec x = dem__centre_at(w, i, tau), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
-    dem_vec v = dem__drift_at(w, i, tau);
-    const int falls = dem__falls_freely(w, i);
-    field->work[i] = 0.0;
-    if (tau > 0.0 && !falls) {
-        const dem_vec begun = dem__drift_at(w, i, 0.0);
-        const dem__flown q =
-            dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), tau, law);
-        v = dem__add(begun, q.gain);
-        field->work[i] = q.work;
-    }
-    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
-    const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
-    const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
-    const int brakes = turn.c > 0.0 && passed > 0.0;
-    field->force[i] = dem__scale(w->particle[i].mass, pull);
-    field->until[i] = DEM__NO_FLIGHT;
-    if (falls && dem__is_zero(pull) && !brakes) return; /* the same bits as without a field */
-    dem__begin_parabola(w, i, x, v, a);
-    if (brakes) field->work[i] += dem__apply_drag_torque(w, i, passed, &turn);
-    dem__free_acceleration(w, i);
-    if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
-}
-
-/* Adds the law's force and torque on particle i, which takes steps, at its position after a step of h and at the
-   velocity predicted for it. The force on a body is added where its forces are summed. */
-DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *),
-                                     dem__turning_fn turning) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const dem_particle *p = &w->particle[i];
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), v = r ? r->v : p->v;
-    w->engine->field.torque[i] = none;
-    if (!dem__leads(w, i)) {
-        w->engine->field.force[i] = none;
-        return;
-    }
-    const dem_force_point at =
-        dem__field_point(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
-                         dem__time_of(w, w->step + (h > 0.0)));
-    const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
-    const dem_vec force = dem__scale(p->mass, pull);
-    double *load = w->engine->bodies.sum[i].load;
-    if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
-    w->engine->field.force[i] = force;
-    if (!turning) return;
-    const dem__turning turn = dem__turning_of(w, i, &at, p->spin, turning);
-    const dem_vec torque = turn.c > 0.0 ? dem__scale(-turn.c, turn.spin) : none;
-    load[3] += torque.x, load[4] += torque.y, load[5] += torque.z;
-    w->engine->field.torque[i] = torque;
-}
-
-DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_vec (*law)(const dem_force_point *),
-                                  dem__turning_fn turning) {
-    for (ptrdiff_t k = 0; k < q->n; k++) {
-        const ptrdiff_t i = q->particle[k];
-        if (q->task == DEM__ADD_FIELD_FORCE) dem__add_field_force(w, i, q->h, law, turning);
-        else if (q->task == DEM__END_FLIGHTS) dem__end_flight(w, i, law, turning);
-        else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law, turning);
-    }
-}
-
-/* turning: a law of torque, or NULL. */
-#define DEM__FIELD(name, law, turning)                                                                                 \
-    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
-        dem__field_kernel(world, task, law, turning);                                                                  \
-        return 1;                                                                                                      \
-    }
-#define DEM_FORCE_FIELD(name, law) DEM__FIELD(name, law, NULL)
-
-/* ------------------------------------------------------------------------------------------------- >>gas/flights.h */
-/* Flights in a force field within a step: their begin and end, timers, bounds and work; and setting a field. */
-
-/* Runs a task of the kernel for a part of a list of particles. */
-static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    dem__field_task q = *(const dem__field_task *)context;
-    (void)part;
-    q.n = end - first;
-    if (q.n > 0) q.particle += first;
-    w->engine->field.def.kernel(w, &q);
-}
-/* Runs a task of the kernel for a list of particles, on one thread or several. */
-static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff_t n, int task, double h) {
-    dem__field_task q;
-    memset(&q, 0, sizeof q);
-    q.particle = particle, q.n = n, q.task = task, q.h = h;
-    dem__in_parts(w, dem__parts(w, 4 * n), n, dem__run_field_range, &q);
-}
-
-/* Returns the work of the field along a flight so far [J]: the energy that the particle has gained since its origin. */
-static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
-    const double tau = dem__now(w, i);
-    const dem_vec u = dem__drift_at(w, i, 0.0), v = dem__drift_at(w, i, tau), g = dem__free_fall(w);
-    const dem_vec way = dem__sub(dem__centre_at(w, i, tau), dem__centre_at(w, i, 0.0));
-    const double gain = 0.5 * (dem__dot(v, v) - dem__dot(u, u)) - dem__dot(g, way);
-    return dem__falls_freely(w, i) ? 0.0 : w->particle[i].mass * gain;
-}
-
-/* Returns whether particle i, or the body that it leads, is in flight. */
-DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) {
-    return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING && dem__leads(w, i);
-}
-
-/* Treats the work of the field on all flights so far as booked, because the ledger begins or all flights have been
-   found again. */
-static inline void dem__begin_field_ledger(dem_world *w) {
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (dem__is_flying(w, i)) w->engine->field.booked[i] = dem__flight_gain(w, i);
-    }
-}
-
-/* Books the work of the field on all flights so far, or only on those of particles that leave. */
-static inline void dem__book_flights(dem_world *w, int leaving) {
-    dem__field *field = &w->engine->field;
-    for (ptrdiff_t i = 0; i < w->count && w->engine->ledger.on; i++) {
-        if ((leaving ? w->alive[i] != DEM_LEAVING : w->alive[i] <= 0) || field->until[i] == DEM__NO_FLIGHT) continue;
-        const double gain = dem__flight_gain(w, i);
-        dem__book_field_work(w, gain - field->booked[i]);
-        field->booked[i] = gain;
-    }
-}
-
-/* Returns how far the velocity of particle k, which flies with i, can depart from that of its bound until the end of
-   the flight [m/s]. */
-DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff_t k) {
-    const dem__field *field = &w->engine->field;
-    const dem__bound *c = &w->engine->bodies.bound[k];
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const double t = dem__since_listed(w, w->step), left = (double)(field->until[i] - w->step) * w->engine->run.dt;
-    const dem_vec g = dem__free_fall(w), u = dem_vec3(c->ux, c->uy, c->uz);
-    const dem_vec now = dem__sub(dem__plus(dem__drift_at(w, i, dem__now(w, i)), -t, g), u);
-    const double here = dem__length(now),
-                 there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
-                 end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
-    const double most = here > there ? here : there;
-    const double turning_speed =
-        r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
-    return (most > end ? most : end) + turning_speed;
-}
-
-/* Sets a bound for particle k, which flies with i. It holds for about DEM__FLIGHTS flights like this one. */
-static inline void dem__bound_flight(dem_world *w, ptrdiff_t i, ptrdiff_t k) {
-    const dem__field *field = &w->engine->field;
-    const dem__pairs *pairs = &w->engine->pairs;
-    const double t = dem__since_listed(w, w->step), tau = dem__now(w, i), dt = w->engine->run.dt;
-    const double left = (double)(field->until[i] - w->step) * dt;
-    const dem_vec g = dem__free_fall(w), x = dem__at(w, k, tau), v = dem__drift_at(w, i, tau);
-    const dem_vec turn = dem__scale(0.5 * DEM__FLIGHTS * left, dem__sub(dem__centre_pull(w, i), g)),
-                  u = dem__add(v, turn);
-    dem__bound *c = &w->engine->bodies.bound[k];
-    c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
-    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y),
-    c->z = x.z - t * (u.z - 0.5 * t * g.z);
-    const double turned = 1.1 * dem__length(turn), most = 1.1 * dem__flight_deviation(w, i, k);
-    c->tolerance = 0.001 * pairs->least_tolerance + (turned > most ? turned : most);
-    c->reach = w->particle[k].radius + pairs->position_tolerance - t * c->tolerance;
-    w->engine->bodies.shifted[k] = 0.0;
-}
-
-/* Sets the timers of n flights that have just been computed, and new bounds for particles that leave theirs. Returns 0
-   if one is too fast. */
-static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff_t n) {
-    dem__field *field = &w->engine->field;
-    dem__bodies *bodies = &w->engine->bodies;
-    const dem__list_frame frame = dem__frame_at(w, w->step);
-    dem__outcome outcome = dem__no_outcome(w);
-    ptrdiff_t reset = 0;
-    for (ptrdiff_t q = 0; q < n; q++) {
-        const int32_t i = list[q];
-        dem__rigid *r = dem__rigid_of(w, i);
-        const double tau = dem__now(w, i);
-        if (w->engine->run.has_periodic && w->particle[i].origin == w->step) {
-            if (r) bodies->calls->wrap(w, r);
-            else dem__wrap(w, i);
-        }
-        dem__set_timer(&field->timers, i, field->until[i]);
-        for (int32_t k = i; k < i + (r ? r->pieces : 1); k++) {
-            if (dem__flight_deviation(w, i, k) < bodies->bound[k].tolerance) continue; /* false for NaN */
-            const double shifted = bodies->shifted[k];
-            dem__bound_flight(w, i, k);
-            w->engine->scratch.index[reset++] = k;
-            if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted,
-                                 &outcome))
-                dem__advance_wall_timers(w, k, w->step);
-        }
-    }
-    dem__apply_outcome(w, &outcome);
-    dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
-    return w->status == DEM_OK;
-}
-
-/* Returns whether particle i, which takes steps, has the acceleration that it has without contacts and without the
-   field. Always 0 for a body. */
-static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
-    if (dem__rigid_of(w, i)) return 0;
-    const dem_vec a =
-        dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
-    return dem__is_zero(dem__sub(w->particle[i].a, a));
-}
-
-/* Sets timers and bounds of all flights for a new list of near pairs. Returns 0 after a failure. */
-static inline int dem__list_flights(dem_world *w) {
-    dem__field *field = &w->engine->field;
-    ptrdiff_t n = 0;
-    if (!dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        return 0;
-    }
-    dem__stop_timers(&field->timers, 0, w->count);
-    field->timers.from = w->step;
-    field->rebuilds = w->rebuilds;
-    for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        field->timers.list[n] = i;
-        n += dem__is_flying(w, i);
-    }
-    return dem__follow_flights(w, field->timers.list, n);
-}
-
-/* Prepares a run: begins the flights of new particles, and again those that the caller has changed. Returns 0 after a
-   failure. */
-static inline int dem__prepare_flights(dem_world *w) {
-    dem__field *field = &w->engine->field;
-    ptrdiff_t n = 0, ended = 0;
-    if (!dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
-        w->status = DEM_OUT_OF_MEMORY;
-        return 0;
-    }
-    for (int32_t i = 0; i < (int32_t)w->count; i++) {
-        field->timers.list[n] = field->stepping[ended] = i;
-        n += dem__is_flying(w, i);
-        ended += w->alive[i] > 0 && dem__leads(w, i) && !dem__is_flying(w, i) &&
-                 (field->until[i] != DEM__NO_FLIGHT || dem__feels_no_field(w, i));
-        if (w->alive[i] <= 0 || field->until[i] <= w->step) field->until[i] = DEM__NO_FLIGHT;
-    }
-    dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
-    dem__run_field(w, field->timers.list, n, DEM__RENEW_FLIGHTS, 0.0);
-    dem__begin_field_ledger(w);
-    field->steppers = 0;
-    return dem__list_flights(w);
-}
-
-/* Begins the next flight where one is over, before a step. Returns 0 after a failure. */
-static inline int dem__continue_flights(dem_world *w) {
-    dem__field *field = &w->engine->field;
-    ptrdiff_t n, flying = 0;
-    int32_t *list = field->timers.list;
-    if (field->rebuilds != w->rebuilds && !dem__list_flights(w)) return 0;
-    dem__list_due(&field->timers, 0, field->timers.pages, w->step, DEM__STOPPED, &n);
-    for (ptrdiff_t k = 0; k < n; k++) {
-        const int32_t i = list[k];
-        if (!dem__is_flying(w, i)) continue;
-        dem__book_field_work(w, field->work[i] - field->booked[i]);
-        list[flying++] = i;
-    }
-    if (flying == 0) return 1;
-    dem__run_field(w, list, flying, DEM__FIND_FLIGHTS, 0.0);
-    return dem__follow_flights(w, list, flying);
-}
-
-/* Ends the flights of particles whose contacts begin, in the slots that contacts.slots lists. */
-static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
-    dem__field *field = &w->engine->field;
-    const dem__contacts *contacts = &w->engine->contacts;
-    const double t = dem__since_listed(w, w->step);
-    for (ptrdiff_t k = 0; k < 2 * begun; k++) {
-        const int32_t c = contacts->slots[k / 2], touched = k % 2 ? contacts->j[c] : contacts->i[c];
-        const dem__rigid *r = touched < 0 ? NULL : dem__rigid_of(w, touched);
-        const int32_t i = r ? r->first : touched;
-        if (i < 0 || field->until[i] == DEM__NO_FLIGHT) continue;
-        const double booked = field->booked[i];
-        dem__run_field(w, &i, 1, DEM__END_FLIGHTS, 0.0);
-        dem__book_field_work(w, field->work[i] - booked);
-        for (int32_t q = i; q < i + (r ? r->pieces : 1); q++)
-            dem__set_tolerance_left(w, q, dem__length(dem__deviation(w, q, t)));
-        dem__stop_timer(&field->timers, i);
-    }
-}
-
-/* Books half of the work that the present forces do on the particles that take steps. */
-static inline void dem__book_stepping(dem_world *w, double h) {
-    for (ptrdiff_t k = 0; k < w->engine->bodies.active_count && w->engine->ledger.on && h > 0.0; k++) {
-        const ptrdiff_t i = w->engine->bodies.active[k];
-        const dem__rigid *r = dem__rigid_of(w, i);
-        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.force[i], r ? r->v : w->particle[i].v));
-        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.torque[i], w->particle[i].spin));
-    }
-}
-
-/* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the
-   work from the mean of the forces at both ends. */
-static inline void dem__add_field_forces(dem_world *w, double h) {
-    dem__field *field = &w->engine->field;
-    const dem__bodies *bodies = &w->engine->bodies;
-    const ptrdiff_t n = bodies->active_count;
-    if (n > 0) memcpy(field->stepping, bodies->active, (size_t)n * sizeof *bodies->active);
-    field->steppers = n;
-    dem__book_stepping(w, h);
-    dem__run_field(w, bodies->active, n, DEM__ADD_FIELD_FORCE, h);
-    dem__book_stepping(w, h);
-}
-
-/* Begins flights of particles whose last contact has ended, after a step. Returns 0 after a failure. */
-static inline int dem__begin_flights(dem_world *w) {
-    dem__field *field = &w->engine->field;
-    int32_t *list = field->stepping;
-    ptrdiff_t n = 0;
-    for (ptrdiff_t k = 0; k < field->steppers; k++) {
-        const int32_t i = list[k];
-        if (dem__is_flying(w, i)) list[n++] = i;
-        else if (w->alive[i] > 0 && w->touching[i] == 0 && !dem__rigid_of(w, i) &&
-                 !dem__is_fixed(w, i)) {  /* it has a load */
-            dem__free_acceleration(w, i); /* rounded as after a check of its bound */
-            w->particle[i].a = dem__plus(w->particle[i].a, w->engine->bodies.sum[i].per_mass, field->force[i]);
-        }
-    }
-    field->steppers = 0;
-    if (n == 0) return 1;
-    dem__run_field(w, list, n, DEM__FIND_FLIGHTS, 0.0);
-    return dem__follow_flights(w, list, n);
-}
-
-/* Returns the error of a velocity on the parabola of a flight in a force field [m/s]. The parabola has the right
-   positions at both ends, but not the right velocities. The error at its end shows how the acceleration changes along
-   it. */
-static inline dem_vec dem__velocity_error_in_field(const dem_world *w, ptrdiff_t i, double tau) {
-    const dem__field *field = &w->engine->field;
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const ptrdiff_t first = r ? r->first : i; /* the flight belongs to the first particle */
-    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
-    if (w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
-    const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
-    if (!(share >= 0.0 && share <= 1.0)) return none;
-    return dem__scale(share * (3.0 * share - 2.0), dem__sub(field->end_velocity[first], dem__drift_at(w, i, whole)));
-}
-
-/* Gives particle i, or its body, the most accurate velocity that is known, at an origin that has just been set. */
-static inline void dem__correct_velocity_in_field(dem_world *w, ptrdiff_t i, dem_vec error) {
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem__book_field_work(w, -dem__motion_energy(w, i));
-    if (r) {
-        r->v = dem__add(r->v, error);
-        w->engine->bodies.calls->place(w, r);
-    } else w->particle[i].v = dem__add(w->particle[i].v, error);
-    dem__book_field_work(w, dem__motion_energy(w, i));
-}
-
-/* ---- the feature ---- */
-
-/* Lists the arrays of particles in a force field. Returns how many. */
-static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
-    dem__field *field = &w->engine->field;
-    const dem__array arrays[] = {{&field->until, sizeof *field->until},
-                                 {&field->end_velocity, sizeof *field->end_velocity},
-                                 {&field->force, sizeof *field->force},
-                                 {&field->torque, sizeof *field->torque},
-                                 {&field->work, sizeof *field->work},
-                                 {&field->booked, sizeof *field->booked}};
-    const int n = (int)(sizeof arrays / sizeof *arrays);
-    memcpy(list, arrays, sizeof arrays);
-    return n;
-}
-
-static inline void dem__release_field(dem_world *w) {
-    dem__release(&w->def.allocator, w->engine->field.timers.block, w->engine->field.timers.bytes);
-}
-
-static inline void dem__add_unflown(dem_world *w, ptrdiff_t i) {
-    w->engine->field.until[i] = DEM__NO_FLIGHT;
-    w->engine->field.force[i] = w->engine->field.torque[i] = dem_vec3(0.0, 0.0, 0.0);
-}
-
-/* Refuses a run in a field without a law: after loading, dem_set_force_field must come first. */
-static inline dem_status dem__check_field(const dem_world *w, const dem_kernel *kernel) {
-    (void)kernel;
-    return w->engine->field.def.kernel ? DEM_OK : DEM_NO_FIELD;
-}
-
-/* Begins the next flight where one is over, so that a caller who changes particles finds none that is over. */
-static inline int dem__end_run_in_field(dem_world *w, int going) {
-    if (going) going = dem__continue_flights(w);
-    dem__book_flights(w, 0);
-    return going;
-}
-
-static inline void dem__leave_field(dem_world *w) { dem__book_flights(w, 1); }
-
-static inline void dem__world_fields_of_field(dem_world *w, dem__group *g) {
-    const dem__saved_field fields[] = {DEM__INTEGER("field.on", w->engine->field.on, 0)};
-    dem__add_optional(g, fields, sizeof fields);
-}
-
-static inline void dem__particle_fields_of_field(dem_world *w, dem__group *g) {
-    dem__field *field = &w->engine->field;
-    const dem__saved_field fields[] = {
-        DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
-        DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
-        DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
-        DEM__DOUBLES("particle.field_torque", field->torque[0], sizeof *field->torque),
-        DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
-    };
-    dem__add_optional(g, fields, sizeof fields);
-}
-
-static inline int dem__has_field(const dem__file *file, const dem_world *w) {
-    (void)file;
-    return dem__is_flag(w->engine->field.on) ? w->engine->field.on : -1;
-}
-
-static inline dem_status dem__load_flights(const dem__file *file, dem_world *w, dem__group *g) {
-    (void)file, (void)g;
-    for (ptrdiff_t i = 0; i < w->count; i++) {
-        if (w->engine->field.until[i] < 0) return DEM_BAD_DATA;
-    }
-    return DEM_OK;
-}
-
-static inline dem__feature dem__feature_field(void) {
-    dem__feature f = dem__new_feature(DEM__FIELD_FEATURE);
-    f.exclusive = 1;
-    f.list_arrays = dem__list_arrays_of_field;
-    f.release = dem__release_field;
-    f.add_particle = dem__add_unflown;
-    f.check_run = dem__check_field;
-    f.prepare_run = dem__prepare_flights;
-    f.begin_ledger = dem__begin_field_ledger;
-    f.end_run = dem__end_run_in_field;
-    f.begin_step = dem__continue_flights;
-    f.contacts_begun = dem__end_flights;
-    f.add_forces = dem__add_field_forces;
-    f.leave = dem__leave_field;
-    f.begin_flights = dem__begin_flights;
-    f.velocity_error = dem__velocity_error_in_field;
-    f.correct_velocity = dem__correct_velocity_in_field;
-    f.world_fields = dem__world_fields_of_field;
-    f.particle_fields = dem__particle_fields_of_field;
-    f.is_used = dem__has_field;
-    f.load = dem__load_flights;
-    return f;
-}
-
-DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
-    dem_force_field field;
-    field.kernel = kernel;
-    field.user = user;
-    field.length = field.interval = HUGE_VAL;
-    field.accuracy = 1e-6;
-    return field;
-}
-
-/* Removes the field. Particles in flight fall freely from here on. */
-static inline void dem__drop_field(dem_world *w) {
-    dem__field *field = &w->engine->field;
-    for (ptrdiff_t i = 0; i < w->count && field->on; i++) {
-        if (!dem__is_flying(w, i)) continue;
-        dem__restart(w, i);
-        dem__free_acceleration(w, i);
-    }
-    dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
-    memset(field, 0, sizeof *field);
-    dem__drop_feature(w, DEM__FIELD_FEATURE);
-    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-}
-
-DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field) {
-    dem_world *w = world;
-    if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn) return DEM_BAD_ARGUMENT;
-    if (!field) {
-        dem__drop_field(w);
-        return DEM_OK;
-    }
-    const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
-    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) ||
-        !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4))
-        return DEM_BAD_ARGUMENT;
-    if (!w->engine->field.on) {
-        const dem_status status = dem__take_feature(w, dem__feature_field());
-        if (status != DEM_OK) return status;
-        w->engine->field.on = 1;
-    }
-    if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are already those of the field */
-    w->engine->field.def = *field;
-    w->engine->run.needs_lists = 1;
-    return DEM_OK;
-}
-
 /* ------------------------------------------------------------------------------------------------ >>bodies/union.h */
 /* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is
    cut along latitudes about z. On a latitude other balls cover arcs. Between the arcs, the integrals of products of the
@@ -14030,6 +13336,1112 @@ static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre,
         }
         dem__add_shifted(c, &own, centre[first]);
     }
+}
+
+/* ---------------------------------------------------------------------------------------------------- >>gas/view.h */
+/* What a flow sees of a body: its surface, its area along the flow, and its mean area across it, for the sphericities of
+   Hoelzer & Sommerfeld 2008. Reads shapes and bodies; writes the views of a field, one for each shape. Polyhedra: closed
+   forms. Clumps: a table of directions, from closed forms of the union's outline. */
+
+/* Directions of a table: a grid of squares on three sides of a cube; opposite directions look alike. */
+enum {
+    DEM__VIEW_CELLS = 16,
+    DEM__VIEW_ROW = DEM__VIEW_CELLS + 1,
+    DEM__VIEW_SIDE = DEM__VIEW_ROW * DEM__VIEW_ROW,
+    DEM__VIEW_CIRCLE = 32 /* directions of a half circle, for means */
+};
+
+/* All areas are over that of the circle of the sphere of equal volume. */
+typedef struct dem__view {
+    uint64_t key; /* of a polyhedron: 1 + its shape; of a clump: a hash of it, with the highest bit */
+    double surface;
+    int faces; /* of a polyhedron; 0: a clump */
+    dem_vec normal[DEM_FACES_MAX];
+    double area[DEM_FACES_MAX];
+    double seen[3 * DEM__VIEW_SIDE][2]; /* of a clump: area along, and mean area across */
+} dem__view;
+
+/* A clump over the diameter of the sphere of its volume: centres from its centre of mass along its principal axes. */
+typedef struct dem__outline {
+    int n;
+    dem_vec centre[DEM_CLUMP_MAX];
+    double radius[DEM_CLUMP_MAX];
+} dem__outline;
+
+/* ---- polyhedra ---- */
+
+/* Returns a unit vector across u. */
+static inline dem_vec dem__one_across(dem_vec u) {
+    const dem_vec a = dem__cross(u, fabs(u.x) < 0.6 ? dem_vec3(1.0, 0.0, 0.0) : dem_vec3(0.0, 1.0, 0.0));
+    return dem__scale(1.0 / dem__length(a), a);
+}
+
+/* Cuts from a polygon what is in front of a plane. Returns its number of corners. */
+static inline int dem__cut_polygon(dem_vec *corner, int n, const double *plane, double offset) {
+    dem_vec kept[DEM_FACES_MAX + 4];
+    int m = 0;
+    for (int k = 0; k < n; k++) {
+        const dem_vec a = corner[k], b = corner[(k + 1) % n];
+        const double from = dem__dot(dem__point(plane), a) - offset, to = dem__dot(dem__point(plane), b) - offset;
+        if (from <= 0.0) kept[m++] = a;
+        if ((from < 0.0 && to > 0.0) || (from > 0.0 && to < 0.0))
+            kept[m++] = dem__plus(a, from / (from - to), dem__sub(b, a));
+        if (m > DEM_FACES_MAX + 2) return 0;
+    }
+    memcpy(corner, kept, (size_t)m * sizeof *kept);
+    return m;
+}
+
+/* Returns the area of a face of a polyhedron without its rounding: its planes lie a radius in front of those of the
+   core. */
+static inline double dem__sharp_area(const dem_convex *s, int face) {
+    dem_vec corner[DEM_FACES_MAX + 4], n = dem__point(s->plane[face]);
+    const dem_vec u = dem__scale(100.0 * s->reach, dem__one_across(n)), v = dem__cross(n, u),
+                  middle = dem__scale(s->plane[face][3] + s->radius, n);
+    int m = 4;
+    double area = 0.0;
+    corner[0] = dem__add(middle, u), corner[1] = dem__add(middle, v);
+    corner[2] = dem__sub(middle, u), corner[3] = dem__sub(middle, v);
+    for (int k = 0; k < s->faces && m > 0; k++)
+        if (k != face) m = dem__cut_polygon(corner, m, s->plane[k], s->plane[k][3] + s->radius);
+    for (int k = 2; k < m; k++)
+        area += 0.5 * dem__dot(n, dem__cross(dem__sub(corner[k - 1], corner[0]), dem__sub(corner[k], corner[0])));
+    return area > 0.0 ? area : 0.0;
+}
+
+static inline void dem__view_polyhedron(dem__view *view, const dem_convex *s) {
+    double volume = 0.0;
+    view->faces = s->faces, view->surface = 0.0;
+    for (int k = 0; k < s->faces; k++) {
+        view->normal[k] = dem__point(s->plane[k]), view->area[k] = dem__sharp_area(s, k);
+        volume += (s->plane[k][3] + s->radius) * view->area[k] / 3.0;
+    }
+    const double x = riddle_cbrt(6.0 / RIDDLE_PI * volume), circle = 0.25 * RIDDLE_PI * x * x;
+    for (int k = 0; k < s->faces; k++) view->area[k] /= circle, view->surface += view->area[k];
+}
+
+/* ---- clumps ---- */
+
+/* Returns twice the area that an uncovered arc of a circle about (x, y) encloses with the origin. */
+static inline double dem__arc_area(double x, double y, double r, double from, double to) {
+    return r * (r * (to - from) + x * (riddle_sin(to) - riddle_sin(from)) - y * (riddle_cos(to) - riddle_cos(from)));
+}
+
+/* Adds an arc to a list in the order of beginnings. Returns its length. */
+static inline int dem__insert_arc(double (*arc)[2], int n, double from, double to) {
+    int k = n;
+    for (; k > 0 && arc[k - 1][0] > from; k--) arc[k][0] = arc[k - 1][0], arc[k][1] = arc[k - 1][1];
+    arc[k][0] = from, arc[k][1] = to;
+    return n + 1;
+}
+
+/* Lists the arcs of circle i that others cover. Returns how many; -1: all is covered. x, y: centres. */
+static inline int dem__covered_arcs(const dem__outline *c, const double *x, const double *y, int i, double (*arc)[2]) {
+    int n = 0;
+    for (int j = 0; j < c->n; j++) {
+        const double dx = x[j] - x[i], dy = y[j] - y[i], d = sqrt(dx * dx + dy * dy), r = c->radius[i],
+                     other = c->radius[j];
+        if (j == i || d >= r + other) continue;
+        if (d + r <= other && (d + other > r || j < i)) return -1; /* of two equal circles the first counts */
+        if (d + other <= r) continue;
+        const double half = riddle_acos(dem__clamp((d * d + (r - other) * (r + other)) / (2.0 * d * r), -1.0, 1.0)),
+                     angle = riddle_atan2(dy, dx);
+        double a = angle - half, b = angle + half;
+        if (a < -RIDDLE_PI) n = dem__insert_arc(arc, n, a + 2.0 * RIDDLE_PI, RIDDLE_PI), a = -RIDDLE_PI;
+        if (b > RIDDLE_PI) n = dem__insert_arc(arc, n, -RIDDLE_PI, b - 2.0 * RIDDLE_PI), b = RIDDLE_PI;
+        n = dem__insert_arc(arc, n, a, b);
+    }
+    return n;
+}
+
+/* Returns the area of a clump seen along the unit vector u. */
+static inline double dem__seen_along(const dem__outline *c, dem_vec u) {
+    double x[DEM_CLUMP_MAX], y[DEM_CLUMP_MAX], arc[2 * DEM_CLUMP_MAX][2], twice = 0.0;
+    const dem_vec a = dem__one_across(u), b = dem__cross(u, a);
+    for (int k = 0; k < c->n; k++) x[k] = dem__dot(a, c->centre[k]), y[k] = dem__dot(b, c->centre[k]);
+    for (int i = 0; i < c->n; i++) {
+        const int n = dem__covered_arcs(c, x, y, i, arc);
+        double from = -RIDDLE_PI;
+        for (int k = 0; k <= n; k++) {
+            const double to = k < n ? arc[k][0] : RIDDLE_PI;
+            if (to > from) twice += dem__arc_area(x[i], y[i], c->radius[i], from, to);
+            if (k < n && arc[k][1] > from) from = arc[k][1];
+        }
+    }
+    return 0.5 * twice / (0.25 * RIDDLE_PI);
+}
+
+/* Returns direction k of those of a half circle across u. */
+static inline dem_vec dem__across(dem_vec u, int k) {
+    const dem_vec a = dem__one_across(u);
+    const double angle = RIDDLE_PI * (double)k / (double)DEM__VIEW_CIRCLE;
+    return dem__plus(dem__scale(riddle_cos(angle), a), riddle_sin(angle), dem__cross(u, a));
+}
+
+/* Finds the outline of a body of spheres, over the diameter of the sphere of its own volume, and its surface. Lengths
+   are rounded, so that bodies of one shape and several sizes have the same bits. */
+static inline void dem__find_outline(const dem_world *w, const dem__rigid *r, dem__outline *c, double *surface) {
+    const double grain = 1073741824.0, x = dem__equal_diameter(w, r);
+    dem__cover cap[DEM__CAPS];
+    dem__exposed e;
+    dem__content content;
+    memset(&content, 0, sizeof content);
+    c->n = r->pieces;
+    for (int k = 0; k < c->n; k++) {
+        const dem_vec o = w->engine->bodies.offset[r->first + k];
+        c->centre[k] = dem_vec3(floor(o.x / x * grain + 0.5) / grain, floor(o.y / x * grain + 0.5) / grain,
+                                floor(o.z / x * grain + 0.5) / grain);
+        c->radius[k] = floor(w->particle[r->first + k].radius / x * grain + 0.5) / grain;
+    }
+    *surface = 0.0;
+    for (int k = 0; k < c->n; k++) {
+        dem__expose(dem__find_caps(c->n, c->centre, c->radius, k, cap), cap, &e);
+        dem__add_enclosed(&content, &e, c->centre[k], c->radius[k]);
+        *surface += c->radius[k] * c->radius[k] * e.zero;
+    }
+    const double own = riddle_cbrt(6.0 / RIDDLE_PI * content.volume);
+    for (int k = 0; k < c->n; k++) c->centre[k] = dem__scale(1.0 / own, c->centre[k]), c->radius[k] /= own;
+    *surface /= 0.25 * RIDDLE_PI * own * own;
+}
+
+/* Finds areas in a table, by interpolation in a square. seen: area along u, mean area across it. */
+static inline void dem__read_view(const dem__view *view, dem_vec u, double *seen) {
+    const double v[3] = {u.x, u.y, u.z};
+    const int side = fabs(v[0]) >= fabs(v[1]) && fabs(v[0]) >= fabs(v[2]) ? 0 : fabs(v[1]) >= fabs(v[2]) ? 1 : 2;
+    const double a = (0.5 + 0.5 * v[(side + 1) % 3] / v[side]) * DEM__VIEW_CELLS,
+                 b = (0.5 + 0.5 * v[(side + 2) % 3] / v[side]) * DEM__VIEW_CELLS;
+    const int i = a < DEM__VIEW_CELLS - 1 ? (int)a : DEM__VIEW_CELLS - 1,
+              j = b < DEM__VIEW_CELLS - 1 ? (int)b : DEM__VIEW_CELLS - 1;
+    const double p = a - i, q = b - j;
+    const double(*low)[2] = &view->seen[side * DEM__VIEW_SIDE + i * DEM__VIEW_ROW + j],
+          (*high)[2] = low + DEM__VIEW_ROW;
+    for (int k = 0; k < 2; k++)
+        seen[k] = (1.0 - p) * ((1.0 - q) * low[0][k] + q * low[1][k]) + p * ((1.0 - q) * high[0][k] + q * high[1][k]);
+}
+
+static inline void dem__view_clump(dem__view *view, const dem__outline *c) {
+    dem_vec direction[3 * DEM__VIEW_SIDE];
+    for (int k = 0; k < 3 * DEM__VIEW_SIDE; k++) {
+        const int side = k / DEM__VIEW_SIDE, place = k % DEM__VIEW_SIDE;
+        double v[3];
+        v[side] = 1.0;
+        v[(side + 1) % 3] = 2.0 * (place / DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
+        v[(side + 2) % 3] = 2.0 * (place % DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
+        direction[k] = dem__scale(1.0 / dem__length(dem__point(v)), dem__point(v));
+        view->seen[k][0] = dem__seen_along(c, direction[k]), view->seen[k][1] = 0.0;
+    }
+    for (int k = 0; k < 3 * DEM__VIEW_SIDE; k++) {
+        double sum = 0.0;
+        for (int q = 0; q < DEM__VIEW_CIRCLE; q++) {
+            double seen[2];
+            dem__read_view(view, dem__across(direction[k], q), seen);
+            sum += seen[0];
+        }
+        view->seen[k][1] = sum / DEM__VIEW_CIRCLE;
+    }
+    view->faces = 0;
+}
+
+/* ---- sphericities ---- */
+
+/* Finds the sphericities from areas over that of the sphere's circle. */
+static inline void dem__sphericities_of(double surface, double along, double across, double *psi) {
+    psi[0] = surface > 4.0 ? 4.0 / surface : 1.0;
+    psi[1] = 1.0 / along, psi[2] = 1.0 / (0.5 * surface - across);
+}
+
+/* Finds those of a polyhedron in a flow along the unit vector u, in its frame: a face with normal n and area a shows
+   a |n u| along u, and a 2/pi |n x u| on average across it; every ray meets two faces. */
+static inline void dem__see_faces(const dem__view *view, dem_vec u, double *psi) {
+    double along = 0.0, across = 0.0;
+    for (int k = 0; k < view->faces; k++) {
+        along += 0.5 * view->area[k] * fabs(dem__dot(view->normal[k], u));
+        across += view->area[k] / RIDDLE_PI * dem__length(dem__cross(view->normal[k], u));
+    }
+    dem__sphericities_of(view->surface, along, across, psi);
+}
+
+/* Returns a flow of any length as a unit vector. */
+static inline dem_vec dem__flow_direction(dem_vec flow) {
+    const double size = fmax(fabs(flow.x), fmax(fabs(flow.y), fabs(flow.z)));
+    const dem_vec u = dem__scale(1.0 / size, flow);
+    return size > 0.0 ? dem__scale(1.0 / dem__length(u), u) : dem_vec3(0.0, 0.0, 1.0); /* at rest drag is 0 */
+}
+
+/* Finds the sphericities of a body for a law. */
+static DEM__NOINLINE void dem__find_seen_body(const dem__seen *s, dem_vec flow, double psi[3]) {
+    const dem_world *w = s->world;
+    const dem__field *field = &w->engine->field;
+    const dem__rigid *r = dem__rigid_of(w, s->first);
+    const dem__view *view = &field->view[field->view_of[s->first] - 1];
+    const dem_vec u = dem__to_body(dem__pose_at(w, r, s->tau).turn, dem__flow_direction(flow));
+    double seen[2];
+    if (view->faces > 0) {
+        dem__see_faces(view, u, psi);
+        return;
+    }
+    dem__read_view(view, u, seen);
+    dem__sphericities_of(view->surface, seen[0], seen[1], psi);
+}
+
+/* Returns what a law is told about the body of particle i, tau after its origin step; NULL for a sphere. */
+DEM_INLINE const dem__seen *dem__look_at(const dem_world *w, ptrdiff_t i, double tau, dem__seen *seen) {
+    if (!dem__rigid_of(w, i) || w->engine->field.view_of[i] <= 0) return NULL;
+    seen->find = dem__find_seen_body, seen->world = w, seen->first = i, seen->tau = tau;
+    return seen;
+}
+
+/* ---- views of a world ---- */
+
+static inline void dem__release_views(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    dem__release(&w->def.allocator, field->view, (size_t)field->view_capacity * sizeof *field->view);
+    field->view = NULL, field->views = field->view_capacity = 0;
+}
+
+/* Returns the number of a view with this key, or a new one; -1 when out of memory. */
+static inline ptrdiff_t dem__view_with(dem_world *w, uint64_t key, int *is_new) {
+    dem__field *field = &w->engine->field;
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t old = field->view_capacity, larger = old + old / 2 + 4;
+    *is_new = 0;
+    for (ptrdiff_t k = 0; k < field->views; k++)
+        if (field->view[k].key == key) return k;
+    if (field->views == old) {
+        dem__view *fresh =
+            (dem__view *)a->fn(a->user, field->view, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
+        if (!fresh) return -1;
+        field->view = fresh, field->view_capacity = larger;
+    }
+    *is_new = 1;
+    field->view[field->views].key = key;
+    return field->views++;
+}
+
+/* Makes the views that bodies of a world lack. Returns 0 when out of memory. */
+static inline int dem__find_views(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    dem__outline outline;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem__rigid *r = dem__rigid_of(w, i);
+        const dem_convex *s = dem__shape_of(w, i);
+        uint64_t key = s ? (uint64_t)(s - w->engine->convex.shape) + 1 : 0xcbf29ce484222325u;
+        double surface = 0.0;
+        int is_new;
+        if (!r || r->first != i || field->view_of[i] != 0) continue;
+        if (!s && r->pieces == 1) {
+            field->view_of[i] = -1;
+            continue;
+        }
+        if (!s) {
+            dem__find_outline(w, r, &outline, &surface);
+            for (int k = 0; k < outline.n; k++)
+                dem__hash_vec(&key, outline.centre[k]), dem__hash_f64(&key, &outline.radius[k], 1);
+            key |= (uint64_t)1 << 63;
+        }
+        const ptrdiff_t k = dem__view_with(w, key, &is_new);
+        if (k < 0) return 0;
+        field->view_of[i] = (int32_t)k + 1;
+        if (is_new && s) dem__view_polyhedron(&field->view[k], s);
+        else if (is_new) field->view[k].surface = surface, dem__view_clump(&field->view[k], &outline);
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, dem_vec flow, double psi[3]) {
+    const dem_world *w = world;
+    if (!w || !w->engine || i < 0 || i >= w->count || !psi || !dem__finite_vec(flow) || dem__length(flow) == 0.0)
+        return DEM_BAD_ARGUMENT;
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const dem_convex *s = dem__shape_of(w, i);
+    dem__view view;
+    dem__outline outline;
+    double surface, across = 0.0;
+    psi[0] = psi[1] = psi[2] = 1.0;
+    if (!r || (!s && r->pieces == 1)) return DEM_OK;
+    const dem_vec u = dem__to_body(dem__pose_at(w, r, dem__now(w, r->first)).turn, dem__flow_direction(flow));
+    if (s) {
+        dem__view_polyhedron(&view, s);
+        dem__see_faces(&view, u, psi);
+        return DEM_OK;
+    }
+    dem__find_outline(w, r, &outline, &surface);
+    for (int k = 0; k < DEM__VIEW_CIRCLE; k++)
+        across += dem__seen_along(&outline, dem__across(u, k)) / DEM__VIEW_CIRCLE;
+    dem__sphericities_of(surface, dem__seen_along(&outline, u), across, psi);
+    return DEM_OK;
+}
+
+/* --------------------------------------------------------------------------------------------------- >>gas/field.h */
+/* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step.
+   Reads bodies and the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to
+   its end, computed at its origin, and the same whatever is skipped. */
+
+/* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes from a law. */
+enum {
+    DEM__FIND_FLIGHTS,   /* begins flights of particles now */
+    DEM__RENEW_FLIGHTS,  /* keeps the flights that the law still gives, and begins the others again */
+    DEM__END_FLIGHTS,    /* ends flights of particles now; from here on they take steps */
+    DEM__ADD_FIELD_FORCE /* adds the force on particles at the end of the present step, of length h */
+};
+typedef struct dem__field_task {
+    int task;
+    const int32_t *particle;
+    ptrdiff_t n;
+    double h; /* [s] */
+} dem__field_task;
+
+DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
+    return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
+}
+
+/* A rigid body feels the field at its centre and flies as its first particle: only that particle has a flight. Returns
+   whether i is a sphere or such a particle. */
+DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return !r || r->first == i;
+}
+
+/* Returns the radius of particle i, or of the sphere with the volume of its body [m]. */
+DEM_INLINE double dem__size_in_field(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? 0.5 * dem__equal_diameter(w, r) : w->particle[i].radius;
+}
+
+/* Gives particle i, or its body, a new parabola from here on. */
+static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem_vec a) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem_particle *p = &w->particle[i];
+    if (r) {
+        w->engine->bodies.calls->set_origin(w, r);
+        r->x = x, r->v = v, r->a = a;
+        w->engine->bodies.calls->place(w, r);
+        return;
+    }
+    p->spin = dem__spin_at(w, i, dem__now(w, i));
+    p->x = x, p->v = v, p->a = a;
+    p->origin = w->step;
+}
+
+DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
+
+/* Returns what a law is told about particle i at x with velocity v, tau after its origin step. seen: room for what it
+   asks about the shape of a body. */
+DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
+                                            double tau, dem__seen *seen) {
+    dem_force_point at;
+    at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
+    at.velocity = v;
+    at.radius = dem__size_in_field(w, i), at.mass = w->particle[i].mass;
+    at.time = time;
+    at.gravity = dem__free_fall(w);
+    at.user = w->engine->field.def.user;
+    at.body__ = dem__look_at(w, i, tau, seen);
+    return at;
+}
+
+/* Returns the acceleration of particle i at x with velocity v by the law, tau after its origin step [m/s2]. */
+DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double tau,
+                                   dem_vec (*law)(const dem_force_point *)) {
+    dem__seen seen;
+    const dem_force_point at = dem__field_point(w, i, x, v, time, tau, &seen);
+    return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
+}
+
+/* A law of torque: -c times the spin relative to the field. *spin: in, of a particle [rad/s]; out, relative to the
+   field. Returns c [N m s]. NULL: no torque. */
+typedef double (*dem__turning_fn)(const dem_force_point *at, dem_vec *spin);
+
+/* The torque of a field on a particle: c, the relative spin, and the particle's moment of inertia about it. */
+typedef struct dem__turning {
+    double c, inertia; /* c = 0: none */
+    dem_vec spin;
+} dem__turning;
+/* Returns the torque on particle i, which spins, or on its body. The velocity of the point does not count. */
+DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, const dem_force_point *at, dem_vec spin,
+                                        dem__turning_fn turning) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    dem__turning q;
+    q.spin = spin, q.c = 0.0, q.inertia = 1.0;
+    if (!turning || (!r && !(w->engine->run.features & DEM_FRICTION) && dem__is_zero(spin)))
+        return q; /* spheres without friction do not turn */
+    q.c = turning(at, &q.spin);
+    const double square = dem__dot(q.spin, q.spin);
+    if (!(q.c > 0.0 && square > 0.0 && square <= DBL_MAX)) {
+        q.c = 0.0;
+        return q;
+    }
+    q.inertia = r ? dem__dot(q.spin, dem__momentum_of(r->turn, r->moments, q.spin)) / square : dem__inertia(w, i);
+    return q;
+}
+
+/* Lets the torque act on particle i, or its body, over a past time, at an origin that has just been set. Exact for a
+   sphere if c is constant. Returns the energy gained [J]. */
+DEM_INLINE double dem__apply_drag_torque(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    const double before = dem__rotational(w, i), y = q->c * passed / q->inertia;
+    const double part = y < 1e-3 ? 1.0 - y * (0.5 - y * (1.0 / 6.0 - y / 24.0)) : (1.0 - riddle_exp(-y)) / y;
+    const dem_vec impulse = dem__scale(-q->c * passed * part, q->spin);
+    if (r) {
+        r->momentum = dem__add(r->momentum, impulse);
+        w->engine->bodies.calls->place(w, r);
+    } else w->particle[i].spin = dem__plus(w->particle[i].spin, 1.0 / q->inertia, impulse);
+    return dem__rotational(w, i) - before;
+}
+
+/* Returns whether free fall is the only acceleration of particle i, or of its body. */
+DEM_INLINE int dem__falls_freely(const dem_world *w, ptrdiff_t i) {
+    return dem__is_zero(dem__sub(dem__centre_pull(w, i), dem__free_fall(w)));
+}
+
+/* Result of one step of a flight. */
+typedef struct dem__flown {
+    dem_vec way;  /* displacement over time, minus the initial velocity [m/s] */
+    dem_vec gain; /* gain of velocity at the end [m/s] */
+    double work;  /* work of the field [J] */
+    double error; /* error of position [m] */
+    int zero;     /* whether the law gave 0 at every stage */
+} dem__flown;
+
+/* Integrates one step of length h from x with velocity v, tau after the particle's origin step: of fifth order, with an
+   error estimate of fourth order (Cash & Karp 1990). A body turns meanwhile as it does without a torque. */
+DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double tau, double h,
+                               dem_vec (*law)(const dem_force_point *)) {
+    enum { STAGES = 6 };
+    static const double at[STAGES] = {0.0, 0.2, 0.3, 0.6, 1.0, 0.875};
+    static const double by[STAGES][STAGES - 1] = {
+        {0.0, 0.0, 0.0, 0.0, 0.0},
+        {0.2, 0.0, 0.0, 0.0, 0.0},
+        {3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0},
+        {0.3, -0.9, 1.2, 0.0, 0.0},
+        {-11.0 / 54.0, 2.5, -70.0 / 27.0, 35.0 / 27.0, 0.0},
+        {1631.0 / 55296.0, 175.0 / 512.0, 575.0 / 13824.0, 44275.0 / 110592.0, 253.0 / 4096.0}};
+    static const double fifth[STAGES] = {37.0 / 378.0, 0.0, 250.0 / 621.0, 125.0 / 594.0, 0.0, 512.0 / 1771.0};
+    static const double fourth[STAGES] = {2825.0 / 27648.0, 0.0, 18575.0 / 48384.0, 13525.0 / 55296.0,
+                                          277.0 / 14336.0,  0.25};
+    const dem_vec g = dem__free_fall(w), none = dem_vec3(0.0, 0.0, 0.0);
+    dem_vec gain[STAGES], pull[STAGES], off = none, error = none;
+    dem__flown q;
+    q.way = q.gain = none, q.work = 0.0, q.zero = 1;
+    for (int s = 0; s < STAGES; s++) {
+        dem_vec way = none;
+        gain[s] = none;
+        for (int r = 0; r < s; r++) {
+            gain[s] = dem__plus(gain[s], h * by[s][r], dem__add(g, pull[r]));
+            way = dem__plus(way, h * by[s][r], gain[r]);
+        }
+        const dem_vec now = dem__add(v, gain[s]);
+        pull[s] = dem__field_pull(w, i, dem__add(dem__plus(x, at[s] * h, v), way), now, time + at[s] * h,
+                                  tau + at[s] * h, law);
+        q.zero &= dem__is_zero(pull[s]);
+        q.way = dem__plus(q.way, fifth[s], gain[s]);
+        q.gain = dem__plus(q.gain, h * fifth[s], dem__add(g, pull[s]));
+        q.work += h * fifth[s] * w->particle[i].mass * dem__dot(pull[s], now);
+        off = dem__plus(off, h * (fifth[s] - fourth[s]), gain[s]);
+        error = dem__plus(error, h * h * (fifth[s] - fourth[s]), pull[s]);
+    }
+    q.error = dem__length(off) + dem__length(error);
+    return q;
+}
+
+/* Returns the number of steps of the world in a time [s], at least one, and at most as many as a list can last. */
+DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
+    const double n = time * w->engine->pairs.steps_per_second;
+    return n >= (double)(DEM__STEPS_MAX - 2) ? DEM__STEPS_MAX - 2 : n > 1.0 ? (int)n : 1; /* NaN: one */
+}
+
+#define DEM__SLOWS 5e-3 /* share of its spin that a particle may lose in a flight */
+
+/* Chooses the number of steps of a flight from x with velocity v, tau after the particle's origin step, by its error,
+   and computes the flight. A parabola that
+   is right at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first
+   one, times the time squared. */
+DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double tau,
+                                  const dem__turning *turn, dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
+    const dem_force_field *def = &w->engine->field.def;
+    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
+                 probe = 16.0 * dt;
+    const dem_vec first = dem__field_pull(w, i, x, v, time, tau, law), a = dem__add(dem__free_fall(w), first);
+    const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
+    const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, tau + probe, law);
+    const double jerk = dem__length(dem__sub(soon, first)) / probe;
+    const double far = dem__time_to_cover(def->length, dem__length(v), dem__length(a));
+    double longest = far < def->interval ? far : def->interval;
+    if (jerk > 0.0) {
+        const double guess = riddle_cbrt(13.5 * 3.0 * limit / jerk);
+        longest = guess < longest ? guess : longest;
+    }
+    if (turn->c > 0.0) { /* the spin at the beginning counts for the whole flight, so it must not change much if it
+                            matters */
+        const double slows = DEM__SLOWS * turn->inertia / turn->c;
+        longest = slows < longest && dem__length(turn->spin) * slows > def->accuracy ? slows : longest;
+    }
+    int n = dem__steps_within(w, longest);
+    for (;;) {
+        const double h = (double)n * dt;
+        *q = dem__fly(w, i, x, v, time, tau, h, law);
+        const double bent = dem__length(dem__sub(dem__scale(2.0 / h, q->way), a)) * h * h / 13.5;
+        const double error = bent > 100.0 * q->error ? bent : 100.0 * q->error; /* errors of the ends add up */
+        if (n == 1 || error <= limit) return n;
+        const double part = 0.9 * riddle_cbrt(limit / error);
+        const int fewer = (int)((part > 0.1 ? part : 0.1) * (double)n); /* NaN: a tenth */
+        n = fewer > 1 ? fewer : 1;
+    }
+}
+
+/* Begins a flight now, after the torque of the one before. The present parabola stays where the law gives 0 as before,
+   and there is no torque. */
+DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
+                                 dem__turning_fn turning) {
+    dem__field *field = &w->engine->field;
+    const double tau = dem__now(w, i), dt = w->engine->run.dt, passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
+    const dem_vec x = dem__centre_at(w, i, tau),
+                  v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
+    const dem_vec g = dem__free_fall(w), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
+    dem__seen seen;
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time, tau, &seen);
+    const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
+    const int brakes = turn.c > 0.0 && passed > 0.0, falls = dem__falls_freely(w, i) && !brakes,
+              is_body = at.body__ != NULL;
+    dem__flown q;
+    double since = tau;
+    int n = 0;
+    field->booked[i] = 0.0;
+    if (is_body && !(falls && dem__is_zero(law(&at)))) { /* its law sees how it turns from this origin on */
+        dem__begin_parabola(w, i, x, v, g), since = 0.0;
+        if (brakes) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn); /* the next booking adds it */
+    }
+    n = dem__choose_flight(w, i, x, v, since, &turn, &q, law);
+    if (is_body && since > 0.0 && !q.zero) { /* the law begins to act later */
+        dem__begin_parabola(w, i, x, v, g);
+        n = dem__choose_flight(w, i, x, v, 0.0, &turn, &q, law);
+    }
+    const double h = (double)n * dt;
+    field->until[i] = w->step + n;
+    field->work[i] = q.work;
+    if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
+    if (!(q.zero && falls)) {
+        dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
+        if (brakes && !is_body) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn);
+    }
+    field->end_velocity[i] =
+        q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
+}
+
+/* Returns whether the flight of particle i is what the law gives from its origin; where that is 0, whether it stays 0
+   to the end. If so, computes the velocity at its end and the work. */
+DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *)) {
+    dem__field *field = &w->engine->field;
+    const int64_t end = field->until[i], last = w->step + DEM__STEPS_MAX, origin = w->particle[i].origin;
+    const dem_vec pull = dem__centre_pull(w, i);
+    const double dt = w->engine->run.dt, tau = dem__now(w, i);
+    if (!(end > w->step && end < last && origin <= w->step && end - origin < 2 * (int64_t)last)) return 0;
+    const int zero = dem__falls_freely(w, i);
+    const double h = (double)(end - (zero ? w->step : origin)) * dt, from = zero ? tau : 0.0;
+    const dem_vec v = dem__drift_at(w, i, from);
+    const dem__flown q =
+        dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), from, h, law);
+    const dem_vec a = dem__scale(2.0 / h, q.way);
+    if (zero != q.zero || (zero && h * dem__length(v) > 2.0 * field->def.length)) return 0;
+    if (!zero && !(a.x == pull.x && a.y == pull.y && a.z == pull.z)) return 0;
+    field->end_velocity[i] = zero ? dem__drift_at(w, i, (double)(end - origin) * dt) : dem__add(v, q.gain);
+    field->work[i] = q.work;
+    return 1;
+}
+
+/* Ends the flight of particle i now, at its position on the parabola. Its velocity is computed again. */
+DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const dem_force_point *),
+                                dem__turning_fn turning) {
+    dem__field *field = &w->engine->field;
+    dem__rigid *r = dem__rigid_of(w, i);
+    const dem_vec a = dem__centre_pull(w, i);
+    const double tau = dem__now(w, i), passed = field->until[i] == DEM__NO_FLIGHT ? 0.0 : tau;
+    const dem_vec x = dem__centre_at(w, i, tau), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
+    dem_vec v = dem__drift_at(w, i, tau);
+    const int falls = dem__falls_freely(w, i);
+    field->work[i] = 0.0;
+    if (tau > 0.0 && !falls) {
+        const dem_vec begun = dem__drift_at(w, i, 0.0);
+        const dem__flown q =
+            dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), 0.0, tau, law);
+        v = dem__add(begun, q.gain);
+        field->work[i] = q.work;
+    }
+    dem__seen seen;
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time, tau, &seen);
+    const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
+    const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
+    const int brakes = turn.c > 0.0 && passed > 0.0;
+    field->force[i] = dem__scale(w->particle[i].mass, pull);
+    field->until[i] = DEM__NO_FLIGHT;
+    if (falls && dem__is_zero(pull) && !brakes) return; /* the same bits as without a field */
+    dem__begin_parabola(w, i, x, v, a);
+    if (brakes) field->work[i] += dem__apply_drag_torque(w, i, passed, &turn);
+    dem__free_acceleration(w, i);
+    if (!r) w->particle[i].a = dem__add(w->particle[i].a, pull);
+}
+
+/* Adds the law's force and torque on particle i, which takes steps, at its position after a step of h and at the
+   velocity predicted for it. The force on a body is added where its forces are summed. */
+DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_vec (*law)(const dem_force_point *),
+                                     dem__turning_fn turning) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const dem_particle *p = &w->particle[i];
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0), v = r ? r->v : p->v;
+    w->engine->field.torque[i] = none;
+    if (!dem__leads(w, i)) {
+        w->engine->field.force[i] = none;
+        return;
+    }
+    dem__seen seen;
+    const dem_force_point at = dem__field_point(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
+                                                dem__time_of(w, w->step + (h > 0.0)), 0.0, &seen);
+    const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
+    const dem_vec force = dem__scale(p->mass, pull);
+    double *load = w->engine->bodies.sum[i].load;
+    if (!r) load[0] += force.x, load[1] += force.y, load[2] += force.z;
+    w->engine->field.force[i] = force;
+    if (!turning) return;
+    const dem__turning turn = dem__turning_of(w, i, &at, p->spin, turning);
+    const dem_vec torque = turn.c > 0.0 ? dem__scale(-turn.c, turn.spin) : none;
+    load[3] += torque.x, load[4] += torque.y, load[5] += torque.z;
+    w->engine->field.torque[i] = torque;
+}
+
+DEM_INLINE void dem__field_kernel(dem_world *w, const dem__field_task *q, dem_vec (*law)(const dem_force_point *),
+                                  dem__turning_fn turning) {
+    for (ptrdiff_t k = 0; k < q->n; k++) {
+        const ptrdiff_t i = q->particle[k];
+        if (q->task == DEM__ADD_FIELD_FORCE) dem__add_field_force(w, i, q->h, law, turning);
+        else if (q->task == DEM__END_FLIGHTS) dem__end_flight(w, i, law, turning);
+        else if (q->task == DEM__FIND_FLIGHTS || !dem__is_flight(w, i, law)) dem__find_flight(w, i, law, turning);
+    }
+}
+
+/* turning: a law of torque, or NULL. */
+#define DEM__FIELD(name, law, turning)                                                                                 \
+    DEM__FAST static DEM__NOINLINE int name(dem_world *world, const struct dem__field_task *task) {                    \
+        dem__field_kernel(world, task, law, turning);                                                                  \
+        return 1;                                                                                                      \
+    }
+#define DEM_FORCE_FIELD(name, law) DEM__FIELD(name, law, NULL)
+
+/* ------------------------------------------------------------------------------------------------- >>gas/flights.h */
+/* Flights in a force field within a step: their begin and end, timers, bounds and work; and setting a field. */
+
+/* Runs a task of the kernel for a part of a list of particles. */
+static inline void dem__run_field_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__field_task q = *(const dem__field_task *)context;
+    (void)part;
+    q.n = end - first;
+    if (q.n > 0) q.particle += first;
+    w->engine->field.def.kernel(w, &q);
+}
+/* Runs a task of the kernel for a list of particles, on one thread or several. */
+static inline void dem__run_field(dem_world *w, const int32_t *particle, ptrdiff_t n, int task, double h) {
+    dem__field_task q;
+    memset(&q, 0, sizeof q);
+    q.particle = particle, q.n = n, q.task = task, q.h = h;
+    dem__in_parts(w, dem__parts(w, 4 * n), n, dem__run_field_range, &q);
+}
+
+/* Returns the work of the field along a flight so far [J]: the energy that the particle has gained since its origin. */
+static inline double dem__flight_gain(const dem_world *w, ptrdiff_t i) {
+    const double tau = dem__now(w, i);
+    const dem_vec u = dem__drift_at(w, i, 0.0), v = dem__drift_at(w, i, tau), g = dem__free_fall(w);
+    const dem_vec way = dem__sub(dem__centre_at(w, i, tau), dem__centre_at(w, i, 0.0));
+    const double gain = 0.5 * (dem__dot(v, v) - dem__dot(u, u)) - dem__dot(g, way);
+    return dem__falls_freely(w, i) ? 0.0 : w->particle[i].mass * gain;
+}
+
+/* Returns whether particle i, or the body that it leads, is in flight. */
+DEM_INLINE int dem__is_flying(const dem_world *w, ptrdiff_t i) {
+    return w->alive[i] > 0 && w->engine->bodies.activity[i] == DEM__FLYING && dem__leads(w, i);
+}
+
+/* Treats the work of the field on all flights so far as booked, because the ledger begins or all flights have been
+   found again. */
+static inline void dem__begin_field_ledger(dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (dem__is_flying(w, i)) w->engine->field.booked[i] = dem__flight_gain(w, i);
+    }
+}
+
+/* Books the work of the field on all flights so far, or only on those of particles that leave. */
+static inline void dem__book_flights(dem_world *w, int leaving) {
+    dem__field *field = &w->engine->field;
+    for (ptrdiff_t i = 0; i < w->count && w->engine->ledger.on; i++) {
+        if ((leaving ? w->alive[i] != DEM_LEAVING : w->alive[i] <= 0) || field->until[i] == DEM__NO_FLIGHT) continue;
+        const double gain = dem__flight_gain(w, i);
+        dem__book_field_work(w, gain - field->booked[i]);
+        field->booked[i] = gain;
+    }
+}
+
+/* Returns how far the velocity of particle k, which flies with i, can depart from that of its bound until the end of
+   the flight [m/s]. */
+DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff_t k) {
+    const dem__field *field = &w->engine->field;
+    const dem__bound *c = &w->engine->bodies.bound[k];
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const double t = dem__since_listed(w, w->step), left = (double)(field->until[i] - w->step) * w->engine->run.dt;
+    const dem_vec g = dem__free_fall(w), u = dem_vec3(c->ux, c->uy, c->uz);
+    const dem_vec now = dem__sub(dem__plus(dem__drift_at(w, i, dem__now(w, i)), -t, g), u);
+    const double here = dem__length(now),
+                 there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
+                 end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
+    const double most = here > there ? here : there;
+    const double turning_speed =
+        r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
+    return (most > end ? most : end) + turning_speed;
+}
+
+/* Sets a bound for particle k, which flies with i. It holds for about DEM__FLIGHTS flights like this one. */
+static inline void dem__bound_flight(dem_world *w, ptrdiff_t i, ptrdiff_t k) {
+    const dem__field *field = &w->engine->field;
+    const dem__pairs *pairs = &w->engine->pairs;
+    const double t = dem__since_listed(w, w->step), tau = dem__now(w, i), dt = w->engine->run.dt;
+    const double left = (double)(field->until[i] - w->step) * dt;
+    const dem_vec g = dem__free_fall(w), x = dem__at(w, k, tau), v = dem__drift_at(w, i, tau);
+    const dem_vec turn = dem__scale(0.5 * DEM__FLIGHTS * left, dem__sub(dem__centre_pull(w, i), g)),
+                  u = dem__add(v, turn);
+    dem__bound *c = &w->engine->bodies.bound[k];
+    c->ux = u.x - t * g.x, c->uy = u.y - t * g.y, c->uz = u.z - t * g.z;
+    c->x = x.x - t * (u.x - 0.5 * t * g.x), c->y = x.y - t * (u.y - 0.5 * t * g.y),
+    c->z = x.z - t * (u.z - 0.5 * t * g.z);
+    const double turned = 1.1 * dem__length(turn), most = 1.1 * dem__flight_deviation(w, i, k);
+    c->tolerance = 0.001 * pairs->least_tolerance + (turned > most ? turned : most);
+    c->reach = w->particle[k].radius + pairs->position_tolerance - t * c->tolerance;
+    w->engine->bodies.shifted[k] = 0.0;
+}
+
+/* Sets the timers of n flights that have just been computed, and new bounds for particles that leave theirs. Returns 0
+   if one is too fast. */
+static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff_t n) {
+    dem__field *field = &w->engine->field;
+    dem__bodies *bodies = &w->engine->bodies;
+    const dem__list_frame frame = dem__frame_at(w, w->step);
+    dem__outcome outcome = dem__no_outcome(w);
+    ptrdiff_t reset = 0;
+    for (ptrdiff_t q = 0; q < n; q++) {
+        const int32_t i = list[q];
+        dem__rigid *r = dem__rigid_of(w, i);
+        const double tau = dem__now(w, i);
+        if (w->engine->run.has_periodic && w->particle[i].origin == w->step) {
+            if (r) bodies->calls->wrap(w, r);
+            else dem__wrap(w, i);
+        }
+        dem__set_timer(&field->timers, i, field->until[i]);
+        for (int32_t k = i; k < i + (r ? r->pieces : 1); k++) {
+            if (dem__flight_deviation(w, i, k) < bodies->bound[k].tolerance) continue; /* false for NaN */
+            const double shifted = bodies->shifted[k];
+            dem__bound_flight(w, i, k);
+            w->engine->scratch.index[reset++] = k;
+            if (dem__apply_bound(w, k, w->step, &frame, dem__at(w, k, tau), dem__velocity_at(w, k, tau), shifted,
+                                 &outcome))
+                dem__advance_wall_timers(w, k, w->step);
+        }
+    }
+    dem__apply_outcome(w, &outcome);
+    dem__reset_pair_timers(w, w->engine->scratch.index, reset, w->step);
+    return w->status == DEM_OK;
+}
+
+/* Returns whether particle i, which takes steps, has the acceleration that it has without contacts and without the
+   field. Always 0 for a body. */
+static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
+    if (dem__rigid_of(w, i)) return 0;
+    const dem_vec a =
+        dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
+    return dem__is_zero(dem__sub(w->particle[i].a, a));
+}
+
+/* Sets timers and bounds of all flights for a new list of near pairs. Returns 0 after a failure. */
+static inline int dem__list_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    ptrdiff_t n = 0;
+    if (!dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
+    }
+    dem__stop_timers(&field->timers, 0, w->count);
+    field->timers.from = w->step;
+    field->rebuilds = w->rebuilds;
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        field->timers.list[n] = i;
+        n += dem__is_flying(w, i);
+    }
+    return dem__follow_flights(w, field->timers.list, n);
+}
+
+/* Prepares a run: begins the flights of new particles, and again those that the caller has changed. Returns 0 after a
+   failure. */
+static inline int dem__prepare_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    ptrdiff_t n = 0, ended = 0;
+    if (!dem__find_views(w) ||
+        !dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
+        w->status = DEM_OUT_OF_MEMORY;
+        return 0;
+    }
+    for (int32_t i = 0; i < (int32_t)w->count; i++) {
+        field->timers.list[n] = field->stepping[ended] = i;
+        n += dem__is_flying(w, i);
+        ended += w->alive[i] > 0 && dem__leads(w, i) && !dem__is_flying(w, i) &&
+                 (field->until[i] != DEM__NO_FLIGHT || dem__feels_no_field(w, i));
+        if (w->alive[i] <= 0 || field->until[i] <= w->step) field->until[i] = DEM__NO_FLIGHT;
+    }
+    dem__run_field(w, field->stepping, ended, DEM__END_FLIGHTS, 0.0);
+    dem__run_field(w, field->timers.list, n, DEM__RENEW_FLIGHTS, 0.0);
+    dem__begin_field_ledger(w);
+    field->steppers = 0;
+    return dem__list_flights(w);
+}
+
+/* Begins the next flight where one is over, before a step. Returns 0 after a failure. */
+static inline int dem__continue_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    ptrdiff_t n, flying = 0;
+    int32_t *list = field->timers.list;
+    if (field->rebuilds != w->rebuilds && !dem__list_flights(w)) return 0;
+    dem__list_due(&field->timers, 0, field->timers.pages, w->step, DEM__STOPPED, &n);
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const int32_t i = list[k];
+        if (!dem__is_flying(w, i)) continue;
+        dem__book_field_work(w, field->work[i] - field->booked[i]);
+        list[flying++] = i;
+    }
+    if (flying == 0) return 1;
+    dem__run_field(w, list, flying, DEM__FIND_FLIGHTS, 0.0);
+    return dem__follow_flights(w, list, flying);
+}
+
+/* Ends the flights of particles whose contacts begin, in the slots that contacts.slots lists. */
+static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
+    dem__field *field = &w->engine->field;
+    const dem__contacts *contacts = &w->engine->contacts;
+    const double t = dem__since_listed(w, w->step);
+    for (ptrdiff_t k = 0; k < 2 * begun; k++) {
+        const int32_t c = contacts->slots[k / 2], touched = k % 2 ? contacts->j[c] : contacts->i[c];
+        const dem__rigid *r = touched < 0 ? NULL : dem__rigid_of(w, touched);
+        const int32_t i = r ? r->first : touched;
+        if (i < 0 || field->until[i] == DEM__NO_FLIGHT) continue;
+        const double booked = field->booked[i];
+        dem__run_field(w, &i, 1, DEM__END_FLIGHTS, 0.0);
+        dem__book_field_work(w, field->work[i] - booked);
+        for (int32_t q = i; q < i + (r ? r->pieces : 1); q++)
+            dem__set_tolerance_left(w, q, dem__length(dem__deviation(w, q, t)));
+        dem__stop_timer(&field->timers, i);
+    }
+}
+
+/* Books half of the work that the present forces do on the particles that take steps. */
+static inline void dem__book_stepping(dem_world *w, double h) {
+    for (ptrdiff_t k = 0; k < w->engine->bodies.active_count && w->engine->ledger.on && h > 0.0; k++) {
+        const ptrdiff_t i = w->engine->bodies.active[k];
+        const dem__rigid *r = dem__rigid_of(w, i);
+        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.force[i], r ? r->v : w->particle[i].v));
+        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.torque[i], w->particle[i].spin));
+    }
+}
+
+/* Adds the field's forces on the particles that take steps, at the end of a step, and lists these particles. Books the
+   work from the mean of the forces at both ends. */
+static inline void dem__add_field_forces(dem_world *w, double h) {
+    dem__field *field = &w->engine->field;
+    const dem__bodies *bodies = &w->engine->bodies;
+    const ptrdiff_t n = bodies->active_count;
+    if (n > 0) memcpy(field->stepping, bodies->active, (size_t)n * sizeof *bodies->active);
+    field->steppers = n;
+    dem__book_stepping(w, h);
+    dem__run_field(w, bodies->active, n, DEM__ADD_FIELD_FORCE, h);
+    dem__book_stepping(w, h);
+}
+
+/* Begins flights of particles whose last contact has ended, after a step. Returns 0 after a failure. */
+static inline int dem__begin_flights(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    int32_t *list = field->stepping;
+    ptrdiff_t n = 0;
+    for (ptrdiff_t k = 0; k < field->steppers; k++) {
+        const int32_t i = list[k];
+        if (dem__is_flying(w, i)) list[n++] = i;
+        else if (w->alive[i] > 0 && w->touching[i] == 0 && !dem__rigid_of(w, i) &&
+                 !dem__is_fixed(w, i)) {  /* it has a load */
+            dem__free_acceleration(w, i); /* rounded as after a check of its bound */
+            w->particle[i].a = dem__plus(w->particle[i].a, w->engine->bodies.sum[i].per_mass, field->force[i]);
+        }
+    }
+    field->steppers = 0;
+    if (n == 0) return 1;
+    dem__run_field(w, list, n, DEM__FIND_FLIGHTS, 0.0);
+    return dem__follow_flights(w, list, n);
+}
+
+/* Returns the error of a velocity on the parabola of a flight in a force field [m/s]. The parabola has the right
+   positions at both ends, but not the right velocities. The error at its end shows how the acceleration changes along
+   it. */
+static inline dem_vec dem__velocity_error_in_field(const dem_world *w, ptrdiff_t i, double tau) {
+    const dem__field *field = &w->engine->field;
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const ptrdiff_t first = r ? r->first : i; /* the flight belongs to the first particle */
+    const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
+    if (w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
+    const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
+    if (!(share >= 0.0 && share <= 1.0)) return none;
+    return dem__scale(share * (3.0 * share - 2.0), dem__sub(field->end_velocity[first], dem__drift_at(w, i, whole)));
+}
+
+/* Gives particle i, or its body, the most accurate velocity that is known, at an origin that has just been set. */
+static inline void dem__correct_velocity_in_field(dem_world *w, ptrdiff_t i, dem_vec error) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem__book_field_work(w, -dem__motion_energy(w, i));
+    if (r) {
+        r->v = dem__add(r->v, error);
+        w->engine->bodies.calls->place(w, r);
+    } else w->particle[i].v = dem__add(w->particle[i].v, error);
+    dem__book_field_work(w, dem__motion_energy(w, i));
+}
+
+/* ---- the feature ---- */
+
+/* Lists the arrays of particles in a force field. Returns how many. */
+static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
+    dem__field *field = &w->engine->field;
+    const dem__array arrays[] = {
+        {&field->until, sizeof *field->until},    {&field->end_velocity, sizeof *field->end_velocity},
+        {&field->force, sizeof *field->force},    {&field->torque, sizeof *field->torque},
+        {&field->work, sizeof *field->work},      {&field->booked, sizeof *field->booked},
+        {&field->view_of, sizeof *field->view_of}};
+    const int n = (int)(sizeof arrays / sizeof *arrays);
+    memcpy(list, arrays, sizeof arrays);
+    return n;
+}
+
+static inline void dem__release_field(dem_world *w) {
+    dem__release(&w->def.allocator, w->engine->field.timers.block, w->engine->field.timers.bytes);
+    dem__release_views(w);
+}
+
+static inline void dem__add_unflown(dem_world *w, ptrdiff_t i) {
+    w->engine->field.until[i] = DEM__NO_FLIGHT, w->engine->field.view_of[i] = 0;
+    w->engine->field.force[i] = w->engine->field.torque[i] = dem_vec3(0.0, 0.0, 0.0);
+}
+
+/* Refuses a run in a field without a law: after loading, dem_set_force_field must come first. */
+static inline dem_status dem__check_field(const dem_world *w, const dem_kernel *kernel) {
+    (void)kernel;
+    return w->engine->field.def.kernel ? DEM_OK : DEM_NO_FIELD;
+}
+
+/* Begins the next flight where one is over, so that a caller who changes particles finds none that is over. */
+static inline int dem__end_run_in_field(dem_world *w, int going) {
+    if (going) going = dem__continue_flights(w);
+    dem__book_flights(w, 0);
+    return going;
+}
+
+static inline void dem__leave_field(dem_world *w) { dem__book_flights(w, 1); }
+
+static inline void dem__world_fields_of_field(dem_world *w, dem__group *g) {
+    const dem__saved_field fields[] = {DEM__INTEGER("field.on", w->engine->field.on, 0)};
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__particle_fields_of_field(dem_world *w, dem__group *g) {
+    dem__field *field = &w->engine->field;
+    const dem__saved_field fields[] = {
+        DEM__INTEGER("particle.until", field->until[0], sizeof *field->until),
+        DEM__DOUBLES("particle.end_velocity", field->end_velocity[0], sizeof *field->end_velocity),
+        DEM__DOUBLES("particle.field_force", field->force[0], sizeof *field->force),
+        DEM__DOUBLES("particle.field_torque", field->torque[0], sizeof *field->torque),
+        DEM__DOUBLES("particle.field_work", field->work[0], sizeof *field->work),
+    };
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline int dem__has_field(const dem__file *file, const dem_world *w) {
+    (void)file;
+    return dem__is_flag(w->engine->field.on) ? w->engine->field.on : -1;
+}
+
+static inline dem_status dem__load_flights(const dem__file *file, dem_world *w, dem__group *g) {
+    (void)file, (void)g;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        if (w->engine->field.until[i] < 0) return DEM_BAD_DATA;
+    }
+    return DEM_OK;
+}
+
+static inline dem__feature dem__feature_field(void) {
+    dem__feature f = dem__new_feature(DEM__FIELD_FEATURE);
+    f.exclusive = 1;
+    f.list_arrays = dem__list_arrays_of_field;
+    f.release = dem__release_field;
+    f.add_particle = dem__add_unflown;
+    f.check_run = dem__check_field;
+    f.prepare_run = dem__prepare_flights;
+    f.begin_ledger = dem__begin_field_ledger;
+    f.end_run = dem__end_run_in_field;
+    f.begin_step = dem__continue_flights;
+    f.contacts_begun = dem__end_flights;
+    f.add_forces = dem__add_field_forces;
+    f.leave = dem__leave_field;
+    f.begin_flights = dem__begin_flights;
+    f.velocity_error = dem__velocity_error_in_field;
+    f.correct_velocity = dem__correct_velocity_in_field;
+    f.world_fields = dem__world_fields_of_field;
+    f.particle_fields = dem__particle_fields_of_field;
+    f.is_used = dem__has_field;
+    f.load = dem__load_flights;
+    return f;
+}
+
+DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void *user) {
+    dem_force_field field;
+    field.kernel = kernel;
+    field.user = user;
+    field.length = field.interval = HUGE_VAL;
+    field.accuracy = 1e-6;
+    return field;
+}
+
+/* Removes the field. Particles in flight fall freely from here on. */
+static inline void dem__drop_field(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    for (ptrdiff_t i = 0; i < w->count && field->on; i++) {
+        if (!dem__is_flying(w, i)) continue;
+        dem__restart(w, i);
+        dem__free_acceleration(w, i);
+    }
+    dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
+    dem__release_views(w);
+    memset(field, 0, sizeof *field);
+    dem__drop_feature(w, DEM__FIELD_FEATURE);
+    w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+}
+
+DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn) return DEM_BAD_ARGUMENT;
+    if (!field) {
+        dem__drop_field(w);
+        return DEM_OK;
+    }
+    const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
+    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) ||
+        !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4))
+        return DEM_BAD_ARGUMENT;
+    if (!w->engine->field.on) {
+        const dem_status status = dem__take_feature(w, dem__feature_field());
+        if (status != DEM_OK) return status;
+        w->engine->field.on = 1;
+    }
+    if (!was_loaded) w->engine->run.needs_forces = 1; /* otherwise the accelerations are already those of the field */
+    w->engine->field.def = *field;
+    w->engine->run.needs_lists = 1;
+    return DEM_OK;
 }
 
 /* ------------------------------------------------------------------------------------------ >>bodies/clump_shape.h */
@@ -14919,6 +15331,7 @@ DEM__STATIC const char *dem__bad_gas(const dem_gas *gas) {
     if (!gas) return "gas";
     if (!dem__positive(gas->density)) return "density";
     if (!dem__positive(gas->viscosity)) return "viscosity";
+    if (gas->bodies < DEM_DRAG_BY_ORIENTATION || gas->bodies > DEM_DRAG_SHARED) return "bodies";
     for (int k = 0; k < 3; k++) {
         if (!dem__not_negative(gas->shape[k])) return "shape";
         if (!(dem_axis(gas->high, k) > dem_axis(gas->low, k))) return "high";

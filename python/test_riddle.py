@@ -229,6 +229,34 @@ class Values(unittest.TestCase):
         self.assertAlmostEqual(world.masses().sum(), 2500.0 * 6e-6, 9)
         self.assertTrue((dem.shape_of_drag(0.8, 0.8, 0.8) > 0.0).all())
         self.assertTrue(np.isnan(dem.shape_of_drag(2.0, 0.8, 0.8)).all())
+        face, circle = world.body_sphericities(0, (0.0, 0.0, -2.0)), np.pi / 4.0 * (36e-6 / np.pi) ** (2.0 / 3.0)
+        np.testing.assert_allclose(face, [circle / 5.5e-4, circle / 2e-4, circle / (11e-4 - 18e-4 / np.pi)], rtol=1e-9)
+
+    def test_clump_of_a_mesh(self):
+        outline = np.array([[0.0, 0.0], [0.03, 0.0], [0.03, 0.01], [0.01, 0.01], [0.01, 0.03], [0.0, 0.03]])
+        corners = np.vstack([np.column_stack([outline, np.full(6, z)]) for z in (0.0, 0.01)])
+        lid = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]
+        faces = [[c, b, a] for a, b, c in lid]
+        faces += [[a + 6, b + 6, c + 6] for a, b, c in lid]
+        for k in range(6):
+            n = (k + 1) % 6
+            faces += [[k, n, n + 6], [k, n + 6, k + 6]]
+        mesh = dem.mesh(vertices=12, triangles=len(faces), vertex=corners, triangle=faces)
+        answer = dem.make_clump_from_mesh(mesh, 40)
+        ell, fit = answer.clump, answer.fit
+        self.assertAlmostEqual(ell.volume, 5e-6, 15)
+        self.assertLessEqual(ell.spheres, 40)
+        np.testing.assert_allclose([ell.origin.x, ell.origin.y, ell.origin.z], [0.011, 0.011, 0.005], rtol=1e-9)
+        spheres = dem.make_clump([[c.x, c.y, c.z] for c in ell.centre[:ell.spheres]], 2.0 * np.array(ell.radius)[:ell.spheres])
+        self.assertAlmostEqual(spheres.volume / ell.volume - 1.0, fit.volume, 8)
+        self.assertTrue(-0.4 < fit.volume < 0.0 and 0.0 < fit.moments < 0.5 and 0.0 < fit.centre < 0.1, fit)
+        world = bed(0)
+        world.add_clumps(ell, [[0.0, 0.0, 0.05]], None, None, 0, 0)
+        self.assertAlmostEqual(world.get_body(0).mass, 2500.0 * 5e-6, 9)
+        self.assertLess(world.body_sphericities(0, (0.0, 0.0, 1.0))[1], 1.0)
+        with self.assertRaises(riddle.Error):  # a face is missing
+            mesh = dem.mesh(vertices=12, triangles=len(faces) - 1, vertex=corners, triangle=faces[1:])
+            dem.make_clump_from_mesh(mesh, 40)
 
     def test_vectors_of_granulation_and_classifier(self):
         sim, granule = granulation.Sim(granulation.def_(seed=1)), granulation.granule(s=0.52e-12,

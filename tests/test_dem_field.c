@@ -825,7 +825,7 @@ static void stirred_bodies(void **state) {
         add_bodies(&w, 1, 24, 50e-6, 4);
         for (int k = 0; k < 8; k++) add(&w, (k - 3.5) * 2e-4, -6e-4, 0, 70e-6, dem_vec3(0, 1, 0));
         assert_int_equal(dem_attach_gas(&air, &w, paddle), DEM_OK);
-        dem_force_field f = dem_gas_field(schiller, &air);
+        dem_force_field f = dem_gas_field(hoelzer, &air);
         assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
         for (int k = 0; k < 10; k++) {
             assert_int_equal(dem_run(&w, 3e-5, features | (run == 1 ? DEM_ENERGY : 0)), DEM_OK);

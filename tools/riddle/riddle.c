@@ -14,6 +14,7 @@
 #include "scene_check.h"
 #include "scene_materials.h"
 #include "scene_same.h"
+#include "scene_shapes.h"
 #include "templates.h"
 
 enum { SCENE_MB = 16 }; /* at most */
@@ -27,11 +28,11 @@ typedef struct job {
     program self;
     bool again, check;
     int size[2]; /* of pictures [pixels] */
-    char **set; /* [sets] "key=value" */
+    char **set;  /* [sets] "key=value" */
     int sets;
-    bool halfway; /* stopped while feeds looked for places, or failed: not a state to go on from */
-    double saved; /* time of the save that this run has written last [s]; NaN: none */
-    double save_at; /* time of the last save, or of the beginning [s] */
+    bool halfway;         /* stopped while feeds looked for places, or failed: not a state to go on from */
+    double saved;         /* time of the save that this run has written last [s]; NaN: none */
+    double save_at;       /* time of the last save, or of the beginning [s] */
     const stop_def *stop; /* what has ended the run, or NULL */
     tree_file tree;
     scene_def def;
@@ -280,6 +281,12 @@ static int hold_folder(const job *j) {
     return refuse(message);
 }
 
+static void tell_fits(job *j) {
+    char line[300];
+    for (int k = 0; k < j->s.def->shapes.n; k++)
+        if (scene_say_fit(&j->s, k, line, sizeof line)) common_print("%s\n", line);
+}
+
 /* What --check says: sizes, what is allowed and yet may be a mistake; 2 where a pair has no contact. */
 static int tell_check(job *j) {
     char line[300];
@@ -288,6 +295,7 @@ static int tell_check(job *j) {
                  j->s.world.def.dt);
     scene_say_size(&size, line, sizeof line);
     common_print("%s\n%s", line, j->tree.notes);
+    tell_fits(j);
     if (!scene_lacks_contact(&j->s, line, sizeof line)) return 0;
     return tree_fail(&j->tree, NULL, "%s", line), refuse(j->tree.message);
 }
@@ -298,6 +306,7 @@ static void tell_begin(job *j) {
     const scene_size size = scene_estimate(&j->s);
     scene_say_size(&size, line, sizeof line);
     if (size.seconds > 60.0) common_print("%s\n", line);
+    tell_fits(j);
     if (scene_lacks_contact(&j->s, line, sizeof line)) common_print("%s: %s\n", j->file, line);
 }
 

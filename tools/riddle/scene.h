@@ -16,7 +16,8 @@ typedef struct body_shape {
     const shape_def *def;
     dem_clump clump; /* no spheres: a polyhedron */
     dem_convex polyhedron;
-    double diameter; /* of the sphere of its volume [m] */
+    dem_clump_fit fit; /* of a clump that is made from a mesh */
+    double diameter;   /* of the sphere of its volume [m] */
     double reach;    /* its farthest point from the centre, over half that diameter [-] */
 } body_shape;
 
