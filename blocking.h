@@ -1,35 +1,44 @@
-/* blocking.h: how the holes of a sieve block and free themselves, what that costs, and how to find the two rate constants.
+/* blocking.h: how the holes of a sieve block and free themselves, what that costs, and how to find the two rate
+   constants.
 
    #include "blocking.h"
    #include <stdio.h>
 
    int main(void) {
-       const double t[] = {0, 5, 10, 30}, f[] = {0.949, 0.937, 0.926, 0.888};      // free holes / holes, counted on the stopped sieve
+       // free holes / holes, counted on the stopped sieve
+       const double t[] = {0, 5, 10, 30}, f[] = {0.949, 0.937, 0.926, 0.888};
        blocking_fit_def    def = blocking_default_fit_def();
        blocking_fit_result fit;
        blocking_status     s = blocking_fit(&def, t, f, NULL, 4, &fit);
        printf("%s: f_inf %.3f, k1 %.4f, k2 %.4f 1/s\n", blocking_status_text(s), fit.f_inf, fit.k1, fit.k2);
-       printf("95 %% range of f_inf %.2f .. %.2f\n", fit.f_inf_lowest, fit.f_inf_highest); // 0.55 .. 0.82: four readings say little
+       // 0.55 .. 0.82: four readings say little
+       printf("95 %% range of f_inf %.2f .. %.2f\n", fit.f_inf_lowest, fit.f_inf_highest);
        printf("mean of 60 s %.3f\n", blocking_time_mean(fit.f0, fit.f_inf, fit.k, 60.0));
    }
 
-   Source: Lawinska, Modrzewski & Wodzinski, Granular Matter 18 (2016) 13, "the paper"; equation and table numbers are its own.
-   docs/blocking.md has the equations, the errata, and which of them were checked how.
+   Source: Lawinska, Modrzewski & Wodzinski, Granular Matter 18 (2016) 13, "the paper"; equation and table numbers are
+   its own. docs/blocking.md has the equations, the errata, and which of them were checked how.
 
-   f is the FREE fraction of the holes (eq 4): 1 is a clean sieve, 0 a blocked one. The paper calls it "blocking coefficient".
+   f is the FREE fraction of the holes (eq 4): 1 is a clean sieve, 0 a blocked one. The paper calls it "blocking
+   coefficient".
 
-   Models   relative size, hard-to-screen content and toss indicator (eqs 1-3, Table 1); blocking and unblocking of first order, pure and
-            together (eqs 5-13), with constant or changing rate constants; three-point estimator (eqs 14, 15, for any times); least squares;
-            mean free fraction as a polynomial of K and x_h (Table 3, as printed and repaired); polynomials of n variables (eq 16);
-            effective area, clearance and deck area (eqs 17, 18).
-   Units    SI: t [s], k k1 k2 [1/s], n [Hz], A [m], angles [rad], areas [m2]. f, x_h and all shares are fractions 0..1, never percent.
-   Errors   laws return NaN outside the domain their comment states; drivers return a blocking_status and leave NaN what they cannot tell.
+   Models   relative size, hard-to-screen content and toss indicator (eqs 1-3, Table 1); blocking and unblocking of
+            first order, pure and together (eqs 5-13), with constant or changing rate constants; three-point estimator
+            (eqs 14, 15, for any times); least squares; mean free fraction as a polynomial of K and x_h (Table 3, as
+            printed and repaired); polynomials of n variables (eq 16); effective area, clearance and deck area (eqs 17,
+            18).
+   Units    SI: t [s], k k1 k2 [1/s], n [Hz], A [m], angles [rad], areas [m2]. f, x_h and all shares are fractions 0..1,
+            never percent.
+   Errors   laws return NaN outside the domain their comment states; drivers return a blocking_status and leave NaN what
+            they cannot tell.
    Memory   nothing is allocated; arrays are the caller's and are read or filled during the call only.
    Threads  no state anywhere: every function may run in any thread.
-   Bits     only + - * / sqrt and the portable block below: the same on every machine that does not fuse products (-ffp-contract=off).
-   Linking  every function is static inline. For one shared copy: #define BLOCKING_API extern before every inclusion, and
-            BLOCKING_IMPLEMENTATION as well in one file. The laws stay inline.
-   Not here: k1 and k2 from K and x_h. The paper has no law for them; they come from counted holes (blocking_fit) or a simulation. */
+   Bits     only + - * / sqrt and the portable block below: the same on every machine that does not fuse products
+            (-ffp-contract=off).
+   Linking  every function is static inline. For one shared copy: #define BLOCKING_API extern before every inclusion,
+            and BLOCKING_IMPLEMENTATION as well in one file. The laws stay inline.
+   Not here: k1 and k2 from K and x_h. The paper has no law for them; they come from counted holes (blocking_fit) or
+   a simulation. */
 #ifndef BLOCKING_H
 #define BLOCKING_H
 
@@ -51,27 +60,27 @@
 extern "C" {
 #endif
 
-/* ========================================================== status ========================================================== */
+/* ===================================================== status ===================================================== */
 
-#define BLOCKING_STATUSES(X)                                                                                                               \
-    X(BLOCKING_OK, "ok")                                                                                                                   \
-    X(BLOCKING_NO_CHANGE, "the readings do not change: f_inf is their value, k is not determined")                                         \
-    X(BLOCKING_NON_MONOTONE, "the readings turn back or stop at once: no exponential passes through them")                                 \
-    X(BLOCKING_NOT_SATURATING, "the readings do not level off (straight or accelerating): f_inf is not determined")                        \
-    X(BLOCKING_NOT_RESOLVED, "all change lies between two readings: k is only known from below")                                           \
-    X(BLOCKING_OUT_OF_RANGE, "f_inf or f0 comes out below 0 or above 1")                                                                   \
-    X(BLOCKING_TOO_FEW, "too few values")                                                                                                  \
-    X(BLOCKING_NOT_FINITE, "a value is NaN or infinite")                                                                                   \
-    X(BLOCKING_NOT_RISING, "times or sizes must rise from each value to the next, times from 0 on")                                        \
-    X(BLOCKING_IN_PERCENT, "a fraction is above 1: give it as 0..1, not in percent")                                                       \
-    X(BLOCKING_NEGATIVE, "a value that must not be negative is")                                                                           \
-    X(BLOCKING_NOT_CUMULATIVE, "the share that passes falls from one size to the next")                                                    \
-    X(BLOCKING_NOT_COVERED, "the size curve is not known between 0.8 and 1.2 openings")                                                    \
-    X(BLOCKING_BAD_COUNT, "more free holes than holes, or no holes at all")                                                                \
-    X(BLOCKING_BAD_ARGUMENT, "an argument is NULL or out of its range")                                                                    \
-    X(BLOCKING_BAD_DEF, "a field of the definition is out of its range; the check function names it")                                      \
-    X(BLOCKING_BAD_RATE, "k1 or k2 came back negative or not finite")                                                                      \
-    X(BLOCKING_TOO_MANY_STEPS, "the tolerance was not reached within max_steps")                                                           \
+#define BLOCKING_STATUSES(X)                                                                                           \
+    X(BLOCKING_OK, "ok")                                                                                               \
+    X(BLOCKING_NO_CHANGE, "the readings do not change: f_inf is their value, k is not determined")                     \
+    X(BLOCKING_NON_MONOTONE, "the readings turn back or stop at once: no exponential passes through them")             \
+    X(BLOCKING_NOT_SATURATING, "the readings do not level off (straight or accelerating): f_inf is not determined")    \
+    X(BLOCKING_NOT_RESOLVED, "all change lies between two readings: k is only known from below")                       \
+    X(BLOCKING_OUT_OF_RANGE, "f_inf or f0 comes out below 0 or above 1")                                               \
+    X(BLOCKING_TOO_FEW, "too few values")                                                                              \
+    X(BLOCKING_NOT_FINITE, "a value is NaN or infinite")                                                               \
+    X(BLOCKING_NOT_RISING, "times or sizes must rise from each value to the next, times from 0 on")                    \
+    X(BLOCKING_IN_PERCENT, "a fraction is above 1: give it as 0..1, not in percent")                                   \
+    X(BLOCKING_NEGATIVE, "a value that must not be negative is")                                                       \
+    X(BLOCKING_NOT_CUMULATIVE, "the share that passes falls from one size to the next")                                \
+    X(BLOCKING_NOT_COVERED, "the size curve is not known between 0.8 and 1.2 openings")                                \
+    X(BLOCKING_BAD_COUNT, "more free holes than holes, or no holes at all")                                            \
+    X(BLOCKING_BAD_ARGUMENT, "an argument is NULL or out of its range")                                                \
+    X(BLOCKING_BAD_DEF, "a field of the definition is out of its range; the check function names it")                  \
+    X(BLOCKING_BAD_RATE, "k1 or k2 came back negative or not finite")                                                  \
+    X(BLOCKING_TOO_MANY_STEPS, "the tolerance was not reached within max_steps")                                       \
     X(BLOCKING_UNDETERMINED, "the points do not determine every coefficient")
 
 #define BLOCKING__ENUM(name, text) name,
@@ -81,9 +90,10 @@ typedef enum blocking_status { BLOCKING_STATUSES(BLOCKING__ENUM) BLOCKING_STATUS
 /* Returns one sentence without a full stop; "unknown status" for a number that is none. The text is a constant. */
 BLOCKING_API const char *blocking_status_text(blocking_status status);
 
-/* ========================================================== grains ========================================================== */
+/* ===================================================== grains ===================================================== */
 
-/* Returns the relative grain size phi = d / l (eq 1) [-]. d: mean grain diameter [m] >= 0, l: size of the hole [m] > 0. */
+/* Returns the relative grain size phi = d / l (eq 1) [-]. d: mean grain diameter [m] >= 0, l: size of the
+   hole [m] > 0. */
 static inline double blocking_relative_size(double d, double l);
 
 /* Returns 1 if 0.8 <= phi <= 1.2 (eq 2, both ends belong to it, to 1e-15), else 0; 0 for NaN. */
@@ -96,36 +106,39 @@ typedef struct blocking_hard {
     double above; /* l < d <= 1.2 l: they never pass and may stick ("blocking") [-] */
 } blocking_hard;
 
-/* Computes the shares from classes: diameter[n] [m] > 0 in any order, mass[n] >= 0 in any unit (not all zero), opening l [m] > 0. A class
-   counts with its whole mass. NEGATIVE, TOO_FEW (n 0 or no mass), NOT_FINITE, BAD_ARGUMENT. */
-BLOCKING_API blocking_status blocking_hard_from_classes(const double *diameter, const double *mass, size_t n, double opening,
-                                                        blocking_hard *out);
+/* Computes the shares from classes: diameter[n] [m] > 0 in any order, mass[n] >= 0 in any unit (not all zero), opening
+   l [m] > 0. A class counts with its whole mass. NEGATIVE, TOO_FEW (n 0 or no mass), NOT_FINITE, BAD_ARGUMENT. */
+BLOCKING_API blocking_status blocking_hard_from_classes(const double *diameter, const double *mass, size_t n,
+                                                        double opening, blocking_hard *out);
 
-/* Computes the shares from a cumulative curve: passing[n] = mass fraction finer than size[n] [m], sizes rising, straight lines between the
-   points. Before the first point the curve is known only if passing[0] is 0, after the last only if passing[n-1] is 1: else NOT_COVERED.
-   IN_PERCENT, NEGATIVE, NOT_CUMULATIVE, NOT_RISING, TOO_FEW (n < 2), NOT_FINITE, BAD_ARGUMENT. */
-BLOCKING_API blocking_status blocking_hard_from_curve(const double *size, const double *passing, size_t n, double opening,
-                                                      blocking_hard *out);
+/* Computes the shares from a cumulative curve: passing[n] = mass fraction finer than size[n] [m], sizes rising,
+   straight lines between the points. Before the first point the curve is known only if passing[0] is 0, after the last
+   only if passing[n-1] is 1: else NOT_COVERED. IN_PERCENT, NEGATIVE, NOT_CUMULATIVE, NOT_RISING, TOO_FEW (n < 2),
+   NOT_FINITE, BAD_ARGUMENT. */
+BLOCKING_API blocking_status blocking_hard_from_curve(const double *size, const double *passing, size_t n,
+                                                      double opening, blocking_hard *out);
 
-/* ======================================================== vibration ========================================================= */
+/* =================================================== vibration ==================================================== */
 
-/* Returns the toss indicator K = (2 pi n)^2 A sin(beta) / (g cos(alpha)) (eq 3) [-]: largest acceleration of the deck over gravity, both
-   along its normal. n: frequency [Hz] (rpm / 60) >= 0; A: amplitude, half the stroke [m] >= 0; beta: direction of the vibration against the
-   deck [rad] 0..pi; alpha: slope of the deck [rad], cos(alpha) > 0; g [m/s2] > 0. NaN outside. */
+/* Returns the toss indicator K = (2 pi n)^2 A sin(beta) / (g cos(alpha)) (eq 3) [-]: largest acceleration of the deck
+   over gravity, both along its normal. n: frequency [Hz] (rpm / 60) >= 0; A: amplitude, half the stroke [m] >= 0; beta:
+   direction of the vibration against the deck [rad] 0..pi; alpha: slope of the deck [rad], cos(alpha) > 0;
+   g [m/s2] > 0. NaN outside. */
 static inline double blocking_toss_indicator(double n, double A, double beta, double alpha, double g);
 
-/* Returns the normal amplitude A sin(beta) [m] that gives the toss indicator K >= 0 at frequency n > 0 (eq 3 solved). */
+/* Returns the normal amplitude A sin(beta) [m] that gives the toss indicator K >= 0 at frequency n > 0
+   (eq 3 solved). */
 static inline double blocking_toss_amplitude(double K, double n, double alpha, double g);
 
 /* Returns the frequency [Hz] that gives the toss indicator K >= 0 with amplitude A > 0 (eq 3 solved). sin(beta) > 0. */
 static inline double blocking_toss_frequency(double K, double A, double beta, double alpha, double g);
 
-#define BLOCKING_TOSSES(X)                                                                                                                 \
-    X(BLOCKING_TOSS_UNDEFINED, "no toss indicator: negative or not a number")                                                              \
-    X(BLOCKING_TOSS_NONE, "K < 1: grains never leave the deck")                                                                            \
-    X(BLOCKING_TOSS_UNLISTED, "Table 1 has no guideline for this K")                                                                       \
-    X(BLOCKING_TOSS_EASY, "K 2.0-3.3: easy-to-screen grains without a tendency to clog")                                                   \
-    X(BLOCKING_TOSS_AVERAGE, "K 4.5-6.5: average grains, slightly moist, minor tendency to block")                                         \
+#define BLOCKING_TOSSES(X)                                                                                             \
+    X(BLOCKING_TOSS_UNDEFINED, "no toss indicator: negative or not a number")                                          \
+    X(BLOCKING_TOSS_NONE, "K < 1: grains never leave the deck")                                                        \
+    X(BLOCKING_TOSS_UNLISTED, "Table 1 has no guideline for this K")                                                   \
+    X(BLOCKING_TOSS_EASY, "K 2.0-3.3: easy-to-screen grains without a tendency to clog")                               \
+    X(BLOCKING_TOSS_AVERAGE, "K 4.5-6.5: average grains, slightly moist, minor tendency to block")                     \
     X(BLOCKING_TOSS_HARD, "K 7-10: very hard-to-screen grains, moist, sticky, easily clogging")
 #define BLOCKING__ENUM(name, text) name,
 typedef enum blocking_toss { BLOCKING_TOSSES(BLOCKING__ENUM) BLOCKING_TOSS_COUNT } blocking_toss;
@@ -135,31 +148,37 @@ typedef enum blocking_toss { BLOCKING_TOSSES(BLOCKING__ENUM) BLOCKING_TOSS_COUNT
 static inline blocking_toss blocking_toss_range(double K);
 BLOCKING_API const char *blocking_toss_text(blocking_toss range);
 
-/* ====================================================== counted holes ======================================================= */
+/* ================================================= counted holes ================================================== */
 
-/* Returns 1 if the bed is too thick for this description, H / D_z >= 0.1 (section 3.1; to 1e-15), else 0. H: height of the bed [m] >= 0,
+/* Returns 1 if the bed is too thick for this description, H / D_z >= 0.1 (section 3.1; to 1e-15), else 0. H: height of
+   the bed [m] >= 0,
    D_z: diameter of the sieve [m] > 0. Also 1 for values outside that. */
 static inline int blocking_bed_too_thick(double H, double D_z);
 
 typedef struct blocking_count {
     double free_fraction;  /* f = free / all holes (eq 4), all spots together [-] */
     double blocked;        /* 1 - f [-] */
-    double standard_error; /* of f, holes independent: sqrt(f (1 - f) / holes) [-]; 0 for f 0 or 1. Fit counts by blocking_fit_holes */
-    double spot_error; /* of f, from the scatter between spots [-]; NaN for one spot. Much above standard_error: holes block in patches */
+    double standard_error; /* of f, holes independent: sqrt(f (1 - f) / holes) [-]; 0 for f 0 or 1. Fit counts by
+                              blocking_fit_holes */
+    double spot_error; /* of f, from the scatter between spots [-]; NaN for one spot. Much above standard_error: holes
+                          block in patches */
     double low, high;  /* Wilson's interval for f (Wilson 1927), holes independent [-] */
 } blocking_count;
 
-/* Computes the free fraction. free_holes[n], holes[n]: counted at n >= 1 spots of the sieve. z: half-width of the interval in standard
-   deviations, above 0 .. 1e6, 1.96 for 95 %. BAD_COUNT, TOO_FEW (n 0), BAD_ARGUMENT. */
-BLOCKING_API blocking_status blocking_count_holes(const size_t *free_holes, const size_t *holes, size_t n, double z, blocking_count *out);
+/* Computes the free fraction. free_holes[n], holes[n]: counted at n >= 1 spots of the sieve. z: half-width of the
+   interval in standard deviations, above 0 .. 1e6, 1.96 for 95 %. BAD_COUNT, TOO_FEW (n 0), BAD_ARGUMENT. */
+BLOCKING_API blocking_status blocking_count_holes(const size_t *free_holes, const size_t *holes, size_t n, double z,
+                                                  blocking_count *out);
 
-/* ================================================= blocking in time (laws) ================================================== */
+/* ============================================ blocking in time (laws) ============================================= */
 
-/* Returns df/dt = -k1 f + k2 (1 - f) [1/s] (eqs 5, 7, 9, 10). f 0..1; k1: rate constant of blocking, k2: of unblocking [1/s] >= 0. */
+/* Returns df/dt = -k1 f + k2 (1 - f) [1/s] (eqs 5, 7, 9, 10). f 0..1; k1: rate constant of blocking, k2: of
+   unblocking [1/s] >= 0. */
 static inline double blocking_rate(double f, double k1, double k2);
 
-/* Returns the free fraction at time t [s] >= 0 from f0 at t = 0 (eqs 10-13) [-]. f0 0..1, k1, k2 finite >= 0, t may be infinite; k1 = k2 =
-   0 gives f0. It is also the exact step of a simulator: f = blocking_free_fraction(f, k1, k2, dt). */
+/* Returns the free fraction at time t [s] >= 0 from f0 at t = 0 (eqs 10-13) [-]. f0 0..1, k1, k2 finite >= 0, t may be
+   infinite; k1 = k2 = 0 gives f0. It is also the exact step of a simulator: f = blocking_free_fraction(f,
+   k1, k2, dt). */
 static inline double blocking_free_fraction(double f0, double k1, double k2, double t);
 static inline double blocking_pure_blocking(double f0, double k1, double t);   /* eq 6: nothing unblocks */
 static inline double blocking_pure_unblocking(double f0, double k2, double t); /* eq 8: nothing blocks */
@@ -167,28 +186,29 @@ static inline double blocking_pure_unblocking(double f0, double k2, double t); /
 /* Returns f_inf = k2 / (k1 + k2) (eq 11) [-]; NaN for k1 = k2 = 0, where every f is steady. */
 static inline double blocking_equilibrium(double k1, double k2);
 
-/* Below, a curve is (f0, f_inf, k): f(t) = f_inf + (f0 - f_inf) exp(-k t) (eq 13), k = k1 + k2 >= 0 [1/s]. f0 and f_inf may be any finite
-   number, so that fitted curves that leave 0..1 can be drawn. */
+/* Below, a curve is (f0, f_inf, k): f(t) = f_inf + (f0 - f_inf) exp(-k t) (eq 13), k = k1 + k2 >= 0 [1/s]. f0 and f_inf
+   may be any finite number, so that fitted curves that leave 0..1 can be drawn. */
 static inline double blocking_k1(double f_inf, double k);                         /* k (1 - f_inf) [1/s]; f_inf 0..1 */
 static inline double blocking_k2(double f_inf, double k);                         /* k f_inf [1/s]; f_inf 0..1 */
 static inline double blocking_curve(double f0, double f_inf, double k, double t); /* f at t [s] >= 0 */
 
-/* Returns the mean of f over 0..T [-], T [s] >= 0, may be infinite. This, with T the time between two cleanings, is the f* of eq 17; (f0 +
-   f_inf)/2, as in the paper, is not. */
+/* Returns the mean of f over 0..T [-], T [s] >= 0, may be infinite. This, with T the time between two cleanings, is the
+   f* of eq 17; (f0 + f_inf)/2, as in the paper, is not. */
 static inline double blocking_time_mean(double f0, double f_inf, double k, double T);
 
-/* Returns the time [s] at which the curve has the value f; 0 for f = f0, NaN for a value that it does not take (f_inf is only
-   approached). */
+/* Returns the time [s] at which the curve has the value f; 0 for f = f0, NaN for a value that it does not take (f_inf
+   is only approached). */
 static inline double blocking_time_to(double f, double f0, double f_inf, double k);
 
-/* Returns the integral of f over 0..t [s]: the time in which a clean deck would have passed as much. A screen model's curve with blocking
-   is its curve without, taken at this time, if its rate is proportional to the free holes. */
+/* Returns the integral of f over 0..t [s]: the time in which a clean deck would have passed as much. A screen model's
+   curve with blocking is its curve without, taken at this time, if its rate is proportional to the free holes. */
 static inline double blocking_exposure(double f0, double f_inf, double k, double t);
 
-/* Returns the time t [s] whose exposure is `exposure` [s] >= 0, f0 and f_inf 0..1; infinite if the deck blocks before. */
+/* Returns the time t [s] whose exposure is `exposure` [s] >= 0, f0 and f_inf 0..1; infinite if the deck
+   blocks before. */
 static inline double blocking_time_for_exposure(double exposure, double f0, double f_inf, double k);
 
-/* ============================================= blocking in time, changing rates ============================================= */
+/* ======================================== blocking in time, changing rates ======================================== */
 
 /* k1 and k2 [1/s] >= 0 at time t [s]. */
 typedef void blocking_rates_fn(void *user, double t, double *k1, double *k2);
@@ -198,12 +218,14 @@ typedef struct blocking_ode_def {
     double start;             /* [s]; default 0 */
     blocking_rates_fn *rates; /* default NULL: must be set */
     void *user;               /* passed to rates; default NULL */
-    const double *breaks;     /* [n_breaks] rising times [s] at which rates jump or kink: a step ends there. default NULL */
+    const double *breaks;     /* [n_breaks] rising times [s] at which rates jump or kink: a step ends there.
+                                 default NULL */
     size_t n_breaks;          /* default 0 */
     double tolerance;         /* for the error of f and of its mean, 1e-14 .. 0.1; default 1e-10 */
-    double max_step;          /* [s] > 0; infinite (default): none, and unless breaks are given the rates are sampled all over the time, at
-                                 30 (tolerance 1e-3) to 1000 places (1e-10), so that no step jumps over a pulse longer than two of
-                                 their gaps, nor over one like those found before; set it for rare and shorter ones */
+    double max_step;          /* [s] > 0; infinite (default): none, and unless breaks are given the rates are sampled
+                                 all over the time, at 30 (tolerance 1e-3) to 1000 places (1e-10), so that no step jumps
+                                 over a pulse longer than two of their gaps, nor over one like those found before; set
+                                 it for rare and shorter ones */
     size_t max_steps;         /* >= 1; default 1000000 */
     unsigned cookie;          /* set by blocking_default_ode_def */
 } blocking_ode_def;
@@ -215,20 +237,21 @@ typedef struct blocking_ode_report {
 } blocking_ode_report;
 
 BLOCKING_API blocking_ode_def blocking_default_ode_def(void);
-/* Returns OK or BAD_DEF; *field (field may be NULL) names the first bad field, NULL when all is well. The other check functions do the
-   same. */
+/* Returns OK or BAD_DEF; *field (field may be NULL) names the first bad field, NULL when all is well. The other check
+   functions do the same. */
 BLOCKING_API blocking_status blocking_check_ode_def(const blocking_ode_def *def, const char **field);
 
-/* Solves df/dt = -k1(t) f + k2(t)(1 - f) (eq 10). times[n]: rising, times[0] >= start. f[n]: free fraction at those times; mean[n], or
-   NULL: mean of f from start to there (f0 at start itself). report may be NULL. Every step is exact for constant rates and stays within
-   0..1 for any rates; otherwise order 4 (commutator-free Magnus: Celledoni, Marthinsen & Owren 2003), the error from two half steps.
-   Jumps that are not among the breaks are found, at a price: see max_step.
-   TOO_FEW, NOT_FINITE, NOT_RISING, BAD_DEF, BAD_RATE, TOO_MANY_STEPS, BAD_ARGUMENT; on failure f and mean are NaN from the first time not
-   reached. */
-BLOCKING_API blocking_status blocking_integrate(const blocking_ode_def *def, const double *times, size_t n, double *f, double *mean,
-                                                blocking_ode_report *report);
+/* Solves df/dt = -k1(t) f + k2(t)(1 - f) (eq 10). times[n]: rising, times[0] >= start. f[n]: free fraction at those
+   times; mean[n], or NULL: mean of f from start to there (f0 at start itself). report may be NULL. Every step is exact
+   for constant rates and stays within 0..1 for any rates; otherwise order 4 (commutator-free Magnus: Celledoni,
+   Marthinsen & Owren 2003), the error from two half steps. Jumps that are not among the breaks are found, at a price:
+   see max_step. TOO_FEW, NOT_FINITE, NOT_RISING, BAD_DEF, BAD_RATE, TOO_MANY_STEPS, BAD_ARGUMENT; on failure f and mean
+   are NaN from the first time not reached. */
+BLOCKING_API blocking_status blocking_integrate(const blocking_ode_def *def, const double *times, size_t n, double *f,
+                                                double *mean, blocking_ode_report *report);
 
-/* k1 and k2 [1/s] of a toss indicator and a hard-to-screen content; there is no published law, so this is the caller's. */
+/* k1 and k2 [1/s] of a toss indicator and a hard-to-screen content; there is no published law, so this is
+   the caller's. */
 typedef void blocking_law_fn(void *user, double K, double x_h, double *k1, double *k2);
 
 /* K(t) and x_h(t) as tables. */
@@ -237,7 +260,8 @@ typedef struct blocking_schedule {
     const double *K;    /* [n] toss indicator >= 0 */
     const double *x_h;  /* [n] hard-to-screen content of the feed, 0..1 */
     size_t n;           /* >= 1 */
-    int stepwise;       /* 1: a value holds until the next time; 0: straight lines between. Before the first and after the last: constant */
+    int stepwise;       /* 1: a value holds until the next time; 0: straight lines between. Before the first and after
+                           the last: constant */
     blocking_law_fn *law;
     void *user; /* passed to law */
 } blocking_schedule;
@@ -245,11 +269,11 @@ typedef struct blocking_schedule {
 /* Returns OK, or what is wrong. *row (may be NULL): the first bad row. */
 BLOCKING_API blocking_status blocking_check_schedule(const blocking_schedule *schedule, size_t *row);
 
-/* Returns the rates of a schedule, as a blocking_rates_fn: set def.rates = blocking_schedule_rates, def.user = &schedule, def.breaks =
-   schedule.time, def.n_breaks = schedule.n. */
+/* Returns the rates of a schedule, as a blocking_rates_fn: set def.rates = blocking_schedule_rates,
+   def.user = &schedule, def.breaks = schedule.time, def.n_breaks = schedule.n. */
 BLOCKING_API void blocking_schedule_rates(void *schedule, double t, double *k1, double *k2);
 
-/* ============================================ rate constants from three readings ============================================ */
+/* ======================================= rate constants from three readings ======================================= */
 
 #define BLOCKING_TOLERANCE 1e-9 /* the tolerance to give to blocking_three_point */
 
@@ -260,93 +284,105 @@ typedef struct blocking_estimate {
     double k;                              /* [1/s] */
     double k1, k2;                         /* from k and f_inf_clipped [1/s] */
     double r;                              /* exp(-k (t1 - t0)) [-] */
-    double error_f_inf, error_f0, error_k; /* standard errors if the readings have equal, independent errors sigma; linearised */
+    double error_f_inf, error_f0, error_k; /* standard errors if the readings have equal, independent errors
+                                              sigma; linearised */
 } blocking_estimate;
 
-/* Finds the exponential through three readings f[3] (0..1) at any rising times t[3] >= 0 (eqs 14, 15 need 0, t, 2t: this does not). sigma:
-   standard error of a reading >= 0 (0: errors come out 0; sqrt(f (1 - f) / holes) for counted holes). tolerance >= 0, see
-   BLOCKING_TOLERANCE.
+/* Finds the exponential through three readings f[3] (0..1) at any rising times t[3] >= 0 (eqs 14, 15 need 0, t, 2t:
+   this does not). sigma: standard error of a reading >= 0 (0: errors come out 0; sqrt(f (1 - f) / holes) for counted
+   holes). tolerance >= 0, see BLOCKING_TOLERANCE.
    NO_CHANGE       |f1 - f0| <= tolerance: f_inf = f0 = reading, k NaN
    NON_MONOTONE    the third reading turns back or equals the second: f_inf, k NaN
    NOT_SATURATING  straight or accelerating, r >= 1 - tolerance: f_inf, k NaN
    OUT_OF_RANGE    f_inf (or the extrapolated f0) outside 0..1: all filled, see f_inf_clipped
-   and NOT_FINITE (also where a rate would exceed the largest number), NOT_RISING, IN_PERCENT, NEGATIVE, BAD_ARGUMENT. An f0 that overflows,
-   with times far from 0, is NaN and OUT_OF_RANGE. */
-BLOCKING_API blocking_status blocking_three_point(const double *t, const double *f, double sigma, double tolerance, blocking_estimate *out);
+   and NOT_FINITE (also where a rate would exceed the largest number), NOT_RISING, IN_PERCENT, NEGATIVE, BAD_ARGUMENT.
+   An f0 that overflows, with times far from 0, is NaN and OUT_OF_RANGE. */
+BLOCKING_API blocking_status blocking_three_point(const double *t, const double *f, double sigma, double tolerance,
+                                                  blocking_estimate *out);
 
-/* Return the amplification of noise for readings at 0, t, 2t with r = exp(-k t), 0 < r < 1: the standard error of f_inf over that of a
-   reading, and the standard error of ln k times |f0 - f_inf| over that of a reading. The second is least, 6.1146, at r = 0.20384: read at t
-   = 1.5904 / k. */
+/* Return the amplification of noise for readings at 0, t, 2t with r = exp(-k t), 0 < r < 1: the standard error of f_inf
+   over that of a reading, and the standard error of ln k times |f0 - f_inf| over that of a reading. The second is
+   least, 6.1146, at r = 0.20384: read at t = 1.5904 / k. */
 static inline double blocking_noise_f_inf(double r);
 static inline double blocking_noise_k(double r);
 #define BLOCKING_BEST_KT 1.5904140601732491
 
-/* ============================================= rate constants by least squares ============================================== */
+/* ======================================== rate constants by least squares ========================================= */
 
-/* Returns the half-width, in standard errors, of a range that holds as much of Student's t with `dof` degrees of freedom as -z..z does of
-   the normal distribution: 12.706, 4.303, 3.182, 2.228 for z = 1.959964 and dof 1, 2, 3, 10; z itself from dof 1e6 on. z > 0 (above 7 as
-   7), dof >= 1 (whole numbers; others are rounded down). NaN outside. Student 1908. */
+/* Returns the half-width, in standard errors, of a range that holds as much of Student's t with `dof` degrees of
+   freedom as -z..z does of the normal distribution: 12.706, 4.303, 3.182, 2.228 for z = 1.959964 and dof 1, 2, 3, 10; z
+   itself from dof 1e6 on. z > 0 (above 7 as 7), dof >= 1 (whole numbers; others are rounded down). NaN outside.
+   Student 1908. */
 BLOCKING_API double blocking_student(double z, double dof);
 
 typedef struct blocking_fit_def {
     double k_low, k_high; /* search range [1/s], 0 < k_low < k_high; default 1e-9, 1e6. The times limit it further, to
                              what they can show: 1e-4 / last time .. 40 / shortest gap */
-    double z;             /* confidence of the result's ranges, as half-width in standard deviations of a normal distribution > 0; default
-                             1.96: 95 %. Where the spread is taken from the readings, Student's t is used instead */
-    double turn_back;     /* > 0: a reading that runs against the curve by more than this share of the readings' range is NON_MONOTONE;
-                             default 0.5 */
-    double tolerance;     /* readings that differ by no more than this do not change [-] >= 0; default BLOCKING_TOLERANCE */
+    double z;             /* confidence of the result's ranges, as half-width in standard deviations of a normal
+                             distribution > 0; default 1.96: 95 %. Where the spread is taken from the readings,
+                             Student's t is used instead */
+    double turn_back;     /* > 0: a reading that runs against the curve by more than this share of the readings' range
+                             is NON_MONOTONE; default 0.5 */
+    double tolerance;     /* readings that differ by no more than this do not change [-] >= 0; default
+                             BLOCKING_TOLERANCE */
     unsigned cookie;      /* set by blocking_default_fit_def */
 } blocking_fit_def;
 
 typedef struct blocking_fit_result {
     double f0, f_inf;                      /* [-], both held within 0..1 */
     double k, k1, k2;                      /* [1/s] */
-    double sse;                            /* sum of squared deviations, each over its sigma squared if sigma is given */
+    double sse;                            /* sum of squared deviations, each over its sigma squared if
+                                              sigma is given */
     double r2;                             /* 1 - SSE/SST; NaN if SST = 0 */
     double dof;                            /* degrees of freedom of the spread: n - 3; infinite if sigma is given */
-    double student;                        /* half-width of the ranges in standard errors: blocking_student(z, dof); infinite for dof 0 */
-    double error_f0, error_f_inf, error_k; /* standard errors, linearised; NaN if dof is 0, and for a value on its bound: use its range */
-    /* Ranges that hold the truth in 95 of 100 cases (def.z): all values with which some curve has a sum of squares within student^2 s^2 of
-       the least. They tell more than the errors, which are symmetric. NaN for dof 0, and for readings that do not change without sigma. */
+    double student;                        /* half-width of the ranges in standard errors: blocking_student(z, dof);
+                                              infinite for dof 0 */
+    double error_f0, error_f_inf, error_k; /* standard errors, linearised; NaN if dof is 0, and for a value on its
+                                              bound: use its range */
+    /* Ranges that hold the truth in 95 of 100 cases (def.z): all values with which some curve has a sum of squares
+       within student^2 s^2 of the least. They tell more than the errors, which are symmetric. NaN for dof 0, and for
+       readings that do not change without sigma. */
     double k_lowest, k_highest;         /* [1/s]; 0 or infinite: open on that side */
     double f0_lowest, f0_highest;       /* [-], cut at 0 and 1 */
     double f_inf_lowest, f_inf_highest; /* [-], cut at 0 and 1 */
     int k_determined;                   /* 1: the range of k ends on both sides; 0: the readings leave k open */
-    int f_inf_determined;               /* 1: the range of f_inf is narrower than 0.5; 0: the readings leave f_inf open */
+    int f_inf_determined;               /* 1: the range of f_inf is narrower than 0.5; 0: the readings
+                                           leave f_inf open */
     int f0_on_bound, f_inf_on_bound;    /* 1: it is 0 or 1 because it is not allowed beyond */
 } blocking_fit_result;
 
 BLOCKING_API blocking_fit_def blocking_default_fit_def(void);
 BLOCKING_API blocking_status blocking_check_fit_def(const blocking_fit_def *def, const char **field);
 
-/* Fits eq 13 by least squares over k > 0, f0 and f_inf in 0..1 (for a given k the rest is linear: variable projection; all minima of a grid
-   in ln k are refined to round-off). t[n] rising >= 0, f[n] 0..1, n >= 3. sigma[n] > 0: standard errors of the readings, or NULL: equal and
-   unknown. f0 is that of t = 0: let the clock start with the test, or a bound of f0 keeps the curve from the readings. NO_CHANGE,
-   NON_MONOTONE, NOT_SATURATING, NOT_RESOLVED come with the best curve filled in (k NaN for NO_CHANGE); TOO_FEW, NOT_FINITE, NOT_RISING,
-   IN_PERCENT, NEGATIVE, BAD_DEF, BAD_ARGUMENT with NaN. */
-BLOCKING_API blocking_status blocking_fit(const blocking_fit_def *def, const double *t, const double *f, const double *sigma, size_t n,
-                                          blocking_fit_result *out);
+/* Fits eq 13 by least squares over k > 0, f0 and f_inf in 0..1 (for a given k the rest is linear: variable projection;
+   all minima of a grid in ln k are refined to round-off). t[n] rising >= 0, f[n] 0..1, n >= 3. sigma[n] > 0: standard
+   errors of the readings, or NULL: equal and unknown. f0 is that of t = 0: let the clock start with the test, or a
+   bound of f0 keeps the curve from the readings. NO_CHANGE, NON_MONOTONE, NOT_SATURATING, NOT_RESOLVED come with the
+   best curve filled in (k NaN for NO_CHANGE); TOO_FEW, NOT_FINITE, NOT_RISING, IN_PERCENT, NEGATIVE, BAD_DEF,
+   BAD_ARGUMENT with NaN. */
+BLOCKING_API blocking_status blocking_fit(const blocking_fit_def *def, const double *t, const double *f,
+                                          const double *sigma, size_t n, blocking_fit_result *out);
 
-/* Fits counted holes: free_holes[n] of holes[n] at t[n] [s], n >= 3. The standard errors are those of the curve, sqrt(f (1 - f) / holes),
-   not of each reading, with one free and one blocked hole more than there are: near f = 1 those of the readings are too small, and the
-   range of f0 then holds the truth in 88 of 100 cases only. f[n], sigma[n]: filled with the readings and their errors, for
-   blocking_fit_range and for plots; the caller's. Statuses as blocking_fit; BAD_COUNT. Holes that block in patches scatter more: fit f
-   without sigma then. */
-BLOCKING_API blocking_status blocking_fit_holes(const blocking_fit_def *def, const double *t, const size_t *free_holes, const size_t *holes,
-                                                size_t n, double *f, double *sigma, blocking_fit_result *out);
+/* Fits counted holes: free_holes[n] of holes[n] at t[n] [s], n >= 3. The standard errors are those of the curve, sqrt(f
+   (1 - f) / holes), not of each reading, with one free and one blocked hole more than there are: near f = 1 those of
+   the readings are too small, and the range of f0 then holds the truth in 88 of 100 cases only. f[n], sigma[n]: filled
+   with the readings and their errors, for blocking_fit_range and for plots; the caller's. Statuses as blocking_fit;
+   BAD_COUNT. Holes that block in patches scatter more: fit f without sigma then. */
+BLOCKING_API blocking_status blocking_fit_holes(const blocking_fit_def *def, const double *t, const size_t *free_holes,
+                                                const size_t *holes, size_t n, double *f, double *sigma,
+                                                blocking_fit_result *out);
 
-/* Computes the ranges, with the confidence of the result's, of f at a time T [s] >= 0 (infinite: f_inf) and of its mean over 0..T, which
-   determines the deck's area; both are cut at 0 and 1, and are 0..1 where all curves leave these bounds before the first reading. Any of
-   the four may be NULL. The best curve is held within 0..1 from the first reading on, not from t = 0: the range of f does not depend on
-   where the clock starts. Statuses as blocking_fit; OK also where blocking_fit would name something that is left open: then the range is
-   wide. NO_CHANGE, with NaN, only without sigma: equal readings do not tell how well they are known. TOO_FEW also for three readings
-   without sigma. */
-BLOCKING_API blocking_status blocking_fit_range(const blocking_fit_def *def, const double *t, const double *f, const double *sigma,
-                                                size_t n, double T, double *f_lowest, double *f_highest, double *mean_lowest,
-                                                double *mean_highest);
+/* Computes the ranges, with the confidence of the result's, of f at a time T [s] >= 0 (infinite: f_inf) and of its mean
+   over 0..T, which determines the deck's area; both are cut at 0 and 1, and are 0..1 where all curves leave these
+   bounds before the first reading. Any of the four may be NULL. The best curve is held within 0..1 from the first
+   reading on, not from t = 0: the range of f does not depend on where the clock starts. Statuses as blocking_fit; OK
+   also where blocking_fit would name something that is left open: then the range is wide. NO_CHANGE, with NaN, only
+   without sigma: equal readings do not tell how well they are known. TOO_FEW also for three readings without sigma. */
+BLOCKING_API blocking_status blocking_fit_range(const blocking_fit_def *def, const double *t, const double *f,
+                                                const double *sigma, size_t n, double T, double *f_lowest,
+                                                double *f_highest, double *mean_lowest, double *mean_highest);
 
-/* ================================================ many tests: k1 and k2 as laws ============================================= */
+/* =========================================== many tests: k1 and k2 as laws ======================================== */
 
 /* Counted holes of one test. Nothing is owned. */
 typedef struct blocking_test {
@@ -360,7 +396,8 @@ enum { BLOCKING_LAW_TERMS = 4 }; /* 1, K, x_h, moisture */
 /* ln k1 = a . (1, K, x_h, moisture), ln k2 = b . (1, K, x_h, moisture); which of the terms stand in them is chosen. */
 typedef struct blocking_law {
     double a[BLOCKING_LAW_TERMS], b[BLOCKING_LAW_TERMS]; /* 0 where the term is not used; k in 1/s */
-    int used_a, used_b;                                  /* bits 1, 2, 4, 8: which terms stand in a, in b (bit 1 always) */
+    int used_a, used_b;                                  /* bits 1, 2, 4, 8: which terms stand in a, in b
+                                                            (bit 1 always) */
     double aicc;            /* Akaike's criterion, corrected for few readings (Hurvich & Tsai 1989); lower is better */
     double aicc_constant;   /* of constant k1 and k2, for comparison: shows what the terms gain */
     double sse, dof, s;     /* sum of squares, degrees of freedom, spread of a reading [-] (1 where sigma is given) */
@@ -374,7 +411,8 @@ typedef struct blocking_law {
 /* Fits one law to the curves of all tests at once, each with its own f0. Of the 64 forms it takes the one with the
    lowest AICc. TOO_FEW (no more readings than coefficients for the simplest form), UNDETERMINED (no form converges),
    and those of blocking_fit. *test (may be NULL): the first bad test. */
-BLOCKING_API blocking_status blocking_fit_law(const blocking_test *tests, size_t n_tests, blocking_law *out, size_t *test);
+BLOCKING_API blocking_status blocking_fit_law(const blocking_test *tests, size_t n_tests, blocking_law *out,
+                                              size_t *test);
 
 typedef struct blocking_law_value {
     double k1, k2, f_inf;       /* [1/s] [1/s] [-] */
@@ -385,29 +423,31 @@ typedef struct blocking_law_value {
 } blocking_law_value;
 
 /* Evaluates k1, k2 and f_inf by the law, where no test was made. NOT_FINITE, BAD_ARGUMENT with NaN. */
-BLOCKING_API blocking_status blocking_law_at(const blocking_law *law, double K, double x_h, double moisture, blocking_law_value *out);
+BLOCKING_API blocking_status blocking_law_at(const blocking_law *law, double K, double x_h, double moisture,
+                                             blocking_law_value *out);
 
 typedef struct blocking_law_run {
     double last, mean;              /* f after the run, and its mean over the run [-] */
-    double last_low95, last_high95; /* 95 % ranges, of the law, without the scatter between tests: for the same fields of blocking_duty */
+    double last_low95, last_high95; /* 95 % ranges, of the law, without the scatter between tests: for the same fields
+                                       of blocking_duty */
     double mean_low95, mean_high95;
     int outside; /* as in blocking_law_value */
 } blocking_law_run;
 
-/* Predicts by the law the free fraction of a deck that begins with f0 (0..1) and runs for T [s] >= 0 (infinite: in the long run). The
-   ranges are the lowest and the highest over all k1, k2 that the law's errors allow, so they stay within 0..1. Statuses as
-   blocking_law_at. */
-BLOCKING_API blocking_status blocking_law_free(const blocking_law *law, double K, double x_h, double moisture, double f0, double T,
-                                               blocking_law_run *out);
+/* Predicts by the law the free fraction of a deck that begins with f0 (0..1) and runs for T [s] >= 0 (infinite: in the
+   long run). The ranges are the lowest and the highest over all k1, k2 that the law's errors allow, so they stay
+   within 0..1. Statuses as blocking_law_at. */
+BLOCKING_API blocking_status blocking_law_free(const blocking_law *law, double K, double x_h, double moisture,
+                                               double f0, double T, blocking_law_run *out);
 
-/* Draws a pair k1, k2 [1/s] within the law's errors: z1, z2 are two standard normal numbers of the caller's, turned into errors with the
-   law's covariance (wider by Student's t over 1.96). For results without a formula, such as the time to a recovery: draw some hundred
-   pairs, the same seed for the same numbers, and take the range that contains 95 % of the results. 0, 0 gives the law's own. Statuses as
-   blocking_law_at. */
-BLOCKING_API blocking_status blocking_law_draw(const blocking_law *law, double K, double x_h, double moisture, double z1, double z2,
-                                               double *k1, double *k2);
+/* Draws a pair k1, k2 [1/s] within the law's errors: z1, z2 are two standard normal numbers of the caller's, turned
+   into errors with the law's covariance (wider by Student's t over 1.96). For results without a formula, such as the
+   time to a recovery: draw some hundred pairs, the same seed for the same numbers, and take the range that contains 95
+   % of the results. 0, 0 gives the law's own. Statuses as blocking_law_at. */
+BLOCKING_API blocking_status blocking_law_draw(const blocking_law *law, double K, double x_h, double moisture,
+                                               double z1, double z2, double *k1, double *k2);
 
-/* =============================================== mean free fraction (Table 3) =============================================== */
+/* ========================================== mean free fraction (Table 3) ========================================== */
 
 typedef enum blocking_shape {
     BLOCKING_SPHERICAL,
@@ -419,16 +459,19 @@ typedef enum blocking_shape {
 
 BLOCKING_API const char *blocking_shape_text(blocking_shape shape);
 
-/* Returns the bare cubic of Table 3 for f* [-], and its slope by x_h, for any finite K and x_h; NaN for an unknown shape. */
+/* Returns the bare cubic of Table 3 for f* [-], and its slope by x_h, for any finite K and x_h; NaN for an
+   unknown shape. */
 static inline double blocking_table3(blocking_shape shape, double K, double x_h);
 static inline double blocking_table3_slope(blocking_shape shape, double K, double x_h);
 
-/* Copies its coefficients a[10] in the order K x^2, x^3, x^2, x, K x, K^2 x, 1, K, K^2, K^3 (x = x_h); NaN for an unknown shape. */
+/* Copies its coefficients a[10] in the order K x^2, x^3, x^2, x, K x, K^2 x, 1, K, K^2, K^3 (x = x_h); NaN for an
+   unknown shape. */
 static inline void blocking_table3_coefficients(blocking_shape shape, double *a);
 
 /* Conditions under which Table 3 was measured. */
 typedef struct blocking_conditions {
-    double K;                    /* toss indicator [-] >= 0; measured 0.62, 1.5, 1.98, 3.5, 4.9. default NaN: must be set */
+    double K;                    /* toss indicator [-] >= 0; measured 0.62, 1.5, 1.98, 3.5, 4.9. default
+                                    NaN: must be set */
     double x_h;                  /* hard-to-screen content [-] 0..1; default NaN: must be set */
     double opening;              /* size of the hole [m]; measured 0.5e-3 .. 1.2e-3, default 1e-3 */
     double grain_min, grain_max; /* [m]; measured 0.2e-3 .. 2.5e-3, the default */
@@ -443,7 +486,8 @@ enum blocking_flag {
     BLOCKING_FLAG_MOIST = 8,      /* not dry */
     BLOCKING_FLAG_ABOVE_ONE = 16, /* the raw value is above 1 and was cut to 1 */
     BLOCKING_FLAG_NEGATIVE = 32,  /* the raw value is below 0 and was cut to 0 */
-    BLOCKING_FLAG_RISING = 64,    /* the polynomial rises with x_h here, which no sieve does: no guide for an optimiser */
+    BLOCKING_FLAG_RISING = 64,    /* the polynomial rises with x_h here, which no sieve does: no guide for
+                                     an optimiser */
     BLOCKING_FLAG_BOX = 15        /* any of the first four: extrapolation */
 };
 
@@ -457,24 +501,27 @@ typedef struct blocking_average {
 BLOCKING_API blocking_conditions blocking_default_conditions(void);
 /* Returns those of the first four flags that apply to a set of conditions. NaN raises its flag. */
 BLOCKING_API unsigned blocking_outside_box(const blocking_conditions *conditions);
-/* Computes f* and its flags. Model error about +-0.1: f*(K, 0) should be 1 and comes out 0.83 .. 1.08. BLOCKING_OK also outside the box:
-   see flags. IN_PERCENT (x_h > 1), NEGATIVE, NOT_FINITE, BAD_ARGUMENT. */
-BLOCKING_API blocking_status blocking_average_free(blocking_shape shape, const blocking_conditions *conditions, blocking_average *out);
+/* Computes f* and its flags. Model error about +-0.1: f*(K, 0) should be 1 and comes out 0.83 .. 1.08. BLOCKING_OK also
+   outside the box: see flags. IN_PERCENT (x_h > 1), NEGATIVE, NOT_FINITE, BAD_ARGUMENT. */
+BLOCKING_API blocking_status blocking_average_free(blocking_shape shape, const blocking_conditions *conditions,
+                                                   blocking_average *out);
 /* Returns the text of one flag; "unknown flag" for anything else. */
 BLOCKING_API const char *blocking_flag_text(unsigned flag);
 
-/* ============================================ polynomials of n variables (eq 16) ============================================ */
+/* ======================================= polynomials of n variables (eq 16) ======================================= */
 
-/* Returns y = sum_i a_i prod_j x_j^P_ij over n_terms terms (the printed sum runs to n, the number of variables: a misprint). a[n_terms],
-   powers[n_terms][n_vars] >= 0, x[n_vars]; 0^0 = 1. NaN for a negative power. */
-BLOCKING_API double blocking_polynomial(const double *a, const int *powers, size_t n_terms, const double *x, size_t n_vars);
+/* Returns y = sum_i a_i prod_j x_j^P_ij over n_terms terms (the printed sum runs to n, the number of variables: a
+   misprint). a[n_terms], powers[n_terms][n_vars] >= 0, x[n_vars]; 0^0 = 1. NaN for a negative power. */
+BLOCKING_API double blocking_polynomial(const double *a, const int *powers, size_t n_terms, const double *x,
+                                        size_t n_vars);
 
 /* Lists all powers up to a total degree; their number is (n_vars + degree)! / (n_vars! degree!). Returns it, and fills
-   powers[number][n_vars] if capacity (rows) is enough; powers may be NULL. Order: by degree, within a degree first variable first: 1, x, y,
-   x^2, xy, y^2 ... 0 if n_vars is 0, degree negative or the number above a billion. */
+   powers[number][n_vars] if capacity (rows) is enough; powers may be NULL. Order: by degree, within a degree first
+   variable first: 1, x, y, x^2, xy, y^2 ... 0 if n_vars is 0, degree negative or the number above a billion. */
 BLOCKING_API size_t blocking_polynomial_powers(size_t n_vars, int degree, int *powers, size_t capacity);
 
-#define BLOCKING_POLYNOMIAL_WORK(n_points, n_terms) (((size_t)(n_points) + 4u) * (size_t)(n_terms) + 2u * (size_t)(n_points))
+#define BLOCKING_POLYNOMIAL_WORK(n_points, n_terms)                                                                    \
+    (((size_t)(n_points) + 4u) * (size_t)(n_terms) + 2u * (size_t)(n_points))
 
 typedef struct blocking_polynomial_report {
     double r2;        /* 1 - SSE/SST; NaN if SST = 0 */
@@ -483,16 +530,18 @@ typedef struct blocking_polynomial_report {
     size_t term;      /* UNDETERMINED: the first term that the points cannot tell from those before it; else n_terms */
 } blocking_polynomial_report;
 
-/* Fits a[n_terms] by least squares from x[n_points][n_vars] and y[n_points] (Householder QR of scaled columns, one refinement).
-   error[n_terms], or NULL: standard errors (NaN if n_points = n_terms). work[BLOCKING_POLYNOMIAL_WORK(n_points, n_terms)]. report may be
-   NULL. TOO_FEW (n_points < n_terms or n_terms = 0), NOT_FINITE, UNDETERMINED (a NaN), BAD_ARGUMENT. */
-BLOCKING_API blocking_status blocking_polynomial_fit(const double *x, const double *y, size_t n_points, const int *powers, size_t n_terms,
-                                                     size_t n_vars, double *a, double *error, double *work,
-                                                     blocking_polynomial_report *report);
+/* Fits a[n_terms] by least squares from x[n_points][n_vars] and y[n_points] (Householder QR of scaled columns, one
+   refinement). error[n_terms], or NULL: standard errors (NaN if n_points = n_terms).
+   work[BLOCKING_POLYNOMIAL_WORK(n_points, n_terms)]. report may be NULL. TOO_FEW (n_points < n_terms or n_terms = 0),
+   NOT_FINITE, UNDETERMINED (a NaN), BAD_ARGUMENT. */
+BLOCKING_API blocking_status blocking_polynomial_fit(const double *x, const double *y, size_t n_points,
+                                                     const int *powers, size_t n_terms, size_t n_vars, double *a,
+                                                     double *error, double *work, blocking_polynomial_report *report);
 
-/* ======================================================== deck area ========================================================= */
+/* =================================================== deck area ==================================================== */
 
-/* Returns the clearance of a clean square mesh A0 = (l / (l + w))^2 [-]: holes over screen, opening l [m] > 0, wire w [m] >= 0. */
+/* Returns the clearance of a clean square mesh A0 = (l / (l + w))^2 [-]: holes over screen, opening l [m] > 0,
+   wire w [m] >= 0. */
 static inline double blocking_open_area(double l, double w);
 /* Returns F_ef = f* F A0 (eq 17) [m2]. f_mean 0..1, area F [m2] >= 0, clearance A0 0..1. */
 static inline double blocking_effective_area(double f_mean, double area, double clearance);
@@ -502,12 +551,14 @@ static inline double blocking_clearance(double f_mean, double clearance);
 /* A deck's duty. Fields whose default is NaN must be set. */
 typedef struct blocking_duty {
     double passing;   /* mass of undersize that must pass per time [kg/s] > 0; default NaN */
-    double capacity;  /* what passes per area of free holes [kg/(s m2)] > 0, from a clean test deck: passing / (area A0); default NaN */
+    double capacity;  /* what passes per area of free holes [kg/(s m2)] > 0, from a clean test deck: passing / (area
+                         A0); default NaN */
     double clearance; /* A0 of the clean mesh [-] 0 < A0 <= 1; default NaN */
     double f0, f_inf; /* free fraction just cleaned and in the long run [-] 0..1; default 1, NaN */
     double k;         /* k1 + k2 [1/s] >= 0; default NaN */
     double run_time;  /* between two cleanings [s] >= 0, infinite: never cleaned. default infinite */
-    /* What the free fraction's range is, where it is known: blocking_fit_range at run_time gives both. Default NaN: not known */
+    /* What the free fraction's range is, where it is known: blocking_fit_range at run_time gives both. Default
+       NaN: not known */
     double mean_lowest, mean_highest; /* of the mean over run_time [-] 0..1 */
     double last_lowest, last_highest; /* of f at run_time [-] 0..1 */
     unsigned cookie;                  /* set by blocking_default_duty */
@@ -517,9 +568,11 @@ typedef struct blocking_deck {
     double free_mean, free_lowest;            /* f over the run: its mean, and its lowest value [-] */
     double effective_area;                    /* free holes needed, passing / capacity [m2] */
     double area_clean;                        /* deck needed if nothing blocked [m2] */
-    double area_mean;                         /* ... to pass the duty on average over the run (eqs 17, 18 with f* = free_mean) [m2] */
+    double area_mean;                         /* ... to pass the duty on average over the run (eqs 17, 18 with
+                                                 f* = free_mean) [m2] */
     double area_lowest;                       /* ... to pass the duty at every moment of the run [m2] */
-    double area_mean_low95, area_mean_high95; /* 95 % range of area_mean [m2]; NaN if the duty has no ranges, infinite: no area is enough */
+    double area_mean_low95, area_mean_high95; /* 95 % range of area_mean [m2]; NaN if the duty has no ranges, infinite:
+                                                 no area is enough */
     double area_lowest_low95, area_lowest_high95; /* the same of area_lowest */
 } blocking_deck;
 
@@ -529,9 +582,9 @@ BLOCKING_API blocking_status blocking_check_duty(const blocking_duty *duty, cons
 BLOCKING_API blocking_status blocking_design(const blocking_duty *duty, blocking_deck *out);
 
 /* clang-format off */
-/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
-   stated; NaN outside the domain. */
+/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ.
+   Identical in every Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the
+   copies). Within 5 ulp unless stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
 #define RIDDLE_PORTABLE_MATH
@@ -595,7 +648,9 @@ static inline double riddle_log(double x) {
     return e * RIDDLE_LN2_HI + (riddle__log1p_small(m - 1.0) + e * RIDDLE_LN2_LO);
 }
 
-static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
+static inline double riddle_log1p(double x) {
+    return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x);
+}
 
 /* Returns x^y for x >= 0; relative error about (2 + |y log x|) ulp. */
 static inline double riddle_pow(double x, double y) {
@@ -695,16 +750,18 @@ static inline double riddle_asin(double x) {
 #endif /* RIDDLE_PORTABLE_MATH */
 /* clang-format on */
 /* <<portable-math */
-/* >>student-t: Student's t by the incomplete beta function. Identical in every Riddle header that needs it (base/student.h is the master,
-   tests/check_headers compares the copies). */
+/* >>student-t: Student's t by the incomplete beta function. Identical in every Riddle header that needs it
+   (base/student.h is the master, tests/check_headers compares the copies). */
 /* clang-format off */
 #ifndef RIDDLE_STUDENT
 #define RIDDLE_STUDENT
-/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20 on. */
+/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20
+   on. */
 static inline double riddle__log_beta_half(double a) {
     double ratio = 1.0;
     for (; a < 20.0; a += 1.0) ratio *= (a + 0.5) / a;
-    const double z = 1.0 / (a * a), series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
+    const double z = 1.0 / (a * a);
+    const double series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
     return 0.57236494292470008707 - 0.5 * riddle_log(a) + series + riddle_log(ratio);
 }
 
@@ -741,8 +798,8 @@ static inline double riddle__student_tail(double freedom, double t, double *dens
     return 1.0 - front * riddle__beta_fraction(b, a, rest) / b;
 }
 
-/* Returns the half-width, in standard errors, of a range that holds the share `confidence` of Student's t. NaN outside of confidence in
-   (0, 1), freedom > 0. Student 1908. */
+/* Returns the half-width, in standard errors, of a range that holds the share `confidence` of Student's t. NaN outside
+   of confidence in (0, 1), freedom > 0. Student 1908. */
 static inline double riddle_student(double confidence, double freedom) {
     if (!(confidence > 0.0 && confidence < 1.0 && freedom > 0.0)) return (double)NAN;
     if (freedom > 1e8) freedom = 1e8; /* the normal distribution, to 1e-8 */
@@ -765,7 +822,7 @@ static inline double riddle_student(double confidence, double freedom) {
 /* <<student-t */
 /* clang-format on */
 
-/* ========================================================== >>laws ========================================================== */
+/* ===================================================== >>laws ===================================================== */
 
 static inline int blocking__within(double x, double low, double high) { return x >= low && x <= high; }
 static inline int blocking__finite(double x) { return fabs(x) <= 1.7976931348623157e308; }
@@ -779,7 +836,9 @@ static inline double blocking_relative_size(double d, double l) {
     return d >= 0.0 && blocking__finite(d) && l > 0.0 && blocking__finite(l) ? d / l : (double)NAN;
 }
 
-static inline int blocking_is_hard_to_screen(double phi) { return blocking__within(phi, 0.8 - BLOCKING__EDGE, 1.2 + BLOCKING__EDGE); }
+static inline int blocking_is_hard_to_screen(double phi) {
+    return blocking__within(phi, 0.8 - BLOCKING__EDGE, 1.2 + BLOCKING__EDGE);
+}
 
 /* Returns the normal acceleration of the deck over gravity, for a normal amplitude of 1 m and n = 1 Hz; alpha [rad]. */
 static inline double blocking__toss_factor(double alpha, double g) {
@@ -813,7 +872,9 @@ static inline blocking_toss blocking_toss_range(double K) {
     return BLOCKING_TOSS_UNLISTED;
 }
 
-static inline int blocking_bed_too_thick(double H, double D_z) { return !(H >= 0.0 && D_z > 0.0 && H / D_z < 0.1 - BLOCKING__EDGE); }
+static inline int blocking_bed_too_thick(double H, double D_z) {
+    return !(H >= 0.0 && D_z > 0.0 && H / D_z < 0.1 - BLOCKING__EDGE);
+}
 
 static inline double blocking_rate(double f, double k1, double k2) {
     if (!(blocking__within(f, 0.0, 1.0) && k1 >= 0.0 && k2 >= 0.0)) return (double)NAN;
@@ -821,7 +882,8 @@ static inline double blocking_rate(double f, double k1, double k2) {
 }
 
 static inline double blocking_curve(double f0, double f_inf, double k, double t) {
-    if (!(blocking__finite(f0) && blocking__finite(f_inf) && k >= 0.0 && blocking__finite(k) && t >= 0.0)) return (double)NAN;
+    if (!(blocking__finite(f0) && blocking__finite(f_inf) && k >= 0.0 && blocking__finite(k) && t >= 0.0))
+        return (double)NAN;
     if (k == 0.0) return f0;
     double x = k * t;
     /* each form where it loses nothing: the first keeps small changes, the second small values */
@@ -842,15 +904,22 @@ static inline double blocking_free_fraction(double f0, double k1, double k2, dou
     return blocking_curve(f0, k > 0.0 ? k2 / k : f0, k, t);
 }
 
-static inline double blocking_pure_blocking(double f0, double k1, double t) { return blocking_free_fraction(f0, k1, 0.0, t); }
-static inline double blocking_pure_unblocking(double f0, double k2, double t) { return blocking_free_fraction(f0, 0.0, k2, t); }
+static inline double blocking_pure_blocking(double f0, double k1, double t) {
+    return blocking_free_fraction(f0, k1, 0.0, t);
+}
+static inline double blocking_pure_unblocking(double f0, double k2, double t) {
+    return blocking_free_fraction(f0, 0.0, k2, t);
+}
 
 static inline double blocking_k1(double f_inf, double k) {
     return blocking__within(f_inf, 0.0, 1.0) && k >= 0.0 ? k * (1.0 - f_inf) : (double)NAN;
 }
-static inline double blocking_k2(double f_inf, double k) { return blocking__within(f_inf, 0.0, 1.0) && k >= 0.0 ? k * f_inf : (double)NAN; }
+static inline double blocking_k2(double f_inf, double k) {
+    return blocking__within(f_inf, 0.0, 1.0) && k >= 0.0 ? k * f_inf : (double)NAN;
+}
 
-/* Returns 1 - (1 - e^-x)/x for x >= 0: the share of the way from its start to its end that the mean over 0..x has covered. */
+/* Returns 1 - (1 - e^-x)/x for x >= 0: the share of the way from its start to its end that the mean over 0..x
+   has covered. */
 static inline double blocking__mean_share(double x) {
     if (x >= 0.5) return 1.0 + riddle_expm1(-x) / x;
     double p = 1.0;
@@ -859,7 +928,8 @@ static inline double blocking__mean_share(double x) {
 }
 
 static inline double blocking_time_mean(double f0, double f_inf, double k, double T) {
-    if (!(blocking__finite(f0) && blocking__finite(f_inf) && k >= 0.0 && blocking__finite(k) && T >= 0.0)) return (double)NAN;
+    if (!(blocking__finite(f0) && blocking__finite(f_inf) && k >= 0.0 && blocking__finite(k) && T >= 0.0))
+        return (double)NAN;
     if (k == 0.0) return f0;
     double x = k * T;
     double mean = x < 0.5 ? f0 + (f_inf - f0) * blocking__mean_share(x) : f_inf - (f0 - f_inf) * (riddle_expm1(-x) / x);
@@ -867,7 +937,8 @@ static inline double blocking_time_mean(double f0, double f_inf, double k, doubl
 }
 
 static inline double blocking_time_to(double f, double f0, double f_inf, double k) {
-    if (!(blocking__finite(f) && blocking__finite(f0) && blocking__finite(f_inf) && k >= 0.0 && blocking__finite(k))) return (double)NAN;
+    if (!(blocking__finite(f) && blocking__finite(f0) && blocking__finite(f_inf) && k >= 0.0 && blocking__finite(k)))
+        return (double)NAN;
     if (f == f0) return 0.0;
     double gone = (f0 - f) / (f - f_inf);
     return k > 0.0 && gone > 0.0 && blocking__finite(gone) ? riddle_log1p(gone) / k : (double)NAN;
@@ -876,7 +947,8 @@ static inline double blocking_time_to(double f, double f0, double f_inf, double 
 static inline double blocking_exposure(double f0, double f_inf, double k, double t) {
     double mean = blocking_time_mean(f0, f_inf, k, t);
     if (mean == 0.0 && !blocking__finite(t)) return k > 0.0 ? f0 / k : 0.0;
-    if (k * t > 1e100 && blocking__finite(t)) return f_inf * t + (f0 - f_inf) / k; /* the mean's share of f0 underflows */
+    /* the mean's share of f0 underflows */
+    if (k * t > 1e100 && blocking__finite(t)) return f_inf * t + (f0 - f_inf) / k;
     return mean * t;
 }
 
@@ -920,7 +992,8 @@ static inline double blocking__exposure_miss(const void *data, double t) {
 }
 
 static inline double blocking_time_for_exposure(double exposure, double f0, double f_inf, double k) {
-    if (!(exposure >= 0.0 && blocking__within(f0, 0.0, 1.0) && blocking__within(f_inf, 0.0, 1.0) && k >= 0.0 && blocking__finite(k)))
+    if (!(exposure >= 0.0 && blocking__within(f0, 0.0, 1.0) && blocking__within(f_inf, 0.0, 1.0) && k >= 0.0 &&
+          blocking__finite(k)))
         return (double)NAN;
     if (exposure == 0.0) return 0.0;
     if (k == 0.0 || f0 == f_inf || !blocking__finite(exposure)) return exposure / fabs(f0);
@@ -1004,11 +1077,13 @@ static inline void blocking_table3_coefficients(blocking_shape shape, double *a)
 }
 
 static inline double blocking_open_area(double l, double w) {
-    return l > 0.0 && blocking__finite(l) && w >= 0.0 && blocking__finite(w) ? blocking__square(l / (l + w)) : (double)NAN;
+    return l > 0.0 && blocking__finite(l) && w >= 0.0 && blocking__finite(w) ? blocking__square(l / (l + w))
+                                                                             : (double)NAN;
 }
 
 static inline double blocking_clearance(double f_mean, double clearance) {
-    return blocking__within(f_mean, 0.0, 1.0) && blocking__within(clearance, 0.0, 1.0) ? f_mean * clearance : (double)NAN;
+    return blocking__within(f_mean, 0.0, 1.0) && blocking__within(clearance, 0.0, 1.0) ? f_mean * clearance
+                                                                                       : (double)NAN;
 }
 
 static inline double blocking_effective_area(double f_mean, double area, double clearance) {
@@ -1017,9 +1092,9 @@ static inline double blocking_effective_area(double f_mean, double area, double 
 
 #ifdef BLOCKING__BODIES
 
-/* ========================================================= >>status ========================================================= */
+/* ==================================================== >>status ==================================================== */
 
-#define BLOCKING__CASE(name, text)                                                                                                         \
+#define BLOCKING__CASE(name, text)                                                                                     \
     case name: return text;
 
 BLOCKING_API const char *blocking_status_text(blocking_status status) {
@@ -1084,10 +1159,10 @@ static inline blocking_status blocking__check_readings(const double *t, const do
     return status;
 }
 
-/* ========================================================= >>grains ========================================================= */
+/* ==================================================== >>grains ==================================================== */
 
-BLOCKING_API blocking_status blocking_hard_from_classes(const double *diameter, const double *mass, size_t n, double opening,
-                                                        blocking_hard *out) {
+BLOCKING_API blocking_status blocking_hard_from_classes(const double *diameter, const double *mass, size_t n,
+                                                        double opening, blocking_hard *out) {
     if (!out) return BLOCKING_BAD_ARGUMENT;
     out->x_h = out->below = out->above = (double)NAN;
     if (!blocking__finite(opening)) return BLOCKING_NOT_FINITE;
@@ -1123,8 +1198,8 @@ static inline double blocking__interpolate(const double *x, const double *y, siz
     return stepwise ? y[low] : y[low] + (y[high] - y[low]) * ((at - x[low]) / (x[high] - x[low]));
 }
 
-BLOCKING_API blocking_status blocking_hard_from_curve(const double *size, const double *passing, size_t n, double opening,
-                                                      blocking_hard *out) {
+BLOCKING_API blocking_status blocking_hard_from_curve(const double *size, const double *passing, size_t n,
+                                                      double opening, blocking_hard *out) {
     if (!out) return BLOCKING_BAD_ARGUMENT;
     out->x_h = out->below = out->above = (double)NAN;
     if (!blocking__finite(opening)) return BLOCKING_NOT_FINITE;
@@ -1139,7 +1214,8 @@ BLOCKING_API blocking_status blocking_hard_from_curve(const double *size, const 
         if (i > 0 && passing[i] < passing[i - 1]) return BLOCKING_NOT_CUMULATIVE;
     }
     const double finest = 0.8 * opening, coarsest = 1.2 * opening, edge = 4.0 * BLOCKING__EDGE;
-    if ((finest < size[0] * (1.0 - edge) && passing[0] > 0.0) || (coarsest > size[n - 1] * (1.0 + edge) && passing[n - 1] < 1.0 - edge))
+    if ((finest < size[0] * (1.0 - edge) && passing[0] > 0.0) ||
+        (coarsest > size[n - 1] * (1.0 + edge) && passing[n - 1] < 1.0 - edge))
         return BLOCKING_NOT_COVERED;
     double at = blocking__interpolate(size, passing, n, opening, 0);
     out->below = at - blocking__interpolate(size, passing, n, finest, 0);
@@ -1148,7 +1224,8 @@ BLOCKING_API blocking_status blocking_hard_from_curve(const double *size, const 
     return BLOCKING_OK;
 }
 
-BLOCKING_API blocking_status blocking_count_holes(const size_t *free_holes, const size_t *holes, size_t n, double z, blocking_count *out) {
+BLOCKING_API blocking_status blocking_count_holes(const size_t *free_holes, const size_t *holes, size_t n, double z,
+                                                  blocking_count *out) {
     if (!out) return BLOCKING_BAD_ARGUMENT;
     out->free_fraction = out->blocked = out->standard_error = out->spot_error = out->low = out->high = (double)NAN;
     if ((n > 0 && (!free_holes || !holes)) || !(z > 0.0 && z <= 1e6)) return BLOCKING_BAD_ARGUMENT;
@@ -1172,7 +1249,7 @@ BLOCKING_API blocking_status blocking_count_holes(const size_t *free_holes, cons
     return BLOCKING_OK;
 }
 
-/* ========================================================== >>ode =========================================================== */
+/* ===================================================== >>ode ====================================================== */
 
 #define BLOCKING__COOKIE_ODE 0x0b10c0deu
 #define BLOCKING__COOKIE_FIT 0x0b10cf17u
@@ -1200,7 +1277,8 @@ BLOCKING_API blocking_status blocking_check_ode_def(const blocking_ode_def *def,
     else if (!blocking__within(def->f0, 0.0, 1.0)) bad = "f0";
     else if (!blocking__finite(def->start)) bad = "start";
     else if (!def->rates) bad = "rates";
-    else if (def->n_breaks > 0 && (!def->breaks || blocking__check_rising(def->breaks, def->n_breaks) != BLOCKING_OK)) bad = "breaks";
+    else if (def->n_breaks > 0 && (!def->breaks || blocking__check_rising(def->breaks, def->n_breaks) != BLOCKING_OK))
+        bad = "breaks";
     else if (!blocking__within(def->tolerance, 1e-14, 0.1)) bad = "tolerance";
     else if (!(def->max_step > 0.0)) bad = "max_step";
     else if (def->max_steps < 1) bad = "max_steps";
@@ -1213,7 +1291,9 @@ typedef struct blocking__rates {
 } blocking__rates;
 
 /* Places at which rates are sampled between start and end. */
-static inline double blocking__samples(double tolerance) { return floor(7.0 * riddle_exp(-0.2155 * riddle_log(tolerance))); }
+static inline double blocking__samples(double tolerance) {
+    return floor(7.0 * riddle_exp(-0.2155 * riddle_log(tolerance)));
+}
 
 typedef struct blocking__state {
     double f, integral, turnover; /* integrals since the start: of f, and of k1 + k2 */
@@ -1224,7 +1304,8 @@ typedef struct blocking__jumps {
     double last, longest_step; /* [s]; longest_step: a quarter of the shortest time between two jumps so far */
 } blocking__jumps;
 
-static inline int blocking__rates_at(const blocking_ode_def *def, double t, blocking__rates *r, blocking_ode_report *report) {
+static inline int blocking__rates_at(const blocking_ode_def *def, double t, blocking__rates *r,
+                                     blocking_ode_report *report) {
     r->k1 = r->k2 = (double)NAN;
     def->rates(def->user, t, &r->k1, &r->k2);
     report->evaluations++;
@@ -1241,10 +1322,11 @@ static inline blocking__state blocking__advance(blocking__state s, double k1, do
     return next;
 }
 
-/* Makes one step of the commutator-free Magnus method of order 4 with the moments from Simpson's rule: two exact half steps with mixed
-   rates. A mixture is negative only where rates grow by more than a factor 3 within the step; cutting it off keeps f within 0..1, and the
-   error control accounts for the rest. */
-static inline blocking__state blocking__magnus(blocking__state s, blocking__rates a, blocking__rates m, blocking__rates b, double h) {
+/* Makes one step of the commutator-free Magnus method of order 4 with the moments from Simpson's rule: two exact half
+   steps with mixed rates. A mixture is negative only where rates grow by more than a factor 3 within the step; cutting
+   it off keeps f within 0..1, and the error control accounts for the rest. */
+static inline blocking__state blocking__magnus(blocking__state s, blocking__rates a, blocking__rates m,
+                                               blocking__rates b, double h) {
     const double sixth = 1.0 / 6.0;
     s = blocking__advance(s, blocking__clip(sixth * (3.0 * a.k1 + 4.0 * m.k1 - b.k1), 0.0, HUGE_VAL),
                           blocking__clip(sixth * (3.0 * a.k2 + 4.0 * m.k2 - b.k2), 0.0, HUGE_VAL), 0.5 * h);
@@ -1252,13 +1334,13 @@ static inline blocking__state blocking__magnus(blocking__state s, blocking__rate
                              blocking__clip(sixth * (3.0 * b.k2 + 4.0 * m.k2 - a.k2), 0.0, HUGE_VAL), 0.5 * h);
 }
 
-/* Tests whether the rates between t and t + step, known at a, q1, m, q3, b, agree with those at the samples of the whole time in this
-   interval. Samples stand at irregular places, so that no periodic change is missed by all of them. Differences of less than the tolerance
-   over a gap of samples are accepted. Returns 1, 0, or -1 for a bad rate. */
-static inline int blocking__steps_see_all(const blocking_ode_def *def, double t, double step, double span, const blocking__rates *r,
-                                          blocking_ode_report *report) {
-    const double samples = blocking__samples(def->tolerance), gap = span / samples, first = floor((t - def->start) / gap),
-                 last = floor((t + step - def->start) / gap);
+/* Tests whether the rates between t and t + step, known at a, q1, m, q3, b, agree with those at the samples of the
+   whole time in this interval. Samples stand at irregular places, so that no periodic change is missed by all of them.
+   Differences of less than the tolerance over a gap of samples are accepted. Returns 1, 0, or -1 for a bad rate. */
+static inline int blocking__steps_see_all(const blocking_ode_def *def, double t, double step, double span,
+                                          const blocking__rates *r, blocking_ode_report *report) {
+    const double samples = blocking__samples(def->tolerance), gap = span / samples,
+                 first = floor((t - def->start) / gap), last = floor((t + step - def->start) / gap);
     for (double i = first; i <= last && i < samples; i++) {
         double place = i * 0.6180339887498949, x = (def->start + (i + place - floor(place)) * gap - t) / step * 4.0;
         if (!(x > 0.01 && x < 3.99)) continue;
@@ -1272,20 +1354,26 @@ static inline int blocking__steps_see_all(const blocking_ode_def *def, double t,
             k1 += l * r[j].k1;
             k2 += l * r[j].k2;
         }
-        if (!((fabs(k1 - seen.k1) + fabs(k2 - seen.k2)) * gap <= 10.0 * def->tolerance + 1e-13 * gap * (seen.k1 + seen.k2))) return 0;
+        if (!((fabs(k1 - seen.k1) + fabs(k2 - seen.k2)) * gap <=
+              10.0 * def->tolerance + 1e-13 * gap * (seen.k1 + seen.k2)))
+            return 0;
     }
     return 1;
 }
 
-/* Advances *s from *t to `end`, where nothing jumps between; *h is the step to try, kept from call to call. span: the whole time.
-   Allowed errors: an error of f decays with the turnover, so a step may add (turnover share + time share)/2 of the tolerance and the sum
-   stays below it. */
-static inline blocking_status blocking__advance_to(const blocking_ode_def *def, double end, double span, double *t, double *h,
-                                                   blocking__state *s, blocking__jumps *jumps, blocking_ode_report *report) {
-    const double inside = 1e-14 * (fabs(*t) > span ? fabs(*t) : span); /* rates may jump at both ends: they are evaluated inside */
+/* Advances *s from *t to `end`, where nothing jumps between; *h is the step to try, kept from call to call. span: the
+   whole time.
+   Allowed errors: an error of f decays with the turnover, so a step may add (turnover share + time share)/2 of the
+   tolerance and the sum stays below it. */
+static inline blocking_status blocking__advance_to(const blocking_ode_def *def, double end, double span, double *t,
+                                                   double *h, blocking__state *s, blocking__jumps *jumps,
+                                                   blocking_ode_report *report) {
+    const double inside = 1e-14 * (fabs(*t) > span ? fabs(*t) : span); /* rates may jump at both ends: they are
+                                                                          evaluated inside */
     const int sampled = def->n_breaks == 0 && !(def->max_step < HUGE_VAL);
     blocking__rates a, q1, m, q3, b;
-    if (!blocking__rates_at(def, end - *t > 4.0 * inside ? *t + inside : 0.5 * (*t + end), &a, report)) return BLOCKING_BAD_RATE;
+    if (!blocking__rates_at(def, end - *t > 4.0 * inside ? *t + inside : 0.5 * (*t + end), &a, report))
+        return BLOCKING_BAD_RATE;
     /* Never the whole interval at once: periodic rates would look constant in steps of whole periods. */
     const double first = 0.27639320225002103 * (end - *t);
     if (*h > first) *h = first;
@@ -1295,19 +1383,23 @@ static inline blocking_status blocking__advance_to(const blocking_ode_def *def, 
         if (sampled && step > jumps->longest_step) step = jumps->longest_step;
         int last = step >= left;
         if (last) step = left;
-        if (!blocking__rates_at(def, *t + 0.25 * step, &q1, report) || !blocking__rates_at(def, *t + 0.5 * step, &m, report) ||
+        if (!blocking__rates_at(def, *t + 0.25 * step, &q1, report) ||
+            !blocking__rates_at(def, *t + 0.5 * step, &m, report) ||
             !blocking__rates_at(def, *t + 0.75 * step, &q3, report) ||
             !blocking__rates_at(def, step > 4.0 * inside ? *t + step - inside : *t + 0.5 * step, &b, report))
             return BLOCKING_BAD_RATE;
         blocking__state whole = blocking__magnus(*s, a, m, b, step);
         blocking__state half = blocking__magnus(blocking__magnus(*s, a, q1, m, 0.5 * step), m, q3, b, 0.5 * step);
         double turnover = half.turnover - s->turnover, kept = riddle_exp(-turnover);
-        double order = turnover < 1.0 ? 15.0 : 1.0; /* 2^4 - 1; the order falls to 1 where f follows the rates at once */
+        /* 2^4 - 1; the order falls to 1 where f follows the rates at once */
+        double order = turnover < 1.0 ? 15.0 : 1.0;
         double error = fabs(half.f - whole.f) / order, error_integral = fabs(half.integral - whole.integral) / order;
-        double allowed = 0.5 * def->tolerance * (step / span + (1.0 - kept)), allowed_integral = 0.5 * def->tolerance * step;
+        double allowed = 0.5 * def->tolerance * (step / span + (1.0 - kept)),
+               allowed_integral = 0.5 * def->tolerance * step;
         if (allowed < 1e-15) allowed = 1e-15; /* round-off, and jumps that are not among the breaks */
         if (allowed_integral < 1e-15 * span) allowed_integral = 1e-15 * span;
-        double share = error / allowed > error_integral / allowed_integral ? error / allowed : error_integral / allowed_integral;
+        double share =
+            error / allowed > error_integral / allowed_integral ? error / allowed : error_integral / allowed_integral;
         double factor = share > 0.0 ? 0.9 / sqrt(sqrt(share)) : 5.0;
         if (share <= 1.0 && sampled && step > 0.02 * span / blocking__samples(def->tolerance)) {
             const blocking__rates five[5] = {a, q1, m, q3, b};
@@ -1339,8 +1431,8 @@ static inline blocking_status blocking__advance_to(const blocking_ode_def *def, 
     return BLOCKING_OK;
 }
 
-BLOCKING_API blocking_status blocking_integrate(const blocking_ode_def *def, const double *times, size_t n, double *f, double *mean,
-                                                blocking_ode_report *report) {
+BLOCKING_API blocking_status blocking_integrate(const blocking_ode_def *def, const double *times, size_t n, double *f,
+                                                double *mean, blocking_ode_report *report) {
     blocking_ode_report own;
     blocking_ode_report *r = report ? report : &own;
     r->steps = r->rejected = r->evaluations = 0;
@@ -1369,7 +1461,8 @@ BLOCKING_API blocking_status blocking_integrate(const blocking_ode_def *def, con
     for (size_t i = 0; i < n; i++) {
         while (t < times[i]) {
             while (next_break < def->n_breaks && !(def->breaks[next_break] > t)) next_break++;
-            double end = next_break < def->n_breaks && def->breaks[next_break] < times[i] ? def->breaks[next_break] : times[i];
+            double end =
+                next_break < def->n_breaks && def->breaks[next_break] < times[i] ? def->breaks[next_break] : times[i];
             status = blocking__advance_to(def, end, span, &t, &h, &s, &jumps, r);
             r->time = t;
             if (status != BLOCKING_OK) return status;
@@ -1407,13 +1500,14 @@ BLOCKING_API void blocking_schedule_rates(void *schedule, double t, double *k1, 
            blocking__interpolate(s->time, s->x_h, s->n, t, s->stepwise), k1, k2);
 }
 
-/* ====================================================== >>three-point ======================================================= */
+/* ================================================= >>three-point ================================================== */
 
 typedef struct blocking__ratio {
     double rho, log_p;
 } blocking__ratio;
 
-/* Returns ln of (f2 - f1)/(f1 - f0) = r (1 - r^(rho - 1))/(1 - r) at r = e^-x, less the measured one; it falls with x. */
+/* Returns ln of (f2 - f1)/(f1 - f0) = r (1 - r^(rho - 1))/(1 - r) at r = e^-x, less the measured one; it
+   falls with x. */
 static inline double blocking__ratio_miss(const void *data, double x) {
     const blocking__ratio *q = (const blocking__ratio *)data;
     double share = x > 0.0 ? riddle_expm1(-(q->rho - 1.0) * x) / riddle_expm1(-x) : q->rho - 1.0;
@@ -1455,7 +1549,8 @@ BLOCKING_API blocking_status blocking_three_point(const double *t, const double 
     out->r = riddle_exp(-x);
     if (!(x > 0.0 && out->r < 1.0 - tolerance)) return BLOCKING_NOT_SATURATING;
 
-    const double u1 = -riddle_expm1(-x), v = riddle_exp(-rho * x), v1 = -riddle_expm1(-rho * x); /* u1 = 1 - r, v1 = 1 - r^rho */
+    /* u1 = 1 - r, v1 = 1 - r^rho */
+    const double u1 = -riddle_expm1(-x), v = riddle_exp(-rho * x), v1 = -riddle_expm1(-rho * x);
     const double A = -first / u1;                                                                /* f(t0) - f_inf */
     out->f_inf = f[0] - A;
     out->f_inf_clipped = blocking__clip(out->f_inf, 0.0, 1.0);
@@ -1479,10 +1574,11 @@ BLOCKING_API blocking_status blocking_three_point(const double *t, const double 
     out->error_k = sigma * sqrt(k2) / h;
     out->error_f0 = sigma * sqrt(f02);
     if (!blocking__finite(out->f0)) out->f0 = out->error_f0 = unknown;
-    return blocking__within(out->f_inf, 0.0, 1.0) && blocking__within(out->f0, 0.0, 1.0) ? BLOCKING_OK : BLOCKING_OUT_OF_RANGE;
+    return blocking__within(out->f_inf, 0.0, 1.0) && blocking__within(out->f0, 0.0, 1.0) ? BLOCKING_OK
+                                                                                         : BLOCKING_OUT_OF_RANGE;
 }
 
-/* ======================================================== >>student ========================================================= */
+/* =================================================== >>student ==================================================== */
 
 /* Returns P(|Z| < z) for a normal Z by the series of erf, whose terms are all positive. */
 static inline double blocking__normal_share(double z) {
@@ -1500,7 +1596,7 @@ BLOCKING_API double blocking_student(double z, double dof) {
     return dof >= 1e6 ? z : riddle_student(blocking__normal_share(z), floor(dof));
 }
 
-/* ========================================================== >>fit =========================================================== */
+/* ===================================================== >>fit ====================================================== */
 
 BLOCKING_API blocking_fit_def blocking_default_fit_def(void) {
     blocking_fit_def def;
@@ -1537,7 +1633,9 @@ typedef struct blocking__trial {
     double k, f0, f_inf, sse, slope; /* slope: half of d sse / d ln k */
 } blocking__trial;
 
-static inline double blocking__weight(const blocking__data *d, size_t i) { return d->sigma ? 1.0 / (d->sigma[i] * d->sigma[i]) : 1.0; }
+static inline double blocking__weight(const blocking__data *d, size_t i) {
+    return d->sigma ? 1.0 / (d->sigma[i] * d->sigma[i]) : 1.0;
+}
 
 /* Returns 1 - e^-x and sets *e to e^-x, at the price of one transcendental function. */
 static inline double blocking__gone(double x, double *e) {
@@ -1556,15 +1654,16 @@ static inline void blocking__residuals(const blocking__data *d, blocking__trial 
     }
 }
 
-/* Finds the best f0 and f_inf for a fixed k. f = f0 + (f_inf - f0) u with u = 1 - e^(-k t) is a straight line: a regression, then, if it
-   leaves the box 0..1, the best of the edges of the box. */
+/* Finds the best f0 and f_inf for a fixed k. f = f0 + (f_inf - f0) u with u = 1 - e^(-k t) is a straight line: a
+   regression, then, if it leaves the box 0..1, the best of the edges of the box. */
 static inline blocking__trial blocking__try(const blocking__data *d, double log_k) {
     blocking__trial best;
     best.k = riddle_exp(log_k);
     const double centre = -riddle_expm1(-best.k * (d->t[d->n / 2] - d->origin));
     double sw = 0.0, su = 0.0, suu = 0.0, suf = 0.0, uu = 0.0, uf = 0.0, ee = 0.0, ef = 0.0, eu = 0.0;
     for (size_t i = 0; i < d->n; i++) {
-        double e, u = blocking__gone(best.k * (d->t[i] - d->origin), &e), w = blocking__weight(d, i), f = d->f[i] - d->f_mean;
+        double e, u = blocking__gone(best.k * (d->t[i] - d->origin), &e), w = blocking__weight(d, i),
+                  f = d->f[i] - d->f_mean;
         sw += w;
         su += w * (u - centre);
         suu += w * (u - centre) * (u - centre);
@@ -1594,9 +1693,11 @@ static inline blocking__trial blocking__try(const blocking__data *d, double log_
     return best;
 }
 
-static inline double blocking__slope_at(const void *data, double log_k) { return blocking__try((const blocking__data *)data, log_k).slope; }
-/* Returns the place of the minimum near `at`, which is lower than its neighbours at +- step: where the slope changes from falling to
-   rising. */
+static inline double blocking__slope_at(const void *data, double log_k) {
+    return blocking__try((const blocking__data *)data, log_k).slope;
+}
+/* Returns the place of the minimum near `at`, which is lower than its neighbours at +- step: where the slope changes
+   from falling to rising. */
 static inline double blocking__refine(const blocking__data *d, double at, double step) {
     double here = blocking__slope_at(d, at);
     if (here == 0.0) return at;
@@ -1630,31 +1731,35 @@ static inline void blocking__fit_errors(const blocking__data *d, blocking_fit_re
         int b = (a + 1) % 3, c = (a + 2) % 3;
         minor[a] = m[b][b] * m[c][c] - m[b][c] * m[c][b];
     }
-    determinant =
-        m[0][0] * minor[0] - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    determinant = m[0][0] * minor[0] - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                  m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
     for (int a = 0; a < 3; a++)
-        error[a] = !bound[a] && determinant > 0.0 && minor[a] >= 0.0 ? sqrt(variance * minor[a] / determinant) : (double)NAN;
+        error[a] =
+            !bound[a] && determinant > 0.0 && minor[a] >= 0.0 ? sqrt(variance * minor[a] / determinant) : (double)NAN;
     out->error_f0 = error[0];
     out->error_f_inf = error[1];
     out->error_k = error[2] * out->k;
 }
 
-/* Returns whether readings run against the curve by more than the allowed share of the range and more than the noise. */
-static inline int blocking__turns_back(const blocking_fit_def *def, const blocking__data *d, double direction, double range) {
+/* Returns whether readings run against the curve by more than the allowed share of the range and more
+   than the noise. */
+static inline int blocking__turns_back(const blocking_fit_def *def, const blocking__data *d, double direction,
+                                       double range) {
     size_t extreme = 0;
     for (size_t i = 1; i < d->n; i++) {
         double back = direction * (d->f[extreme] - d->f[i]);
         if (back <= 0.0) extreme = i;
         else if (back > def->turn_back * range) {
-            double noise = d->sigma ? def->z * sqrt(d->sigma[extreme] * d->sigma[extreme] + d->sigma[i] * d->sigma[i]) : 0.0;
+            double noise =
+                d->sigma ? def->z * sqrt(d->sigma[extreme] * d->sigma[extreme] + d->sigma[i] * d->sigma[i]) : 0.0;
             if (back > noise) return 1;
         }
     }
     return 0;
 }
 
-/* Returns the sum of squares of the straight line through the readings, the limit of curves with ever smaller k and ever more distant
-   f_inf. If no curve within 0..1 is better, the readings do not level off. */
+/* Returns the sum of squares of the straight line through the readings, the limit of curves with ever smaller k and
+   ever more distant f_inf. If no curve within 0..1 is better, the readings do not level off. */
 static inline double blocking__straight_line(const blocking__data *d) {
     double sw = 0.0, st = 0.0, stt = 0.0, stf = 0.0, sse = 0.0, middle = d->t[d->n / 2];
     for (size_t i = 0; i < d->n; i++) {
@@ -1671,10 +1776,11 @@ static inline double blocking__straight_line(const blocking__data *d) {
 }
 
 /* >>ranges
-   The ranges are those of the fit without bounds, cut to what is possible: there sums of squares follow the F distribution, which they
-   don't where a bound is met, and a cut takes no true value away. So the curve is alpha + beta u(t) with any alpha and beta, and k may be
-   negative: u runs from 0 at the first time to 1 at the last, straight for k = 0. Whatever a range is asked of (f0, f_inf, f at a time,
-   its mean) is linear in alpha and beta; for one k all values within the target form an interval, and the range is the hull over all k. */
+   The ranges are those of the fit without bounds, cut to what is possible: there sums of squares follow the F
+   distribution, which they don't where a bound is met, and a cut takes no true value away. So the curve is alpha + beta
+   u(t) with any alpha and beta, and k may be negative: u runs from 0 at the first time to 1 at the last, straight for
+   k = 0. Whatever a range is asked of (f0, f_inf, f at a time, its mean) is linear in alpha and beta; for one k all
+   values within the target form an interval, and the range is the hull over all k. */
 typedef struct blocking__line {
     double alpha, beta, sse;
     double v_alpha, v_beta, v_cross; /* inverse of the normal matrix */
@@ -1687,7 +1793,8 @@ static inline double blocking__shape(double kappa, double x) {
 }
 
 static inline blocking__line blocking__regress(const blocking__data *d, double kappa) {
-    const double first = d->t[0], span = d->t[d->n - 1] - first, centre = blocking__shape(kappa, (d->t[d->n / 2] - first) / span);
+    const double first = d->t[0], span = d->t[d->n - 1] - first,
+                 centre = blocking__shape(kappa, (d->t[d->n / 2] - first) / span);
     double sw = 0.0, su = 0.0, suu = 0.0, suf = 0.0;
     blocking__line line;
     for (size_t i = 0; i < d->n; i++) {
@@ -1711,7 +1818,8 @@ static inline blocking__line blocking__regress(const blocking__data *d, double k
     return line;
 }
 
-/* Returns kappa of a place x on the scale from accelerating curves (x < 0) to saturating ones; sinh makes it logarithmic at both ends. */
+/* Returns kappa of a place x on the scale from accelerating curves (x < 0) to saturating ones; sinh makes it
+   logarithmic at both ends. */
 static inline double blocking__kappa(double x) { return 0.5 * (riddle_exp(x) - riddle_exp(-x)); }
 
 enum { BLOCKING__SCAN = 120 };
@@ -1744,7 +1852,8 @@ static inline double blocking__least_place(const blocking__data *d, double low, 
     return 0.5 * (low + high);
 }
 
-static inline blocking__region blocking__region_of(const blocking__data *d, const blocking_fit_def *def, double k_high, double best) {
+static inline blocking__region blocking__region_of(const blocking__data *d, const blocking_fit_def *def, double k_high,
+                                                   double best) {
     blocking__region r;
     const double span = d->t[d->n - 1] - d->t[0], most = 2.0 * k_high * span;
     r.end = riddle_log(most < 1e150 ? most : 1e150);
@@ -1767,11 +1876,12 @@ static inline blocking__region blocking__region_of(const blocking__data *d, cons
     r.student = dof >= 1.0 ? blocking_student(def->z, dof) : HUGE_VAL;
     r.variance = d->sigma ? 1.0 : dof >= 1.0 ? r.least / dof : HUGE_VAL;
     r.target = r.student < HUGE_VAL ? r.least + r.student * r.student * r.variance : HUGE_VAL;
-    /* Where a constant is within the target, any k fits, and the best one follows the noise more than one parameter does:
-       without the factors, found by trials, ranges of readings that do not change hold 90 to 93 of 100 */
+    /* Where a constant is within the target, any k fits, and the best one follows the noise more than one parameter
+       does: without the factors, found by trials, ranges of readings that do not change hold 90 to 93 of 100 */
     double constant = 0.0;
     for (size_t i = 0; i < d->n; i++) constant += blocking__weight(d, i) * blocking__square(d->f[i] - d->f_mean);
-    if (constant <= r.target && r.target < HUGE_VAL) r.target = r.least + (d->sigma ? 1.6 : 1.3) * r.student * r.student * r.variance;
+    if (constant <= r.target && r.target < HUGE_VAL)
+        r.target = r.least + (d->sigma ? 1.6 : 1.3) * r.student * r.student * r.variance;
     return r;
 }
 
@@ -1786,12 +1896,14 @@ static inline double blocking__meet(const blocking__data *d, double target, doub
 }
 
 /* Finds the range of k: from 0 where straight lines are within the target, to infinity where steps are. */
-static inline void blocking__range_k(const blocking__data *d, blocking__region *r, double k, double *low, double *high) {
+static inline void blocking__range_k(const blocking__data *d, blocking__region *r, double k, double *low,
+                                     double *high) {
     const double span = d->t[d->n - 1] - d->t[0], step = r->end / (double)BLOCKING__SCAN, x = k * span;
     const double at = riddle_log(x + sqrt(x * x + 1.0));
     double first = at, last = at; /* outermost places found within the target, and the places of the scan beyond them */
     double ahead = step * floor(at / step), beyond = ahead + step;
-    if (r->place > 0.0 && blocking__regress(d, blocking__kappa(r->place)).sse <= r->target) { /* the fit's k may be far from it */
+    /* the fit's k may be far from it */
+    if (r->place > 0.0 && blocking__regress(d, blocking__kappa(r->place)).sse <= r->target) {
         if (r->place < first) first = r->place, ahead = step * floor(r->place / step);
         if (r->place > last) last = r->place, beyond = step * (floor(r->place / step) + 1.0);
     }
@@ -1814,14 +1926,16 @@ typedef struct blocking__wish {
     int mean; /* of f over 0..T */
 } blocking__wish;
 
-/* Returns e^x times a share, at most 1e130: no range of f reaches as far. The share may be too small for the product of the two. */
+/* Returns e^x times a share, at most 1e130: no range of f reaches as far. The share may be too small for the
+   product of the two. */
 static inline double blocking__grown(double x, double share) {
     if (x < 300.0) return riddle_exp(x) * share;
     const double power = x + riddle_log(share);
     return riddle_exp(power < 300.0 ? power : 300.0);
 }
 
-/* Returns the share of the change from `first` on that a wish sees: f = f(first) + (f_inf - f(first)) share. It is negative before. */
+/* Returns the share of the change from `first` on that a wish sees: f = f(first) + (f_inf - f(first)) share. It is
+   negative before. */
 static inline double blocking__seen(blocking__wish wish, double k, double first) {
     if (!(wish.T < HUGE_VAL)) return 1.0;
     if (!wish.mean) return -riddle_expm1(k * (first - wish.T) < 300.0 ? k * (first - wish.T) : 300.0);
@@ -1830,28 +1944,32 @@ static inline double blocking__seen(blocking__wish wish, double k, double first)
 }
 
 /* Extends *low and *high by the values within the target at one place. */
-static inline void blocking__join(const blocking__data *d, const blocking__region *r, blocking__wish wish, double place, double *low,
-                                  double *high) {
+static inline void blocking__join(const blocking__data *d, const blocking__region *r, blocking__wish wish, double place,
+                                  double *low, double *high) {
     const double kappa = blocking__kappa(place), first = d->t[0], span = d->t[d->n - 1] - first, k = kappa / span;
     blocking__line line = blocking__regress(d, kappa);
     if (!(kappa > 0.0 && line.sse <= r->target)) return;
     /* f = alpha + beta (1 - e^(-k (t - first)))/(1 - e^(-kappa)) */
     const double b = blocking__seen(wish, k, first) / -riddle_expm1(-kappa), value = line.alpha + b * line.beta;
     const double v = line.v_alpha + 2.0 * b * line.v_cross + b * b * line.v_beta;
-    const double reach = !(v < HUGE_VAL) ? HUGE_VAL : r->target > line.sse && v > 0.0 ? sqrt(v * (r->target - line.sse)) : 0.0;
+    const double reach = !(v < HUGE_VAL)                   ? HUGE_VAL
+                         : r->target > line.sse && v > 0.0 ? sqrt(v * (r->target - line.sse))
+                                                           : 0.0;
     if (!(fabs(value) < HUGE_VAL)) return;
     if (value - reach < *low) *low = value - reach;
     if (value + reach > *high) *high = value + reach;
 }
 
-/* Finds the hull of the values over all places, cut at 0 and 1. best: the fitted value, which always belongs to it. Values that all lie
-   beyond, as those long before the first reading may, say nothing. Close to straight lines f_inf runs off: the first place is near one. */
-static inline void blocking__range(const blocking__data *d, const blocking__region *r, blocking__wish wish, double best, double *low,
-                                   double *high) {
+/* Finds the hull of the values over all places, cut at 0 and 1. best: the fitted value, which always belongs to it.
+   Values that all lie beyond, as those long before the first reading may, say nothing. Close to straight lines f_inf
+   runs off: the first place is near one. */
+static inline void blocking__range(const blocking__data *d, const blocking__region *r, blocking__wish wish, double best,
+                                   double *low, double *high) {
     const double near = wish.T < HUGE_VAL || r->from > 0.0 ? 0.01 : 1e-9;
     *low = *high = best;
     for (int i = 0; i <= BLOCKING__SCAN; i++)
-        blocking__join(d, r, wish, r->from + (r->to - r->from) * (i > 0 ? i : near) / (double)BLOCKING__SCAN, low, high);
+        blocking__join(d, r, wish, r->from + (r->to - r->from) * (i > 0 ? i : near) / (double)BLOCKING__SCAN, low,
+                       high);
     const int none = *low > 1.0 || *high < 0.0;
     *low = none ? 0.0 : blocking__clip(*low, 0.0, 1.0);
     *high = none ? 1.0 : blocking__clip(*high, 0.0, 1.0);
@@ -1879,9 +1997,10 @@ typedef struct blocking__search {
     double range, sst, low, high; /* of the readings; bounds of ln k */
 } blocking__search;
 
-/* Checks the readings and bounds the search; with NO_CHANGE everything is set as well. f0 is that of t = 0, or of the first reading. */
-static inline blocking_status blocking__pose(const blocking_fit_def *def, const double *t, const double *f, const double *sigma, size_t n,
-                                             int from_first, blocking__search *s) {
+/* Checks the readings and bounds the search; with NO_CHANGE everything is set as well. f0 is that of t = 0, or of the
+   first reading. */
+static inline blocking_status blocking__pose(const blocking_fit_def *def, const double *t, const double *f,
+                                             const double *sigma, size_t n, int from_first, blocking__search *s) {
     s->d.f_mean = s->sst = s->range = 0.0;
     if (blocking_check_fit_def(def, NULL) != BLOCKING_OK) return BLOCKING_BAD_DEF;
     if (n > 0 && (!t || !f)) return BLOCKING_BAD_ARGUMENT;
@@ -1908,7 +2027,8 @@ static inline blocking_status blocking__pose(const blocking_fit_def *def, const 
     for (size_t i = 0; i < n; i++) s->sst += blocking__weight(&s->d, i) * blocking__square(f[i] - s->d.f_mean);
     const double slowest = 1e-4 / (t[n - 1] - s->d.origin), k_low = def->k_low > slowest ? def->k_low : slowest;
     const double k_high = def->k_high < 40.0 / gap ? def->k_high : 40.0 / gap;
-    if (!(k_low > 0.0 && k_low < k_high && blocking__finite(k_high) && blocking__finite(weight))) return BLOCKING_BAD_DEF;
+    if (!(k_low > 0.0 && k_low < k_high && blocking__finite(k_high) && blocking__finite(weight)))
+        return BLOCKING_BAD_DEF;
     s->low = riddle_log(k_low);
     s->high = riddle_log(k_high);
     return s->range > def->tolerance ? BLOCKING_OK : BLOCKING_NO_CHANGE;
@@ -1940,7 +2060,8 @@ static inline blocking__trial blocking__search_k(const blocking__search *s, int 
     return best;
 }
 
-static inline void blocking__fill_ranges(const blocking__search *s, const blocking_fit_def *def, blocking_fit_result *out) {
+static inline void blocking__fill_ranges(const blocking__search *s, const blocking_fit_def *def,
+                                         blocking_fit_result *out) {
     blocking__region r = blocking__region_of(&s->d, def, riddle_exp(s->high), out->sse);
     const blocking__wish at_start = {0.0, 0}, at_end = {HUGE_VAL, 0};
     out->dof = s->d.sigma ? HUGE_VAL : (double)s->d.n - 3.0;
@@ -1954,8 +2075,8 @@ static inline void blocking__fill_ranges(const blocking__search *s, const blocki
     out->f_inf_determined = out->f_inf_highest - out->f_inf_lowest < 0.5;
 }
 
-BLOCKING_API blocking_status blocking_fit(const blocking_fit_def *def, const double *t, const double *f, const double *sigma, size_t n,
-                                          blocking_fit_result *out) {
+BLOCKING_API blocking_status blocking_fit(const blocking_fit_def *def, const double *t, const double *f,
+                                          const double *sigma, size_t n, blocking_fit_result *out) {
     if (!out) return BLOCKING_BAD_ARGUMENT;
     blocking__search s;
     blocking__clear_fit(out);
@@ -1985,8 +2106,9 @@ BLOCKING_API blocking_status blocking_fit(const blocking_fit_def *def, const dou
     return BLOCKING_OK;
 }
 
-BLOCKING_API blocking_status blocking_fit_holes(const blocking_fit_def *def, const double *t, const size_t *free_holes, const size_t *holes,
-                                                size_t n, double *f, double *sigma, blocking_fit_result *out) {
+BLOCKING_API blocking_status blocking_fit_holes(const blocking_fit_def *def, const double *t, const size_t *free_holes,
+                                                const size_t *holes, size_t n, double *f, double *sigma,
+                                                blocking_fit_result *out) {
     blocking_status status = BLOCKING_OK;
     double free_all = 0.0, all = 0.0;
     if (out) blocking__clear_fit(out);
@@ -2011,9 +2133,9 @@ BLOCKING_API blocking_status blocking_fit_holes(const blocking_fit_def *def, con
     return status;
 }
 
-BLOCKING_API blocking_status blocking_fit_range(const blocking_fit_def *def, const double *t, const double *f, const double *sigma,
-                                                size_t n, double T, double *f_lowest, double *f_highest, double *mean_lowest,
-                                                double *mean_highest) {
+BLOCKING_API blocking_status blocking_fit_range(const blocking_fit_def *def, const double *t, const double *f,
+                                                const double *sigma, size_t n, double T, double *f_lowest,
+                                                double *f_highest, double *mean_lowest, double *mean_highest) {
     double low[2] = {(double)NAN, (double)NAN}, high[2] = {(double)NAN, (double)NAN};
     blocking__search s;
     blocking_status status = T >= 0.0 ? blocking__pose(def, t, f, sigma, n, 1, &s) : BLOCKING_BAD_ARGUMENT;
@@ -2044,7 +2166,7 @@ BLOCKING_API blocking_status blocking_fit_range(const blocking_fit_def *def, con
     return BLOCKING_OK;
 }
 
-/* ========================================================== >>law =========================================================== */
+/* ===================================================== >>law ====================================================== */
 
 enum { BLOCKING__MOST = 2 * BLOCKING_LAW_TERMS };
 
@@ -2067,7 +2189,9 @@ static inline double blocking__covariate(const blocking_test *test, int j) {
 }
 
 static inline double blocking__term(const blocking__tests *all, const blocking_test *test, int j) {
-    return j == 0 ? 1.0 : all->width[j - 1] > 0.0 ? (blocking__covariate(test, j - 1) - all->centre[j - 1]) / all->width[j - 1] : 0.0;
+    return j == 0                    ? 1.0
+           : all->width[j - 1] > 0.0 ? (blocking__covariate(test, j - 1) - all->centre[j - 1]) / all->width[j - 1]
+                                     : 0.0;
 }
 
 static inline double blocking__test_weight(const blocking_test *test, size_t i) {
@@ -2198,7 +2322,8 @@ static inline void blocking__law_start(const blocking__tests *all, blocking__law
     blocking__law_descend(all, best);
 }
 
-static inline blocking_status blocking__check_tests(const blocking_test *tests, size_t n, blocking__tests *all, size_t *bad) {
+static inline blocking_status blocking__check_tests(const blocking_test *tests, size_t n, blocking__tests *all,
+                                                    size_t *bad) {
     double low[3] = {0.0, 0.0, 0.0}, high[3] = {0.0, 0.0, 0.0};
     all->test = tests;
     all->n = n;
@@ -2235,7 +2360,8 @@ static inline double blocking__aicc(const blocking__tests *all, const blocking__
     return fit + 2.0 * q + 2.0 * q * (q + 1.0) / (n - q - 1.0);
 }
 
-/* Converts scaled covariates to plain ones: a_j = x_j/width_j; the shift of the centres goes into a_0. spread: covariance of x. */
+/* Converts scaled covariates to plain ones: a_j = x_j/width_j; the shift of the centres goes into a_0. spread:
+   covariance of x. */
 static inline void blocking__law_plain(const blocking__tests *all, const blocking__law_trial *trial,
                                        double spread[BLOCKING__MOST][BLOCKING__MOST], blocking_law *out) {
     double map[BLOCKING__MOST][BLOCKING__MOST] = {{0.0}}, half[BLOCKING__MOST][BLOCKING__MOST];
@@ -2260,8 +2386,8 @@ static inline void blocking__law_plain(const blocking__tests *all, const blockin
         }
 }
 
-/* Results of single tests: sums over those that determine their own k1 and k2, of the terms' products and of the terms times ln k1, ln
-   k2. */
+/* Results of single tests: sums over those that determine their own k1 and k2, of the terms' products and of the terms
+   times ln k1, ln k2. */
 typedef struct blocking__law_guess {
     double product[BLOCKING_LAW_TERMS][BLOCKING_LAW_TERMS], with[2][BLOCKING_LAW_TERMS];
 } blocking__law_guess;
@@ -2278,7 +2404,8 @@ static inline void blocking__law_single(const blocking__tests *all, blocking__la
         one.test = &all->test[s];
         one.n = 1;
         blocking__law_start(&one, &alone);
-        if (!blocking__law_solve(&alone, 0.0, unused) || !(alone.x[0] > -30.0 && alone.x[BLOCKING_LAW_TERMS] > -30.0)) continue;
+        if (!blocking__law_solve(&alone, 0.0, unused) || !(alone.x[0] > -30.0 && alone.x[BLOCKING_LAW_TERMS] > -30.0))
+            continue;
         for (int i = 0; i < BLOCKING_LAW_TERMS; i++) {
             double z = blocking__term(all, one.test, i);
             guess->with[0][i] += z * alone.x[0];
@@ -2288,16 +2415,16 @@ static inline void blocking__law_single(const blocking__tests *all, blocking__la
     }
 }
 
-/* Computes a form's coefficients by linear regression of the results of single tests. A weak penalty keeps all terms but the first near 0
-   where the tests are too few. sse is infinite if there is no solution. */
+/* Computes a form's coefficients by linear regression of the results of single tests. A weak penalty keeps all terms
+   but the first near 0 where the tests are too few. sse is infinite if there is no solution. */
 static inline void blocking__law_regress(const blocking__law_guess *guess, blocking__law_trial *trial) {
     blocking__law_trial line = *trial;
     for (int i = 0; i < BLOCKING__MOST; i++) {
         trial->x[i] = guess->with[i / BLOCKING_LAW_TERMS][i % BLOCKING_LAW_TERMS];
         for (int j = 0; j < BLOCKING__MOST; j++) {
-            int same = i / BLOCKING_LAW_TERMS == j / BLOCKING_LAW_TERMS, on = (trial->used_a | trial->used_b << BLOCKING_LAW_TERMS) >> i &
-                                                                              (trial->used_a | trial->used_b << BLOCKING_LAW_TERMS) >> j &
-                                                                              1;
+            int same = i / BLOCKING_LAW_TERMS == j / BLOCKING_LAW_TERMS,
+                on = (trial->used_a | trial->used_b << BLOCKING_LAW_TERMS) >> i &
+                     (trial->used_a | trial->used_b << BLOCKING_LAW_TERMS) >> j & 1;
             line.normal[i][j] = same && on ? guess->product[i % BLOCKING_LAW_TERMS][j % BLOCKING_LAW_TERMS] : 0.0;
             if (i == j && i % BLOCKING_LAW_TERMS) line.normal[i][j] += on ? 1e-3 * guess->product[0][0] : 0.0;
         }
@@ -2307,7 +2434,8 @@ static inline void blocking__law_regress(const blocking__law_guess *guess, block
 }
 
 /* Descends from *trial and from the results of single tests, and keeps the better form. */
-static inline void blocking__law_best(const blocking__tests *all, const blocking__law_guess *guess, blocking__law_trial *trial) {
+static inline void blocking__law_best(const blocking__tests *all, const blocking__law_guess *guess,
+                                      blocking__law_trial *trial) {
     blocking__law_trial other = *trial;
     blocking__law_descend(all, trial);
     other.sse = 0.0;
@@ -2358,16 +2486,17 @@ static inline double blocking__law_dof(const blocking__tests *all, const blockin
     return (double)all->readings - (double)all->n - trial->terms;
 }
 
-/* Computes the covariance of the best form's coefficients, including the choice of the form: every form counts by its Akaike weight, with
-   its own covariance and the square of its difference from the best (Burnham and Anderson 2002, section 4.3). NaN where the best has
-   none. */
+/* Computes the covariance of the best form's coefficients, including the choice of the form: every form counts by its
+   Akaike weight, with its own covariance and the square of its difference from the best (Burnham and Anderson 2002,
+   section 4.3). NaN where the best has none. */
 static inline void blocking__law_spread(const blocking__tests *all, const blocking__law_set *set,
                                         double spread[BLOCKING__MOST][BLOCKING__MOST]) {
     double weights = 0.0;
     for (int i = 0; i < BLOCKING__MOST; i++)
         for (int j = 0; j < BLOCKING__MOST; j++) spread[i][j] = 0.0;
     for (int f = 0; f < BLOCKING__FORMS; f++) {
-        const double behind = set->aicc[f] - set->aicc[set->best], weight = f == set->best ? 1.0 : riddle_exp(-0.5 * behind);
+        const double behind = set->aicc[f] - set->aicc[set->best],
+                     weight = f == set->best ? 1.0 : riddle_exp(-0.5 * behind);
         if (f != set->best && !(behind < 40.0)) continue;
         const blocking__law_trial *form = &set->form[f];
         const double variance = all->test[0].sigma ? 1.0 : form->sse / blocking__law_dof(all, form);
@@ -2378,8 +2507,8 @@ static inline void blocking__law_spread(const blocking__tests *all, const blocki
             if (on && !blocking__law_solve(form, 0.0, column))
                 for (int j = 0; j < BLOCKING__MOST; j++) column[j] = f == set->best ? (double)NAN : 0.0;
             for (int j = 0; j < BLOCKING__MOST; j++)
-                spread[j][i] +=
-                    weight * (variance * column[j] + (form->x[i] - set->form[set->best].x[i]) * (form->x[j] - set->form[set->best].x[j]));
+                spread[j][i] += weight * (variance * column[j] + (form->x[i] - set->form[set->best].x[i]) *
+                                                                     (form->x[j] - set->form[set->best].x[j]));
         }
         weights += weight;
     }
@@ -2387,7 +2516,8 @@ static inline void blocking__law_spread(const blocking__tests *all, const blocki
         for (int j = 0; j < BLOCKING__MOST; j++) spread[i][j] /= weights;
 }
 
-BLOCKING_API blocking_status blocking_fit_law(const blocking_test *tests, size_t n_tests, blocking_law *out, size_t *test) {
+BLOCKING_API blocking_status blocking_fit_law(const blocking_test *tests, size_t n_tests, blocking_law *out,
+                                              size_t *test) {
     size_t ignored;
     blocking__tests all;
     if (!test) test = &ignored;
@@ -2431,12 +2561,13 @@ static inline double blocking__law_variance(const blocking_law *law, const doubl
     double sum = 0.0;
     for (int i = 0; i < BLOCKING__MOST; i++)
         for (int j = 0; j < BLOCKING__MOST; j++)
-            sum += (i < BLOCKING_LAW_TERMS ? of_a : of_b) * z[i % BLOCKING_LAW_TERMS] * (j < BLOCKING_LAW_TERMS ? of_a : of_b) *
-                   z[j % BLOCKING_LAW_TERMS] * law->covariance[i][j];
+            sum += (i < BLOCKING_LAW_TERMS ? of_a : of_b) * z[i % BLOCKING_LAW_TERMS] *
+                   (j < BLOCKING_LAW_TERMS ? of_a : of_b) * z[j % BLOCKING_LAW_TERMS] * law->covariance[i][j];
     return sum > 0.0 ? sum : 0.0;
 }
 
-BLOCKING_API blocking_status blocking_law_at(const blocking_law *law, double K, double x_h, double moisture, blocking_law_value *out) {
+BLOCKING_API blocking_status blocking_law_at(const blocking_law *law, double K, double x_h, double moisture,
+                                             blocking_law_value *out) {
     if (!out) return BLOCKING_BAD_ARGUMENT;
     out->k1 = out->k2 = out->f_inf = out->k1_low95 = out->k1_high95 = out->k2_low95 = out->k2_high95 = (double)NAN;
     out->f_inf_low95 = out->f_inf_high95 = (double)NAN;
@@ -2498,8 +2629,8 @@ static inline void blocking__law_pair(const blocking__law_place *place, double z
     *k2 = riddle_exp(place->log_k2 + place->l21 * z1 + place->l22 * z2);
 }
 
-BLOCKING_API blocking_status blocking_law_draw(const blocking_law *law, double K, double x_h, double moisture, double z1, double z2,
-                                               double *k1, double *k2) {
+BLOCKING_API blocking_status blocking_law_draw(const blocking_law *law, double K, double x_h, double moisture,
+                                               double z1, double z2, double *k1, double *k2) {
     blocking__law_place place;
     if (!k1 || !k2) return BLOCKING_BAD_ARGUMENT;
     *k1 = *k2 = (double)NAN;
@@ -2517,8 +2648,8 @@ static inline void blocking__widen(double x, double *low, double *high) {
     if (!(x <= *high)) *high = x;
 }
 
-BLOCKING_API blocking_status blocking_law_free(const blocking_law *law, double K, double x_h, double moisture, double f0, double T,
-                                               blocking_law_run *out) {
+BLOCKING_API blocking_status blocking_law_free(const blocking_law *law, double K, double x_h, double moisture,
+                                               double f0, double T, blocking_law_run *out) {
     enum { PLACES = 256 }; /* on the boundary of the allowed region, where the extremes are: f falls with k1 and rises
                               with k2 */
     blocking__law_place place;
@@ -2543,7 +2674,7 @@ BLOCKING_API blocking_status blocking_law_free(const blocking_law *law, double K
     return BLOCKING_OK;
 }
 
-/* ========================================================= >>table3 ========================================================= */
+/* ==================================================== >>table3 ==================================================== */
 
 BLOCKING_API blocking_conditions blocking_default_conditions(void) {
     blocking_conditions c;
@@ -2566,7 +2697,8 @@ BLOCKING_API unsigned blocking_outside_box(const blocking_conditions *c) {
     return flags;
 }
 
-BLOCKING_API blocking_status blocking_average_free(blocking_shape shape, const blocking_conditions *conditions, blocking_average *out) {
+BLOCKING_API blocking_status blocking_average_free(blocking_shape shape, const blocking_conditions *conditions,
+                                                   blocking_average *out) {
     if (!out) return BLOCKING_BAD_ARGUMENT;
     out->value = out->raw = out->slope = (double)NAN;
     out->flags = 0;
@@ -2588,7 +2720,7 @@ BLOCKING_API blocking_status blocking_average_free(blocking_shape shape, const b
     return BLOCKING_OK;
 }
 
-/* ======================================================= >>polynomial ======================================================= */
+/* ================================================== >>polynomial ================================================== */
 
 static inline double blocking__monomial(const int *power, const double *x, size_t n_vars) {
     double y = 1.0;
@@ -2603,7 +2735,8 @@ static inline double blocking__monomial(const int *power, const double *x, size_
     return y;
 }
 
-BLOCKING_API double blocking_polynomial(const double *a, const int *powers, size_t n_terms, const double *x, size_t n_vars) {
+BLOCKING_API double blocking_polynomial(const double *a, const int *powers, size_t n_terms, const double *x,
+                                        size_t n_vars) {
     double y = 0.0;
     if (n_terms > 0 && (!a || (n_vars > 0 && (!powers || !x)))) return (double)NAN;
     for (size_t i = 0; i < n_terms; i++) y += a[i] * blocking__monomial(powers + i * n_vars, x, n_vars);
@@ -2623,7 +2756,8 @@ BLOCKING_API size_t blocking_polynomial_powers(size_t n_vars, int degree, int *p
         int *now = powers + row * n_vars;
         size_t last = n_vars - 1, j = n_vars;
         for (size_t i = 0; i < n_vars; i++) now[i] = before[i];
-        int tail = now[last]; /* the last variable's power is handed on: to the one after the rightmost other power, or to a new degree */
+        /* the last variable's power is handed on: to the one after the rightmost other power, or to a new degree */
+        int tail = now[last];
         now[last] = 0;
         while (j > 0 && (j - 1 == last || now[j - 1] == 0)) j--;
         if (j == 0) now[0] = tail + 1;
@@ -2635,9 +2769,10 @@ BLOCKING_API size_t blocking_polynomial_powers(size_t n_vars, int degree, int *p
     return rows;
 }
 
-/* Solves for the coefficients of the scaled columns with right-hand side b, which is overwritten. q: Householder vectors below, R above
-   the diagonal, column by column; diagonal: of R; beta: 2/|v|^2. */
-static inline void blocking__qr_solve(const double *q, const double *diagonal, const double *beta, size_t rows, size_t columns, double *b) {
+/* Solves for the coefficients of the scaled columns with right-hand side b, which is overwritten. q: Householder
+   vectors below, R above the diagonal, column by column; diagonal: of R; beta: 2/|v|^2. */
+static inline void blocking__qr_solve(const double *q, const double *diagonal, const double *beta, size_t rows,
+                                      size_t columns, double *b) {
     for (size_t j = 0; j < columns; j++) {
         const double *v = q + j * rows;
         double dot = 0.0;
@@ -2650,9 +2785,9 @@ static inline void blocking__qr_solve(const double *q, const double *diagonal, c
     }
 }
 
-BLOCKING_API blocking_status blocking_polynomial_fit(const double *x, const double *y, size_t n_points, const int *powers, size_t n_terms,
-                                                     size_t n_vars, double *a, double *error, double *work,
-                                                     blocking_polynomial_report *report) {
+BLOCKING_API blocking_status blocking_polynomial_fit(const double *x, const double *y, size_t n_points,
+                                                     const int *powers, size_t n_terms, size_t n_vars, double *a,
+                                                     double *error, double *work, blocking_polynomial_report *report) {
     blocking_polynomial_report own;
     blocking_polynomial_report *r = report ? report : &own;
     r->r2 = r->sse = r->deviation = (double)NAN;
@@ -2667,11 +2802,12 @@ BLOCKING_API blocking_status blocking_polynomial_fit(const double *x, const doub
     for (size_t i = 0; i < n_terms * n_vars; i++)
         if (powers[i] < 0) return BLOCKING_BAD_ARGUMENT;
 
-    double *q = work, *b = q + n_points * n_terms, *residual = b + n_points, *scale = residual + n_points, *diagonal = scale + n_terms,
-           *beta = diagonal + n_terms, *inverse = beta + n_terms;
+    double *q = work, *b = q + n_points * n_terms, *residual = b + n_points, *scale = residual + n_points,
+           *diagonal = scale + n_terms, *beta = diagonal + n_terms, *inverse = beta + n_terms;
     double y_mean = 0.0, sst = 0.0;
     for (size_t i = 0; i < n_points; i++) {
-        for (size_t j = 0; j < n_terms; j++) q[j * n_points + i] = blocking__monomial(powers + j * n_vars, x + i * n_vars, n_vars);
+        for (size_t j = 0; j < n_terms; j++)
+            q[j * n_points + i] = blocking__monomial(powers + j * n_vars, x + i * n_vars, n_vars);
         b[i] = y[i];
         y_mean += (y[i] - y[0]) / (double)n_points; /* about y[0]: the mean of equal values is that value */
     }
@@ -2731,7 +2867,7 @@ BLOCKING_API blocking_status blocking_polynomial_fit(const double *x, const doub
     return BLOCKING_OK;
 }
 
-/* ========================================================= >>design ========================================================= */
+/* ==================================================== >>design ==================================================== */
 
 BLOCKING_API blocking_duty blocking_default_duty(void) {
     blocking_duty duty;
@@ -2753,9 +2889,11 @@ BLOCKING_API blocking_status blocking_check_duty(const blocking_duty *duty, cons
     if (!duty) bad = "duty";
     else if (duty->cookie != BLOCKING__COOKIE_DUTY) bad = "cookie";
     else if (!(duty->passing > 0.0 && blocking__finite(duty->passing))) bad = "passing";
-    else if (!(duty->capacity > 0.0 && duty->passing / duty->capacity > 0.0 && blocking__finite(duty->passing / duty->capacity)))
+    else if (!(duty->capacity > 0.0 && duty->passing / duty->capacity > 0.0 &&
+               blocking__finite(duty->passing / duty->capacity)))
         bad = "capacity";
-    else if (!(duty->clearance > 0.0 && duty->clearance <= 1.0 && blocking__finite(duty->passing / duty->capacity / duty->clearance)))
+    else if (!(duty->clearance > 0.0 && duty->clearance <= 1.0 &&
+               blocking__finite(duty->passing / duty->capacity / duty->clearance)))
         bad = "clearance";
     else if (!blocking__within(duty->f0, 0.0, 1.0)) bad = "f0";
     else if (!blocking__within(duty->f_inf, 0.0, 1.0)) bad = "f_inf";
@@ -2769,7 +2907,8 @@ BLOCKING_API blocking_status blocking_check_duty(const blocking_duty *duty, cons
 
 BLOCKING_API blocking_status blocking_design(const blocking_duty *duty, blocking_deck *out) {
     if (!out) return BLOCKING_BAD_ARGUMENT;
-    out->free_mean = out->free_lowest = out->effective_area = out->area_clean = out->area_mean = out->area_lowest = (double)NAN;
+    out->free_mean = out->free_lowest = out->effective_area = out->area_clean = out->area_mean = out->area_lowest =
+        (double)NAN;
     out->area_mean_low95 = out->area_mean_high95 = out->area_lowest_low95 = out->area_lowest_high95 = (double)NAN;
     if (blocking_check_duty(duty, NULL) != BLOCKING_OK) return BLOCKING_BAD_DEF;
     double last = blocking_curve(duty->f0, duty->f_inf, duty->k, duty->run_time);

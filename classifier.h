@@ -1,42 +1,54 @@
-/* classifier.h: air classification in a deflector wheel: drag of non-spherical particles, cut sizes, collision cases, separation curves.
+/* classifier.h: air classification in a deflector wheel: drag of non-spherical particles, cut sizes, collision cases,
+   separation curves.
 
    #include <stdio.h>
    #include "classifier.h"
 
    int main(void) {
-       classifier_def def = classifier_paper_def(CLASSIFIER_LIMESTONE, 9000.0, NULL);  // edit any field: all are documented below
+       // edit any field: all are documented below
+       classifier_def def = classifier_paper_def(CLASSIFIER_LIMESTONE, 9000.0, NULL);
        classifier_model model;
        if (classifier_init(&model, &def, NULL) != CLASSIFIER_OK) return 1;             // draws the sample points once
-       double error, t = classifier_tromp(&model, 20e-6, &error);                      // share of 20 um particles that is rejected
+       // share of 20 um particles that is rejected
+       double error, t = classifier_tromp(&model, 20e-6, &error);
        printf("T(20 um) = %.4f +- %.4f, x50 = %.2f um\n", t, error, 1e6 * classifier_quantile(&model, 0.5));
        classifier_free(&model);
    }
 
    Laws (pure functions; NaN outside their domain)
-     drag          Hoelzer & Sommerfeld 2008, Schiller & Naumann 1933, Stokes; Di Felice 1994 for dense flow; Rorato 2019 sphericity
-     balance       cut size, threshold velocity, radial velocity for a wanted cut; terminal velocity; stopping distance in closed form
+     drag          Hoelzer & Sommerfeld 2008, Schiller & Naumann 1933, Stokes; Di Felice 1994 for dense flow;
+                   Rorato 2019 sphericity
+     balance       cut size, threshold velocity, radial velocity for a wanted cut; terminal velocity; stopping distance
+                   in closed form
      rebound       paddle and particle hits (Weers et al. 2022), Thornton & Ning 1998 restitution
      cases         weights of "one clean hit", "thrown by a particle", "hit again" for any number of contacts
      curves        Plitt, Molerus-Hoffmann, Rosin-Rammler with exact inverses; bypass and fish-hook
    Drivers (loops that call laws; return a status)
-     classifier_init ...        the separation model of Weers et al., Minerals 12 (2022) 480, "the paper": T(x) with an error bar
-     classifier_trajectory ...  the same rebound followed along its path: the check of the balance at the instant of the hit
+     classifier_init ...        the separation model of Weers et al., Minerals 12 (2022) 480, "the paper": T(x) with an
+                                error bar
+     classifier_trajectory ...  the same rebound followed along its path: the check of the balance at the instant of
+                                the hit
      classifier_calibrate       one measured cut size
      classifier_for             speed and air for a wanted size and yield of the fine product
      classifier_fit             a curve to measured T(x)
      classifier_reconcile       T(x) from measured size distributions of feed, coarse and fine
      classifier_circuit         several stages with recycle
 
-   Units    SI, angles [rad]; rotor speed [1/min], as every machine shows it. Size x [m]: diameter of the sphere of equal volume.
-   Signs    radial velocity of gas and entering particles inward; tangential velocity of an entering particle against the wheel, after the
-            hit with it. T is the share that is rejected to the coarse product.
+   Units    SI, angles [rad]; rotor speed [1/min], as every machine shows it. Size x [m]: diameter of the sphere of
+            equal volume.
+   Signs    radial velocity of gas and entering particles inward; tangential velocity of an entering particle against
+            the wheel, after the hit with it. T is the share that is rejected to the coarse product.
    Errors   a function that returns a status leaves NaN in its outputs if that is not CLASSIFIER_OK; but a distribution
             (classifier_histogram) or a definition (classifier_calibrate) then stays as it was.
-   Memory   one block a model (1 MB by default), made in classifier_init through a hook, freed in classifier_free. Nothing else allocates.
+   Memory   one block a model (1 MB by default), made in classifier_init through a hook, freed in classifier_free.
+            Nothing else allocates.
    Threads  no globals; a model that nobody changes may be read by any number of threads.
-   Bits     + - * / sqrt and the portable block below: the same on every machine with -ffp-contract=off. Random shifts come from def.seed.
-   Linking  static inline. One shared copy: #define CLASSIFIER_API extern everywhere, CLASSIFIER_IMPLEMENTATION as well in one file.
-   Not here the gas flow between the paddles (its factor is an input), dispersion, wear. Sources and errata: docs/classifier.md. */
+   Bits     + - * / sqrt and the portable block below: the same on every machine with -ffp-contract=off. Random shifts
+            come from def.seed.
+   Linking  static inline. One shared copy: #define CLASSIFIER_API extern everywhere, CLASSIFIER_IMPLEMENTATION as well
+            in one file.
+   Not here the gas flow between the paddles (its factor is an input), dispersion, wear. Sources and errata:
+   docs/classifier.md. */
 #ifndef CLASSIFIER_H
 #define CLASSIFIER_H
 
@@ -62,19 +74,19 @@
 extern "C" {
 #endif
 
-/* ===================================================== statuses and flags ===================================================== */
+/* =============================================== statuses and flags =============================================== */
 
-#define CLASSIFIER_STATUSES(X)                                                                                                             \
-    X(CLASSIFIER_OK, "ok")                                                                                                                 \
-    X(CLASSIFIER_BAD_ARGUMENT, "an argument is not a number, has the wrong sign, or is NULL")                                              \
-    X(CLASSIFIER_BAD_DEFINITION, "a field of the definition is out of range (classifier_check_def names it)")                              \
-    X(CLASSIFIER_EMPTY, "a distribution or table has no classes or no mass")                                                               \
-    X(CLASSIFIER_NOT_NORMALISED, "the shares of a distribution do not add up to 1 within 1e-3")                                            \
-    X(CLASSIFIER_NOT_SORTED, "sizes or class limits do not increase")                                                                      \
-    X(CLASSIFIER_OUTSIDE, "the wanted value lies outside the range that can be reached")                                                   \
-    X(CLASSIFIER_NO_OUTLET, "a circuit lets nothing out")                                                                                  \
-    X(CLASSIFIER_OUT_OF_MEMORY, "out of memory")                                                                                           \
-    X(CLASSIFIER_TOO_FEW, "a fit needs more distinct sizes than free parameters: the points leave the parameters "                         \
+#define CLASSIFIER_STATUSES(X)                                                                                         \
+    X(CLASSIFIER_OK, "ok")                                                                                             \
+    X(CLASSIFIER_BAD_ARGUMENT, "an argument is not a number, has the wrong sign, or is NULL")                          \
+    X(CLASSIFIER_BAD_DEFINITION, "a field of the definition is out of range (classifier_check_def names it)")          \
+    X(CLASSIFIER_EMPTY, "a distribution or table has no classes or no mass")                                           \
+    X(CLASSIFIER_NOT_NORMALISED, "the shares of a distribution do not add up to 1 within 1e-3")                        \
+    X(CLASSIFIER_NOT_SORTED, "sizes or class limits do not increase")                                                  \
+    X(CLASSIFIER_OUTSIDE, "the wanted value lies outside the range that can be reached")                               \
+    X(CLASSIFIER_NO_OUTLET, "a circuit lets nothing out")                                                              \
+    X(CLASSIFIER_OUT_OF_MEMORY, "out of memory")                                                                       \
+    X(CLASSIFIER_TOO_FEW, "a fit needs more distinct sizes than free parameters: the points leave the parameters "     \
                           "open")
 #define CLASSIFIER__NAME(name, text) name,
 typedef enum { CLASSIFIER_STATUSES(CLASSIFIER__NAME) CLASSIFIER__STATUS_COUNT } classifier_status;
@@ -83,79 +95,89 @@ static inline const char *classifier_status_text(classifier_status status);
 
 /* Reservations about a result; bits of classifier_result.flags. */
 enum {
-    CLASSIFIER_SPHERICITY_CLAMPED = 1, /* a drawn 2D sphericity left the range of the conversion and was set to its end */
+    CLASSIFIER_SPHERICITY_CLAMPED = 1, /* a drawn 2D sphericity left the range of the conversion and was
+                                          set to its end */
     CLASSIFIER_CUT_OUTSIDE = 2,        /* x25, x50 or x75 lies outside [size_low, size_high]: it is NaN */
-    CLASSIFIER_MISSED = 4,             /* some drawn particles pass between the paddles untouched (they count as fine) */
+    CLASSIFIER_MISSED = 4,             /* some drawn particles pass between the paddles untouched (they
+                                          count as fine) */
     CLASSIFIER_EXTRAPOLATED = 8,       /* paper_def: the speed is outside the measured 3000 .. 15000 1/min; the values
                                           at the ends were used */
     CLASSIFIER_REYNOLDS_OUTSIDE = 16   /* Schiller-Naumann above Re 1000 at x75, or Stokes above Re 0.1 */
 };
 
-/* The allocator hook. NULL in place of it: realloc and free. new_size 0 frees and returns NULL; a failed growth leaves old as it was. */
+/* The allocator hook. NULL in place of it: realloc and free. new_size 0 frees and returns NULL; a failed growth leaves
+   old as it was. */
 typedef struct classifier_memory {
     void *(*fn)(void *user, void *old, size_t old_size, size_t new_size);
     void *user;
 } classifier_memory;
 
-/* ============================================================ drag ============================================================ */
+/* ====================================================== drag ====================================================== */
 
-/* Area that a drag coefficient is multiplied with. Hoelzer & Sommerfeld's belongs to the volume-equivalent sphere, pi x^2 / 4. The
-   paper's eqs 6 and 10 multiply it with the projected area (pi x^2 / 4) / sphericity, which counts the shape twice: cuts 13-16 % too
-   coarse. */
+/* Area that a drag coefficient is multiplied with. Hoelzer & Sommerfeld's belongs to the volume-equivalent sphere, pi
+   x^2 / 4. The paper's eqs 6 and 10 multiply it with the projected area (pi x^2 / 4) / sphericity, which counts the
+   shape twice: cuts 13-16 % too coarse. */
 typedef enum { CLASSIFIER_EQUIVALENT, CLASSIFIER_PROJECTED } classifier_basis;
 typedef enum { CLASSIFIER_HOELZER_SOMMERFELD, CLASSIFIER_SCHILLER_NAUMANN, CLASSIFIER_STOKES } classifier_drag_law;
 
-/* A drag law with its shape worked in: c_D(Re) = c1 / Re + c2 / Re^p + c3, p = 0.5 or, for Schiller-Naumann, 0.313. Referred to pi x^2 /
-   4. Made once a shape; evaluating it needs no power. Any NaN in it comes from a sphericity outside (0, 1]. */
+/* A drag law with its shape worked in: c_D(Re) = c1 / Re + c2 / Re^p + c3, p = 0.5 or, for Schiller-Naumann, 0.313.
+   Referred to pi x^2 / 4. Made once a shape; evaluating it needs no power. Any NaN in it comes from a sphericity
+   outside (0, 1]. */
 typedef struct classifier_drag {
     double c1, c2, c3; /* [-] */
     classifier_drag_law law;
 } classifier_drag;
 
-/* Returns 10^(0.4 (-log10 psi)^0.2), the factor of Hoelzer & Sommerfeld's Newton term. psi: sphericity in (0, 1]. Infinitely steep at psi =
+/* Returns 10^(0.4 (-log10 psi)^0.2), the factor of Hoelzer & Sommerfeld's Newton term. psi: sphericity in (0, 1].
+   Infinitely steep at psi =
    1. */
 static inline double classifier_newton_factor(double psi);
-/* Returns the law of Hoelzer & Sommerfeld 2008 (eq 4) for the mean over all orientations of a convex body, where the three sphericities are
-   one (Cauchy). psi: area of the volume-equivalent sphere / surface, in (0, 1] (rounding up to 1e-12 above is taken as 1). */
+/* Returns the law of Hoelzer & Sommerfeld 2008 (eq 4) for the mean over all orientations of a convex body, where the
+   three sphericities are one (Cauchy). psi: area of the volume-equivalent sphere / surface, in (0, 1] (rounding up
+   to 1e-12 above is taken as 1). */
 static inline classifier_drag classifier_hoelzer_sommerfeld(double psi, classifier_basis basis);
-/* Returns the same in one orientation. psi_parallel: (pi x^2 / 4) / (surface / 2 - mean longitudinal projected area); psi_perpendicular:
-   (pi x^2 / 4) / area across the flow. Both > 0. */
-static inline classifier_drag classifier_hoelzer_sommerfeld_oriented(double psi, double psi_parallel, double psi_perpendicular,
-                                                                     classifier_basis basis);
-/* Returns the law of Schiller & Naumann 1933, spheres: 24/Re (1 + 0.15 Re^0.687) to Re = 1000, 0.44 above. Better than Hoelzer-Sommerfeld
-   for psi >= 0.995, where that is 9-14 % low between Re 10 and 100. */
+/* Returns the same in one orientation. psi_parallel: (pi x^2 / 4) / (surface / 2 - mean longitudinal projected area);
+   psi_perpendicular: (pi x^2 / 4) / area across the flow. Both > 0. */
+static inline classifier_drag classifier_hoelzer_sommerfeld_oriented(double psi, double psi_parallel,
+                                                                     double psi_perpendicular, classifier_basis basis);
+/* Returns the law of Schiller & Naumann 1933, spheres: 24/Re (1 + 0.15 Re^0.687) to Re = 1000, 0.44 above. Better than
+   Hoelzer-Sommerfeld for psi >= 0.995, where that is 9-14 % low between Re 10 and 100. */
 static inline classifier_drag classifier_schiller_naumann(void);
 static inline classifier_drag classifier_stokes(void); /* 24/Re */
 /* Returns c_D [-] at re > 0 (infinity allowed). */
 static inline double classifier_drag_coefficient(classifier_drag drag, double re);
-/* Returns the magnitude of the drag [N] at a slip speed [m/s] >= 0, for size x [m], fluid density [kg/m3], viscosity [Pa s]. Exact at 0. */
-static inline double classifier_drag_force(classifier_drag drag, double x, double speed, double fluid_density, double viscosity);
+/* Returns the magnitude of the drag [N] at a slip speed [m/s] >= 0, for size x [m], fluid density [kg/m3],
+   viscosity [Pa s]. Exact at 0. */
+static inline double classifier_drag_force(classifier_drag drag, double x, double speed, double fluid_density,
+                                           double viscosity);
 
 /* Returns pi^(1/3) (6 V)^(2/3) / S: sphericity of a body of volume [m3] and surface [m2]. */
 static inline double classifier_sphericity(double volume, double surface);
 /* Returns 2 sqrt(pi A) / P: 2D sphericity of a projection of area [m2] and perimeter [m]. */
 static inline double classifier_sphericity_2d(double area, double perimeter);
-/* Returns the sphericity by Rorato et al. 2019 (eq 5): 1.075 psi_2d - 0.067 for 0.53442 <= psi_2d <= 0.99237; NaN outside (at 1 it would
-   give 1.008). */
+/* Returns the sphericity by Rorato et al. 2019 (eq 5): 1.075 psi_2d - 0.067 for 0.53442 <= psi_2d <= 0.99237; NaN
+   outside (at 1 it would give 1.008). */
 static inline double classifier_rorato(double psi_2d);
-/* Returns the same with psi_2d moved into the range first; *clamped (may be NULL) : whether that was needed. NaN stays NaN. */
+/* Returns the same with psi_2d moved into the range first; *clamped (may be NULL) : whether that was needed.
+   NaN stays NaN. */
 static inline double classifier_rorato_clamped(double psi_2d, bool *clamped);
 
-/* Returns the exponent chi(Re) of Di Felice 1994 (eq 11), Re = fluid density * superficial slip * x / viscosity >= 0; minimum 3.05 at Re
-   31.6. */
+/* Returns the exponent chi(Re) of Di Felice 1994 (eq 11), Re = fluid density * superficial slip * x / viscosity >= 0;
+   minimum 3.05 at Re 31.6. */
 static inline double classifier_di_felice_exponent(double re);
-/* Returns the factor on the drag of a lone particle at a void fraction in (0, 1], named by the velocity that c_D v^2 is taken with.
-   Superficial slip (= voids * interstitial): voids^-chi. */
+/* Returns the factor on the drag of a lone particle at a void fraction in (0, 1], named by the velocity that c_D v^2 is
+   taken with. Superficial slip (= voids * interstitial): voids^-chi. */
 static inline double classifier_di_felice_superficial(double voids, double re);
 /* Returns the factor with the interstitial slip, for the drag alone: voids^(2 - chi). */
 static inline double classifier_di_felice_interstitial_drag(double voids, double re);
-/* Returns the factor with the interstitial slip, for drag and pressure gradient in one (eq 10): voids^(1 - chi). Do not add -V grad p to
-   it. */
+/* Returns the factor with the interstitial slip, for drag and pressure gradient in one (eq 10): voids^(1 - chi). Do not
+   add -V grad p to it. */
 static inline double classifier_di_felice_interstitial_total(double voids, double re);
 
-/* ========================================================== balance =========================================================== */
+/* ==================================================== balance ===================================================== */
 
-/* A particle in the curved flow of a wheel: centrifugal force outward, drag of the radial gas flow inward. All > 0 and finite. */
+/* A particle in the curved flow of a wheel: centrifugal force outward, drag of the radial gas flow inward.
+   All > 0 and finite. */
 typedef struct classifier_balance {
     double fluid_density;       /* [kg/m3] */
     double viscosity;           /* [Pa s] */
@@ -163,60 +185,63 @@ typedef struct classifier_balance {
     double radius;              /* of the particle's place [m] */
     double radial_velocity;     /* of the gas, inward [m/s]; not used where it is the unknown */
     double tangential_velocity; /* of the particle [m/s]; not used where it is the unknown */
-    bool buoyancy; /* true: particle_density - fluid_density drives (the gas turns with the particle); default false, as the paper */
+    bool buoyancy; /* true: particle_density - fluid_density drives (the gas turns with the particle); default false,
+                      as the paper */
 } classifier_balance;
 
 /* Returns the cut size of spheres in Stokes flow [m], eq 3: sqrt(18 viscosity radius v_rad / (rho v_phi^2)). */
 static inline double classifier_cut_size_stokes(const classifier_balance *at);
-/* Returns the one size [m] at which both forces are equal, eq 6: x = K c_D(a x). iterations may be NULL; at most 6. Solves a quartic in
-   sqrt(x) with one positive root (Descartes) by Newton's method from above; for Schiller-Naumann, uses Newton's method in ln x. NaN for bad
-   input. */
+/* Returns the one size [m] at which both forces are equal, eq 6: x = K c_D(a x). iterations may be NULL; at most 6.
+   Solves a quartic in sqrt(x) with one positive root (Descartes) by Newton's method from above; for Schiller-Naumann,
+   uses Newton's method in ln x. NaN for bad input. */
 static inline double classifier_cut_size(const classifier_balance *at, classifier_drag drag, int *iterations);
-/* Returns d ln x / d ln K = 1 / (1 + m) at the cut, K ~ radius v_rad^2 / (rho v_phi^2): from 1/2 (Stokes) to 1 (Newton). */
+/* Returns d ln x / d ln K = 1 / (1 + m) at the cut, K ~ radius v_rad^2 / (rho v_phi^2): from 1/2 (Stokes)
+   to 1 (Newton). */
 static inline double classifier_cut_sensitivity(classifier_drag drag, double re);
-/* Returns the tangential velocity [m/s] from which on size x [m] is rejected. Explicit: separation curves need no root. */
+/* Returns the tangential velocity [m/s] from which on size x [m] is rejected. Explicit: separation curves
+   need no root. */
 static inline double classifier_threshold_velocity(const classifier_balance *at, classifier_drag drag, double x);
 /* Returns the radial gas velocity [m/s] that makes x the cut size. */
 static inline double classifier_cut_radial_velocity(const classifier_balance *at, classifier_drag drag, double x);
-/* Returns the settling velocity [m/s] of size x at rest under gravity [m/s2] > 0; negative if the particle rises. Any shape that drag
-   describes. */
-static inline double classifier_terminal_velocity(classifier_drag drag, double x, double particle_density, double fluid_density,
-                                                  double viscosity, double gravity);
-/* Returns the path [m] of a particle shot into gas at rest with speed [m/s] >= 0, closed form for any Reynolds number: (4 rho x / 3 rho_f)
-   int_0^Re dRe / (Re c_D). Stokes number = this / length. */
-static inline double classifier_stopping_distance(classifier_drag drag, double x, double particle_density, double fluid_density,
-                                                  double viscosity, double speed);
-/* Returns the stopping distance of spheres by the handbook formula, Mercer 1973 (Hinds eq 5.20), 1 < Re < 400: (rho x / rho_f) (Re^(1/3) -
-   sqrt6 atan(Re^(1/3) / sqrt6)). */
-static inline double classifier_stopping_distance_mercer(double x, double particle_density, double fluid_density, double viscosity,
-                                                         double speed);
+/* Returns the settling velocity [m/s] of size x at rest under gravity [m/s2] > 0; negative if the particle rises. Any
+   shape that drag describes. */
+static inline double classifier_terminal_velocity(classifier_drag drag, double x, double particle_density,
+                                                  double fluid_density, double viscosity, double gravity);
+/* Returns the path [m] of a particle shot into gas at rest with speed [m/s] >= 0, closed form for any Reynolds number:
+   (4 rho x / 3 rho_f) int_0^Re dRe / (Re c_D). Stokes number = this / length. */
+static inline double classifier_stopping_distance(classifier_drag drag, double x, double particle_density,
+                                                  double fluid_density, double viscosity, double speed);
+/* Returns the stopping distance of spheres by the handbook formula, Mercer 1973 (Hinds eq 5.20), 1 < Re < 400: (rho
+   x / rho_f) (Re^(1/3) - sqrt6 atan(Re^(1/3) / sqrt6)). */
+static inline double classifier_stopping_distance_mercer(double x, double particle_density, double fluid_density,
+                                                         double viscosity, double speed);
 
-/* ========================================================== rebound =========================================================== */
+/* ==================================================== rebound ===================================================== */
 
-/* Returns the restitution of an elastic-perfectly plastic sphere at normal speed [m/s] > 0 by Thornton & Ning 1998; 1 up to the yield
-   velocity [m/s]. */
+/* Returns the restitution of an elastic-perfectly plastic sphere at normal speed [m/s] > 0 by Thornton & Ning 1998; 1
+   up to the yield velocity [m/s]. */
 static inline double classifier_thornton_ning(double speed, double yield_velocity);
-/* Returns the yield velocity of a sphere on a plane, 1.5605 sqrt(p^5 / (rho E*^4)) [m/s]; contact_pressure: limiting contact pressure [Pa]
-   (1.6 to 2.8 yield stresses). */
+/* Returns the yield velocity of a sphere on a plane, 1.5605 sqrt(p^5 / (rho E*^4)) [m/s]; contact_pressure: limiting
+   contact pressure [Pa] (1.6 to 2.8 yield stresses). */
 static inline double classifier_yield_velocity(double contact_pressure, double density, double reduced_modulus);
 /* Returns E* [Pa] of two materials: 1 / ((1 - nu1^2) / E1 + (1 - nu2^2) / E2). */
 static inline double classifier_reduced_modulus(double modulus_1, double poisson_1, double modulus_2, double poisson_2);
 
-/* Returns the velocity after a normal hit on a paddle of speed v_w by a particle with the opposite velocity v_i: v_w + e (v_w + v_i), in
-   the direction of the wheel [m/s]. */
+/* Returns the velocity after a normal hit on a paddle of speed v_w by a particle with the opposite velocity v_i:
+   v_w + e (v_w + v_i), in the direction of the wheel [m/s]. */
 static inline double classifier_rebound_normal(double paddle_speed, double e, double approach_speed);
-/* Returns the tangential velocity after a hit at radius r: omega r + e |v_rel| cos(theta), theta: angle of the rebound to the face's
-   normal, specular + imperfection. */
+/* Returns the tangential velocity after a hit at radius r: omega r + e |v_rel| cos(theta), theta: angle of the rebound
+   to the face's normal, specular + imperfection. */
 static inline double classifier_rebound_paddle(double paddle_speed, double e, double relative_speed, double cos_angle);
-/* Returns the velocity of the thrown one (case B) of two equal particles, one of which leaves the wheel with v_a, while the other moves
-   against it with v_t: -v_t + k share (v_a + v_t), k = (1 + e) / 2, share = cos(alpha), or cos^2(alpha) if the impulse follows the line of
-   centres. */
+/* Returns the velocity of the thrown one (case B) of two equal particles, one of which leaves the wheel with v_a, while
+   the other moves against it with v_t: -v_t + k share (v_a + v_t), k = (1 + e) / 2, share = cos(alpha), or cos^2(alpha)
+   if the impulse follows the line of centres. */
 static inline double classifier_rebound_thrown(double v_a, double v_t, double e, double share);
-/* Returns the velocity of the other one (case C): v_a - k share (v_a + v_t). The paper's share is 1; conservation of momentum requires
-   cos^2(alpha), as for the thrown one. */
+/* Returns the velocity of the other one (case C): v_a - k share (v_a + v_t). The paper's share is 1; conservation of
+   momentum requires cos^2(alpha), as for the thrown one. */
 static inline double classifier_rebound_slowed(double v_a, double v_t, double e, double share);
 
-/* ====================================================== collision cases ======================================================= */
+/* ================================================ collision cases ================================================= */
 
 /* Shares of the three histories; they add up to 1. */
 typedef struct classifier_weights {
@@ -225,23 +250,25 @@ typedef struct classifier_weights {
     double again;  /* C: turned round by a particle, then hit by a paddle at last */
 } classifier_weights;
 
-/* Returns the weights for n >= 0 contacts with particles, if all possible sequences are equally likely (Fig 12 b): (n+1) 3^(1-n) / 4, 1/4,
-   rest. NaN for n < 0. */
+/* Returns the weights for n >= 0 contacts with particles, if all possible sequences are equally likely (Fig 12 b):
+   (n+1) 3^(1-n) / 4, 1/4, rest. NaN for n < 0. */
 static inline classifier_weights classifier_weights_of(int n);
 static inline classifier_weights classifier_weights_poisson(double mean);   /* mixed over a Poisson number, mean >= 0 */
-static inline classifier_weights classifier_weights_geometric(double mean); /* mixed over P(n) = (1 - q) q^n, q = mean / (1 + mean) */
-/* Returns the weights of a Markov chain, an extension of the equally likely sequences. counter: probability that a contact turns the
-   particle round; wall: probability that it hits the paddle whenever it can. Both in [0, 1], wall or counter > 0. Not equal to weights_of
+/* Mixed over P(n) = (1 - q) q^n, q = mean / (1 + mean). */
+static inline classifier_weights classifier_weights_geometric(double mean);
+/* Returns the weights of a Markov chain, an extension of the equally likely sequences. counter: probability that a
+   contact turns the particle round; wall: probability that it hits the paddle whenever it can. Both in [0, 1], wall or
+   counter > 0. Not equal to weights_of
    for (1/2, 1/2), which counts forced steps once. */
 static inline classifier_weights classifier_weights_markov(int n, double counter, double wall);
 
-/* ======================================================= distributions ======================================================== */
+/* ================================================= distributions ================================================== */
 
 enum { CLASSIFIER_BINS = 64 };
 typedef enum { CLASSIFIER_NORMAL, CLASSIFIER_HISTOGRAM } classifier_shape;
 
-/* One measured quantity. A normal law cut off at [low, high] (mean and sd are those before the cut; sd 0: always the mean), or a
-   histogram. Owns no memory. */
+/* One measured quantity. A normal law cut off at [low, high] (mean and sd are those before the cut; sd 0: always the
+   mean), or a histogram. Owns no memory. */
 typedef struct classifier_distribution {
     classifier_shape shape;
     double mean, sd, low, high;             /* in the unit of the quantity; of a histogram sd is 0 and not read */
@@ -250,18 +277,28 @@ typedef struct classifier_distribution {
     double cumulative[CLASSIFIER_BINS + 1]; /* 0 .. 1 */
 } classifier_distribution;
 
-static inline classifier_distribution classifier_normal(double mean, double sd, double low, double high); /* low, high may be infinite */
-/* Makes a histogram from class limits edge[bins + 1] and shares[bins] that add up to 1 (within 1e-3, then exactly). *made stays as it was
-   on an error: CLASSIFIER_EMPTY, _NOT_NORMALISED, _NOT_SORTED, _BAD_ARGUMENT (not finite, negative, more than CLASSIFIER_BINS). */
-CLASSIFIER_API classifier_status classifier_histogram(const double *edge, const double *shares, int bins, classifier_distribution *made);
+/* low, high may be infinite */
+static inline classifier_distribution classifier_normal(double mean, double sd, double low, double high);
+/* Makes a histogram from class limits edge[bins + 1] and shares[bins] that add up to 1 (within 1e-3, then exactly).
+   *made stays as it was on an error: CLASSIFIER_EMPTY, _NOT_NORMALISED, _NOT_SORTED, _BAD_ARGUMENT (not finite,
+   negative, more than CLASSIFIER_BINS). */
+CLASSIFIER_API classifier_status classifier_histogram(const double *edge, const double *shares, int bins,
+                                                      classifier_distribution *made);
 CLASSIFIER_API classifier_status classifier_check_distribution(const classifier_distribution *d);
-/* Return P(X >= value), and the inverse of P(X < value), u in (0, 1); NaN for what classifier_check_distribution refuses. */
+/* Return P(X >= value), and the inverse of P(X < value), u in (0, 1); NaN for what classifier_check_distribution
+   refuses. */
 CLASSIFIER_API double classifier_distribution_above(const classifier_distribution *d, double value);
 CLASSIFIER_API double classifier_distribution_at(const classifier_distribution *d, double u);
 CLASSIFIER_API double classifier_distribution_mean(const classifier_distribution *d); /* after the cut */
 
 /* How often a particle meets others between the paddles. */
-typedef enum { CLASSIFIER_FIXED, CLASSIFIER_POISSON, CLASSIFIER_GEOMETRIC, CLASSIFIER_COUNTED, CLASSIFIER_MARKOV } classifier_contact_law;
+typedef enum {
+    CLASSIFIER_FIXED,
+    CLASSIFIER_POISSON,
+    CLASSIFIER_GEOMETRIC,
+    CLASSIFIER_COUNTED,
+    CLASSIFIER_MARKOV
+} classifier_contact_law;
 typedef struct classifier_contacts {
     classifier_contact_law law;
     double mean;                   /* FIXED, MARKOV: the number (whole); POISSON, GEOMETRIC: the mean; >= 0 */
@@ -269,9 +306,10 @@ typedef struct classifier_contacts {
     double share[CLASSIFIER_BINS]; /* COUNTED: share of particles with 0, 1, ... contacts; adds up to 1 within 1e-3 */
     double counter, wall;          /* MARKOV */
 } classifier_contacts;
-CLASSIFIER_API classifier_status classifier_contact_weights(const classifier_contacts *contacts, classifier_weights *weights);
+CLASSIFIER_API classifier_status classifier_contact_weights(const classifier_contacts *contacts,
+                                                            classifier_weights *weights);
 
-/* ====================================================== separation model ====================================================== */
+/* ================================================ separation model ================================================ */
 
 typedef struct classifier_wheel {
     double outer_radius, inner_radius, height; /* [m], outer > inner > 0, height > 0 */
@@ -286,15 +324,15 @@ static inline double classifier_radial_velocity(const classifier_wheel *wheel, d
 /* The exact straight flight of a particle from the rim to the face of the next paddle, in the inertial frame. */
 typedef struct classifier_impact {
     bool hit;       /* false: it stays clear of the face for a whole turn (or crosses the inner radius before) */
-    double radius;  /* of the hit [m], at most outer_radius: one that has drifted out over the rim again meets the face's plane there and
-                       counts as hit at the edge, not as let through */
+    double radius;  /* of the hit [m], at most outer_radius: one that has drifted out over the rim again meets the
+                       face's plane there and counts as hit at the edge, not as let through */
     double time;    /* from the entry [s] */
     double speed;   /* relative to the paddle [m/s] */
     double angle;   /* between relative velocity and the face's normal, negative: sliding inward [rad] */
     int iterations; /* of Newton's method */
 } classifier_impact;
-/* Computes the straight flight to the next paddle. angular_speed of the wheel [rad/s]; ahead: angle of the entry before the paddle's middle
-   line [rad]; velocities of the particle [m/s]. */
+/* Computes the straight flight to the next paddle. angular_speed of the wheel [rad/s]; ahead: angle of the entry before
+   the paddle's middle line [rad]; velocities of the particle [m/s]. */
 CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *wheel, double angular_speed, double ahead,
                                                      double tangential_against, double radial_inward);
 
@@ -302,39 +340,51 @@ struct classifier_def;
 /* Computes the same for a particle of size x [m] > 0 that the gas deflects. The gas is that of classifier_trajectory:
    it turns with the wheel and flows inward with radial_factor times the undisturbed velocity. hit is false for bad
    arguments. */
-CLASSIFIER_API classifier_impact classifier_approach_in_gas(const struct classifier_def *def, classifier_drag drag, double x, double ahead,
-                                                            double tangential_against, double radial_inward);
+CLASSIFIER_API classifier_impact classifier_approach_in_gas(const struct classifier_def *def, classifier_drag drag,
+                                                            double x, double ahead, double tangential_against,
+                                                            double radial_inward);
 
 typedef enum { CLASSIFIER_LATTICE, CLASSIFIER_SOBOL, CLASSIFIER_MONTE_CARLO } classifier_sampler;
 enum { CLASSIFIER_MAX_SHIFTS = 64 };
 
-/* The definition of the model. "paper": number in the text of Weers et al. 2022; "stand-in": only drawn in a figure or not given there,
-   replaced by us (docs/classifier.md); defaults are limestone at 3000 1/min. Zero is never "default". */
+/* The definition of the model. "paper": number in the text of Weers et al. 2022; "stand-in": only drawn in a figure or
+   not given there, replaced by us (docs/classifier.md); defaults are limestone at 3000 1/min. Zero is
+   never "default". */
 typedef struct classifier_def {
     unsigned cookie;         /* set by classifier_default_def */
-    classifier_wheel wheel;  /* 25 mm (paper), 18, 26.90 mm, 24, 2 mm (stand-ins: they give the paper's two gas velocities) */
+    classifier_wheel wheel;  /* 25 mm (paper), 18, 26.90 mm, 24, 2 mm (stand-ins: they give the paper's two
+                                gas velocities) */
     double rpm;              /* rotor speed [1/min], above 0 to 1e9; 3000 */
     double air_flow;         /* [m3/s] > 0; 75 m3/h (paper) */
     double fluid_density;    /* [kg/m3] > 0; 1.2 */
     double viscosity;        /* [Pa s] > 0; 1.81e-5 */
     double particle_density; /* [kg/m3] > 0; 2700 (paper; glass 2500, stand-in) */
-    double radial_factor;    /* gas velocity before the face / undisturbed [-] > 0; 2.7, 4.1, 4.3 at 3000, 9000, 15000 1/min (paper) */
-    classifier_distribution tangential_velocity; /* of entering particles, against the wheel [m/s]; N(1.5 / 0 / 0, 1) (stand-in, Fig 6) */
-    classifier_distribution radial_velocity;     /* inward [m/s] >= 0; mean 1.0 (rpm / 3000)^0.9372, sd half of it (stand-in, Fig 6) */
-    classifier_distribution restitution;   /* particle on paddle, within [0, 1]; N(0.29, 0.15), beads N(0.75, 0.12) (stand-in, Fig 9) */
-    classifier_distribution imperfection;  /* rebound angle - impact angle [rad]; sd 37, glass 42, beads 22 degrees (paper, Fig 7) */
-    classifier_distribution sphericity_2d; /* N(0.83, 0.04), glass N(0.80, 0.04), beads N(0.98, 0.005) (stand-in, Fig 2) */
-    bool sphericity_is_3d;                 /* true: sphericity_2d holds 3D sphericities in (0, 1] and eq 5 is left out; false */
+    double radial_factor;    /* gas velocity before the face / undisturbed [-] > 0; 2.7, 4.1, 4.3 at 3000, 9000, 15000
+                                1/min (paper) */
+    classifier_distribution tangential_velocity; /* of entering particles, against the wheel [m/s]; N(1.5 / 0 / 0, 1)
+                                                    (stand-in, Fig 6) */
+    classifier_distribution radial_velocity;     /* inward [m/s] >= 0; mean 1.0 (rpm / 3000)^0.9372, sd half of it
+                                                    (stand-in, Fig 6) */
+    classifier_distribution restitution;   /* particle on paddle, within [0, 1]; N(0.29, 0.15), beads N(0.75, 0.12)
+                                              (stand-in, Fig 9) */
+    classifier_distribution imperfection;  /* rebound angle - impact angle [rad]; sd 37, glass 42, beads 22 degrees
+                                              (paper, Fig 7) */
+    classifier_distribution sphericity_2d; /* N(0.83, 0.04), glass N(0.80, 0.04), beads N(0.98, 0.005)
+                                              (stand-in, Fig 2) */
+    bool sphericity_is_3d;                 /* true: sphericity_2d holds 3D sphericities in (0, 1] and eq 5 is
+                                              left out; false */
     classifier_contacts contacts;          /* geometric, mean 1.0, beads 0.2 (stand-in, Fig 11) */
     double particle_restitution;           /* particle on particle, in [0, 1]; mean of restitution (paper) */
-    double cone_half_angle;                /* of the directions after a particle hit [rad], in [0, pi/2]; 65 degrees (paper) */
+    double cone_half_angle;                /* of the directions after a particle hit [rad], in [0, pi/2]; 65
+                                              degrees (paper) */
     bool impulse_along_centres;            /* cos^2 in place of cos in case B and of 1 in case C; false (paper) */
     classifier_drag_law law;               /* CLASSIFIER_HOELZER_SOMMERFELD; the two others ignore the sphericity */
     classifier_basis basis;                /* CLASSIFIER_EQUIVALENT; the paper: CLASSIFIER_PROJECTED */
     bool buoyancy;                         /* false */
     double size_low, size_high;            /* [m] range in which cut sizes are searched; 1e-7, 1e-2 */
     classifier_sampler sampler;            /* CLASSIFIER_LATTICE */
-    bool preintegrate;    /* true (default): the last restitution is integrated in closed form; false: drawn, rejected particles counted */
+    bool preintegrate;    /* true (default): the last restitution is integrated in closed form; false: drawn, rejected
+                             particles counted */
     int points;           /* drawn particles of a shift, a power of two from 16 to 2^20; 1024 */
     int shifts;           /* independent repetitions for the error bar, 2 .. CLASSIFIER_MAX_SHIFTS; 8 */
     uint64_t seed;        /* of the shifts; 1 */
@@ -345,13 +395,15 @@ typedef struct classifier_def {
 typedef enum { CLASSIFIER_LIMESTONE, CLASSIFIER_GROUND_GLASS, CLASSIFIER_BEADS } classifier_material;
 
 CLASSIFIER_API classifier_def classifier_default_def(void);
-/* Returns the paper's machine with one of its materials at a speed [1/min]; flags may be NULL: CLASSIFIER_EXTRAPOLATED. */
+/* Returns the paper's machine with one of its materials at a speed [1/min]; flags may be NULL:
+   CLASSIFIER_EXTRAPOLATED. */
 CLASSIFIER_API classifier_def classifier_paper_def(classifier_material material, double rpm, unsigned *flags);
-/* Returns CLASSIFIER_OK, or the status of the first bad field, and its name in *field (a constant string; field may be NULL). */
+/* Returns CLASSIFIER_OK, or the status of the first bad field, and its name in *field (a constant string; field
+   may be NULL). */
 CLASSIFIER_API classifier_status classifier_check_def(const classifier_def *def, const char **field);
 
-/* The drawn particles, from which T follows at any size: 15 numbers a point. Fields may be read; `weights` may be changed
-   (classifier_weights_of(2) shows the curve of exactly two contacts). */
+/* The drawn particles, from which T follows at any size: 15 numbers a point. Fields may be read; `weights` may be
+   changed (classifier_weights_of(2) shows the curve of exactly two contacts). */
 typedef struct classifier_model {
     classifier_def def;
     classifier_weights weights;
@@ -366,19 +418,24 @@ typedef struct classifier_model {
     double table_low, table_scale;
 } classifier_model;
 
-/* Checks def and draws the points. A model in use must be freed first. memory may be NULL. On an error model is empty and may be freed.
-   CLASSIFIER_OUTSIDE if approach_size is so small that a flight to the face would take 10 000 steps. */
-CLASSIFIER_API classifier_status classifier_init(classifier_model *model, const classifier_def *def, const classifier_memory *memory);
+/* Checks def and draws the points. A model in use must be freed first. memory may be NULL. On an error model is empty
+   and may be freed. CLASSIFIER_OUTSIDE if approach_size is so small that a flight to the face would
+   take 10 000 steps. */
+CLASSIFIER_API classifier_status classifier_init(classifier_model *model, const classifier_def *def,
+                                                 const classifier_memory *memory);
 CLASSIFIER_API void classifier_free(classifier_model *model);
-/* Returns the share of size x [m] > 0 that is rejected. error (may be NULL): half width of the 95 % interval from the shifts (Student). NaN
-   for bad x. */
+/* Returns the share of size x [m] > 0 that is rejected. error (may be NULL): half width of the 95 % interval from the
+   shifts (Student). NaN for bad x. */
 CLASSIFIER_API double classifier_tromp(const classifier_model *model, double x, double *error);
 CLASSIFIER_API void classifier_tromp_cases(const classifier_model *model, double x, double t[3]); /* of A, B, C alone */
-/* Returns the size [m] with T = t in (0, 1), to 1e-12 on the model's own points; NaN if there is none in [size_low, size_high]. */
+/* Returns the size [m] with T = t in (0, 1), to 1e-12 on the model's own points; NaN if there is none in
+   [size_low, size_high]. */
 CLASSIFIER_API double classifier_quantile(const classifier_model *model, double t);
-/* Finds the same with drag before the hit, classifier_approach_in_gas, for particles of just the size that is found: def->approach_size is
-   not read. case_weights (may be NULL) stands for the weights of the cases, such as {1, 0, 0}. NaN, CLASSIFIER_OUTSIDE if there is none. */
-CLASSIFIER_API classifier_status classifier_quantile_in_gas(const classifier_def *def, double t, const classifier_weights *case_weights,
+/* Finds the same with drag before the hit, classifier_approach_in_gas, for particles of just the size that is found:
+   def->approach_size is not read. case_weights (may be NULL) stands for the weights of the cases, such as {1, 0, 0}.
+   NaN, CLASSIFIER_OUTSIDE if there is none. */
+CLASSIFIER_API classifier_status classifier_quantile_in_gas(const classifier_def *def, double t,
+                                                            const classifier_weights *case_weights,
                                                             const classifier_memory *memory, double *x);
 
 typedef struct classifier_result {
@@ -396,23 +453,27 @@ typedef struct classifier_result {
 CLASSIFIER_API classifier_status classifier_separate(const classifier_model *model, const double *x, double *t, int n,
                                                      classifier_result *result);
 
-/* Solves radial_factor so that the model's x50 is the measured one [m] (the paper's one-point calibration); *calibrated is def with it,
-   and may be def itself. CLASSIFIER_OUTSIDE if 1e-3 .. 1e3 times def's factor cannot reach it. */
-CLASSIFIER_API classifier_status classifier_calibrate(const classifier_def *def, double x50, const classifier_memory *memory,
-                                                      classifier_def *calibrated);
-/* Finds the air flow [m3/s], or the rotor speed [1/min], that makes x50 [m] the model's cut size with everything else as in def. Errors as
-   above; speeds from 1 to 1e6 are tried. */
-CLASSIFIER_API classifier_status classifier_air_flow_for(const classifier_def *def, double x50, const classifier_memory *memory,
-                                                         double *air_flow);
-CLASSIFIER_API classifier_status classifier_rpm_for(const classifier_def *def, double x50, const classifier_memory *memory, double *rpm);
+/* Solves radial_factor so that the model's x50 is the measured one [m] (the paper's one-point calibration); *calibrated
+   is def with it, and may be def itself. CLASSIFIER_OUTSIDE if 1e-3 .. 1e3 times def's factor cannot reach it. */
+CLASSIFIER_API classifier_status classifier_calibrate(const classifier_def *def, double x50,
+                                                      const classifier_memory *memory, classifier_def *calibrated);
+/* Finds the air flow [m3/s], or the rotor speed [1/min], that makes x50 [m] the model's cut size with everything else
+   as in def. Errors as above; speeds from 1 to 1e6 are tried. */
+CLASSIFIER_API classifier_status classifier_air_flow_for(const classifier_def *def, double x50,
+                                                         const classifier_memory *memory, double *air_flow);
+CLASSIFIER_API classifier_status classifier_rpm_for(const classifier_def *def, double x50,
+                                                    const classifier_memory *memory, double *rpm);
 
-/* What a mill's owner wants: a fine product of this size from this feed, on a machine with these limits. Owns no memory. */
+/* What a mill's owner wants: a fine product of this size from this feed, on a machine with these limits.
+   Owns no memory. */
 typedef struct classifier_wish {
     int classes;               /* of the feed, >= 1 */
-    const double *edge, *feed; /* [classes + 1] sizes [m] rising from >= 0, [classes] mass shares >= 0 that add up to 1 within 1e-3 */
+    const double *edge, *feed; /* [classes + 1] sizes [m] rising from >= 0, [classes] mass shares >= 0 that add up
+                                  to 1 within 1e-3 */
     double size;               /* [m] > 0: this share of the fine product is finer, */
     double share;              /* (0, 1): 0.97 for a d97, 0.5 for a d50 */
-    double yield;              /* wanted mass of fine product / feed, (0, 1); NaN: as it comes with the air flow of def */
+    double yield;              /* wanted mass of fine product / feed, (0, 1); NaN: as it comes with the
+                                  air flow of def */
     double rpm_low, rpm_high;  /* limits of the machine [1/min], 0 < low <= high <= 1e9 */
     double air_low, air_high;  /* [m3/s], 0 < low <= high */
 } classifier_wish;
@@ -420,36 +481,39 @@ typedef struct classifier_setting {
     double rpm, air_flow;              /* [1/min] [m3/s] */
     double size, yield;                /* reached [m] [-] */
     double x50;                        /* cut size there [m]; NaN if there is none */
-    double yield_low, yield_high;      /* what can be had of that size within the limits; equal to yield where none is wanted */
+    double yield_low, yield_high;      /* what can be had of that size within the limits; equal to yield where
+                                          none is wanted */
     double size_by_rpm, size_by_air;   /* relative change of size by the relative change of speed, of air [-] */
     double yield_by_rpm, yield_by_air; /* change of yield by the relative change of speed, of air [-] */
 } classifier_setting;
-/* Finds speed and air flow that give the wanted size, and of all that do the one with the wanted yield; everything else as in def.
-   CLASSIFIER_OUTSIDE if the limits do not allow the size (all NaN) or the yield (setting has the nearest). CLASSIFIER_BAD_ARGUMENT, _EMPTY,
-   _NOT_NORMALISED, _NOT_SORTED for a bad wish. About 1 s; fewer def->points take less. */
-CLASSIFIER_API classifier_status classifier_for(const classifier_def *def, const classifier_wish *wish, const classifier_memory *memory,
-                                                classifier_setting *setting);
+/* Finds speed and air flow that give the wanted size, and of all that do the one with the wanted yield; everything else
+   as in def. CLASSIFIER_OUTSIDE if the limits do not allow the size (all NaN) or the yield (setting has the nearest).
+   CLASSIFIER_BAD_ARGUMENT, _EMPTY, _NOT_NORMALISED, _NOT_SORTED for a bad wish. About 1 s; fewer
+   def->points take less. */
+CLASSIFIER_API classifier_status classifier_for(const classifier_def *def, const classifier_wish *wish,
+                                                const classifier_memory *memory, classifier_setting *setting);
 
 /* ---- the path after the hit ---- */
 typedef enum { CLASSIFIER_RADIAL_SLIP, CLASSIFIER_FULL_SLIP } classifier_slip;
-/* Follows one particle in the inertial frame from radius r with velocities v_radial (outward) and v_phi, in gas that turns with the wheel
-   and flows inward with radial_factor times the undisturbed velocity, until it leaves over the rim (1) or the inner radius (0); -1 if
-   neither happens within 10 turns and 100 000 steps. RADIAL_SLIP: only the radial velocity difference makes drag, as in the balance;
+/* Follows one particle in the inertial frame from radius r with velocities v_radial (outward) and v_phi, in gas that
+   turns with the wheel and flows inward with radial_factor times the undisturbed velocity, until it leaves over the rim
+   (1) or the inner radius (0); -1 if neither happens within 10 turns and 100 000 steps. RADIAL_SLIP: only the radial
+       velocity difference makes drag, as in the balance;
    FULL_SLIP: the whole vector. */
-CLASSIFIER_API int classifier_trajectory(const classifier_def *def, classifier_drag drag, double x, double r, double v_radial, double v_phi,
-                                         classifier_slip slip);
+CLASSIFIER_API int classifier_trajectory(const classifier_def *def, classifier_drag drag, double x, double r,
+                                         double v_radial, double v_phi, classifier_slip slip);
 /* Returns the size [m] whose fate changes, for a start with v_radial = 0. NaN if none in [size_low, size_high]. */
 CLASSIFIER_API double classifier_trajectory_cut(const classifier_def *def, classifier_drag drag, double r, double v_phi,
                                                 classifier_slip slip);
 
-/* Computes T at x [m] with every drawn particle followed along its path after the hit (start with v_radial = 0, as the balance sees it).
-   Uses def's points and shifts with drawn restitutions; error as in classifier_tromp. About 10 us a particle and case: 64 to 512 points
-   will do. Paths that stay are not rejected. CLASSIFIER_OUTSIDE if 100 000 steps do not follow a path to its end: particles that the gas
-   takes along at once. */
-CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_def *def, double x, classifier_slip slip, double *t,
-                                                             double *error);
+/* Computes T at x [m] with every drawn particle followed along its path after the hit (start with v_radial = 0, as the
+   balance sees it). Uses def's points and shifts with drawn restitutions; error as in classifier_tromp. About 10 us a
+   particle and case: 64 to 512 points will do. Paths that stay are not rejected. CLASSIFIER_OUTSIDE if 100 000 steps do
+   not follow a path to its end: particles that the gas takes along at once. */
+CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_def *def, double x, classifier_slip slip,
+                                                             double *t, double *error);
 
-/* =========================================================== curves =========================================================== */
+/* ===================================================== curves ===================================================== */
 
 /* Return separation curves T(x) of sizes x [m] >= 0, and their inverses for t in [0, 1). */
 static inline double classifier_plitt(double x, double x50, double m);         /* 1 - exp(-ln2 (x/x50)^m) */
@@ -466,50 +530,57 @@ typedef struct classifier_curve {
     double size;      /* x50 or x63 of the curve without bypass [m] > 0 */
     double slope;     /* m, n > 0 or alpha >= 0 */
     double bypass;    /* share that goes to the coarse product whatever its size, [0, 1); 0 */
-    double hook_size; /* [m] > 0: the bypass falls linearly to 0 at this size (fish-hook, Finch 1983); infinity: the same for all sizes */
+    double hook_size; /* [m] > 0: the bypass falls linearly to 0 at this size (fish-hook, Finch 1983); infinity: the
+                         same for all sizes */
 } classifier_curve;
 static inline classifier_curve classifier_curve_of(classifier_curve_law law, double size, double slope); /* no bypass */
-static inline double classifier_curve_value(const classifier_curve *curve, double x);                    /* b + (1 - b) T(x); x >= 0 */
+/* b + (1 - b) T(x); x >= 0 */
+static inline double classifier_curve_value(const classifier_curve *curve, double x);
 /* Returns the largest size [m] with that value. NaN if there is none (t below the bypass). */
 CLASSIFIER_API double classifier_curve_size(const classifier_curve *curve, double t);
 
-/* Returns the mean of T over a class [low, high] [m] with mass density q(x) (NULL: uniform): int T q / int q, Gauss-Legendre on `pieces` >=
-   1 pieces of 5 points. */
+/* Returns the mean of T over a class [low, high] [m] with mass density q(x) (NULL: uniform): int T q / int q,
+   Gauss-Legendre on `pieces` >= 1 pieces of 5 points. */
 typedef double (*classifier_function)(double x, const void *user);
-CLASSIFIER_API double classifier_class_mean(classifier_function t, const void *t_user, classifier_function q, const void *q_user,
-                                            double low, double high, int pieces);
+CLASSIFIER_API double classifier_class_mean(classifier_function t, const void *t_user, classifier_function q,
+                                            const void *q_user, double low, double high, int pieces);
 
-enum { CLASSIFIER_FREE_BYPASS = 1, CLASSIFIER_FREE_HOOK = 2 }; /* bits; 0: size and slope, always free, alone. HOOK frees the bypass too */
+/* bits; 0: size and slope, always free, alone. HOOK frees the bypass too */
+enum { CLASSIFIER_FREE_BYPASS = 1, CLASSIFIER_FREE_HOOK = 2 };
 enum { CLASSIFIER_SLOPE = 4 };                                 /* a bit of at_border */
 typedef struct classifier_fit_result {
     classifier_curve curve;
-    /* Standard deviations from the curvature; with sd NULL scaled by the residuals. 0 where a parameter is not free or stands at its
-       border, infinite where the points leave it open. */
+    /* Standard deviations from the curvature; with sd NULL scaled by the residuals. 0 where a parameter is not free or
+       stands at its border, infinite where the points leave it open. */
     double size_sd, slope_sd, bypass_sd, hook_sd;
-    unsigned at_border; /* bits: FREE_BYPASS: the best bypass is 0; FREE_HOOK: the best curve has no hook (hook_size infinite); SLOPE: the
-                           best alpha is 0 (Molerus & Hoffmann) */
+    unsigned at_border; /* bits: FREE_BYPASS: the best bypass is 0; FREE_HOOK: the best curve has no hook (hook_size
+                           infinite); SLOPE: the best alpha is 0 (Molerus & Hoffmann) */
     double rms;         /* of T [-] */
     double dof;         /* degrees of freedom: points minus parameters that are not at a border */
-    double student; /* Student's t of dof, or 1.96 with sd given: a 95 % range of size and slope is value +- student * sd; NaN with a free
-                           hook, whose deviations give no range */
-    /* 95 % ranges from the profile of the sum of squares: they hold near a bypass of 0 and with a hook, too. hook_high infinite: the points
-       are as well without a hook; hook_low 0: without a bypass. 0 to infinite (bypass 1): left open. Equal where not free. */
+    double student; /* Student's t of dof, or 1.96 with sd given: a 95 % range of size and slope is value +-
+                           student * sd; NaN with a free hook, whose deviations give no range */
+    /* 95 % ranges from the profile of the sum of squares: they hold near a bypass of 0 and with a hook, too. hook_high
+       infinite: the points are as well without a hook; hook_low 0: without a bypass. 0 to infinite (bypass 1): left
+       open. Equal where not free. */
     double size_low, size_high, slope_low, slope_high, bypass_low, bypass_high, hook_low, hook_high;
     int iterations;
 } classifier_fit_result;
-/* Fits a curve by least squares (Levenberg-Marquardt in ln size, ln slope, logit bypass, ln hook) to n measured points x[n] [m] > 0, t[n];
-   sd[n] > 0, the largest at most 1e6 times the smallest, or NULL (all equal). A parameter whose best value lies at its border is fixed
-   there and the others are fitted again; a hook is sought from between each two sizes. Needs more distinct sizes than free parameters
-   (CLASSIFIER_TOO_FEW), values on both sides of one half (with a bypass: of the middle between it and 1), and T that rises with x so that
-   no constant fits as well (CLASSIFIER_OUTSIDE: the points leave the cut size open). */
-CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
-                                                const double *sd, int n, classifier_fit_result *result);
+/* Fits a curve by least squares (Levenberg-Marquardt in ln size, ln slope, logit bypass, ln hook) to n measured points
+   x[n] [m] > 0, t[n]; sd[n] > 0, the largest at most 1e6 times the smallest, or NULL (all equal). A parameter whose
+   best value lies at its border is fixed there and the others are fitted again; a hook is sought from between each two
+   sizes. Needs more distinct sizes than free parameters (CLASSIFIER_TOO_FEW), values on both sides of one half (with a
+   bypass: of the middle between it and 1), and T that rises with x so that no constant fits as well
+   (CLASSIFIER_OUTSIDE: the points leave the cut size open). */
+CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x,
+                                                const double *t, const double *sd, int n,
+                                                classifier_fit_result *result);
 
 /* Separation curve from three measured size distributions. Shares per class, each adding up to 1 within 1e-3. */
 typedef struct classifier_balance_data {
     int classes;                                 /* >= 2 */
     const double *feed, *coarse, *fine;          /* [classes] >= 0 */
-    const double *feed_sd, *coarse_sd, *fine_sd; /* [classes] > 0, standard deviations of the shares; the caller's arrays */
+    const double *feed_sd, *coarse_sd, *fine_sd; /* [classes] > 0, standard deviations of the shares; the
+                                                    caller's arrays */
     double coarse_share, coarse_share_sd;        /* measured mass of coarse / feed and its sd; NaN if not measured */
 } classifier_balance_data;
 typedef struct classifier_balance_result {
@@ -517,12 +588,13 @@ typedef struct classifier_balance_result {
     double chi_squared;                   /* sum of (adjustment / sd)^2: about `freedom` if the sds are honest */
     int freedom;
 } classifier_balance_result;
-/* Finds the least adjustment that makes feed = c coarse + (1 - c) fine hold in every class with all three still adding up to 1 and no share
-   below 0 (T from 0 to 1); c with it.
-   Outputs (caller's, [classes], each may be NULL): t and its sd (where T is 0 or 1 that of an unbounded T), the reconciled
-   distributions. Classes without feed have t NaN. */
-CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_data *data, double *t, double *t_sd, double *feed,
-                                                      double *coarse, double *fine, classifier_balance_result *result);
+/* Finds the least adjustment that makes feed = c coarse + (1 - c) fine hold in every class with all three still adding
+   up to 1 and no share below 0 (T from 0 to 1); c with it.
+   Outputs (caller's, [classes], each may be NULL): t and its sd (where T is 0 or 1 that of an unbounded T), the
+   reconciled distributions. Classes without feed have t NaN. */
+CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_data *data, double *t, double *t_sd,
+                                                      double *feed, double *coarse, double *fine,
+                                                      classifier_balance_result *result);
 
 /* Several classifiers with recycle. Stage i sends the share t of its feed to coarse_to[i] and the rest to fine_to[i]:
    another stage, or one of the two products. */
@@ -532,14 +604,16 @@ typedef struct classifier_circuit_def {
     int coarse_to[CLASSIFIER_STAGES];
     int fine_to[CLASSIFIER_STAGES];
 } classifier_circuit_def;
-/* Computes one size class: t[stages] in [0, 1] -> share of the fresh feed in the coarse product, and load[stages] (may be NULL): flow into
-   each stage / fresh feed. CLASSIFIER_NO_OUTLET if the flow never leaves. Several classes: call it for each. */
-CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def *circuit, const double *t, double *coarse, double *load);
+/* Computes one size class: t[stages] in [0, 1] -> share of the fresh feed in the coarse product, and load[stages] (may
+   be NULL): flow into each stage / fresh feed. CLASSIFIER_NO_OUTLET if the flow never leaves. Several classes: call
+   it for each. */
+CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def *circuit, const double *t,
+                                                    double *coarse, double *load);
 
 /* clang-format off */
-/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
-   stated; NaN outside the domain. */
+/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ.
+   Identical in every Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the
+   copies). Within 5 ulp unless stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
 #define RIDDLE_PORTABLE_MATH
@@ -603,7 +677,9 @@ static inline double riddle_log(double x) {
     return e * RIDDLE_LN2_HI + (riddle__log1p_small(m - 1.0) + e * RIDDLE_LN2_LO);
 }
 
-static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
+static inline double riddle_log1p(double x) {
+    return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x);
+}
 
 /* Returns x^y for x >= 0; relative error about (2 + |y log x|) ulp. */
 static inline double riddle_pow(double x, double y) {
@@ -703,16 +779,18 @@ static inline double riddle_asin(double x) {
 #endif /* RIDDLE_PORTABLE_MATH */
 /* clang-format on */
 /* <<portable-math */
-/* >>student-t: Student's t by the incomplete beta function. Identical in every Riddle header that needs it (base/student.h is the master,
-   tests/check_headers compares the copies). */
+/* >>student-t: Student's t by the incomplete beta function. Identical in every Riddle header that needs it
+   (base/student.h is the master, tests/check_headers compares the copies). */
 /* clang-format off */
 #ifndef RIDDLE_STUDENT
 #define RIDDLE_STUDENT
-/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20 on. */
+/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20
+   on. */
 static inline double riddle__log_beta_half(double a) {
     double ratio = 1.0;
     for (; a < 20.0; a += 1.0) ratio *= (a + 0.5) / a;
-    const double z = 1.0 / (a * a), series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
+    const double z = 1.0 / (a * a);
+    const double series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
     return 0.57236494292470008707 - 0.5 * riddle_log(a) + series + riddle_log(ratio);
 }
 
@@ -749,8 +827,8 @@ static inline double riddle__student_tail(double freedom, double t, double *dens
     return 1.0 - front * riddle__beta_fraction(b, a, rest) / b;
 }
 
-/* Returns the half-width, in standard errors, of a range that holds the share `confidence` of Student's t. NaN outside of confidence in
-   (0, 1), freedom > 0. Student 1908. */
+/* Returns the half-width, in standard errors, of a range that holds the share `confidence` of Student's t. NaN outside
+   of confidence in (0, 1), freedom > 0. Student 1908. */
 static inline double riddle_student(double confidence, double freedom) {
     if (!(confidence > 0.0 && confidence < 1.0 && freedom > 0.0)) return (double)NAN;
     if (freedom > 1e8) freedom = 1e8; /* the normal distribution, to 1e-8 */
@@ -773,10 +851,10 @@ static inline double riddle_student(double confidence, double freedom) {
 /* <<student-t */
 /* clang-format on */
 
-/* >>laws ====================================================================================================================== */
+/* >>laws =========================================================================================================== */
 
 static inline const char *classifier_status_text(classifier_status status) {
-#define CLASSIFIER__TEXT(name, text)                                                                                                       \
+#define CLASSIFIER__TEXT(name, text)                                                                                   \
     if (status == name) return text;
     CLASSIFIER_STATUSES(CLASSIFIER__TEXT)
 #undef CLASSIFIER__TEXT
@@ -798,8 +876,8 @@ static inline double classifier_newton_factor(double psi) {
     return riddle_exp(0.4 * ln10 * riddle_pow(l, 0.2));
 }
 
-static inline classifier_drag classifier_hoelzer_sommerfeld_oriented(double psi, double psi_parallel, double psi_perpendicular,
-                                                                     classifier_basis basis) {
+static inline classifier_drag classifier_hoelzer_sommerfeld_oriented(double psi, double psi_parallel,
+                                                                     double psi_perpendicular, classifier_basis basis) {
     classifier_drag d = {classifier__nan(), classifier__nan(), classifier__nan(), CLASSIFIER_HOELZER_SOMMERFELD};
     double factor = classifier_newton_factor(psi);
     if (!(factor > 0.0 && classifier__positive(psi_parallel) && classifier__positive(psi_perpendicular))) return d;
@@ -826,12 +904,15 @@ static inline classifier_drag classifier_stokes(void) {
 
 static inline double classifier_drag_coefficient(classifier_drag drag, double re) {
     if (!(re > 0.0)) return classifier__nan();
-    if (drag.law == CLASSIFIER_SCHILLER_NAUMANN) return re <= 1000.0 ? drag.c1 / re + drag.c2 * riddle_pow(re, -0.313) : 0.44;
+    if (drag.law == CLASSIFIER_SCHILLER_NAUMANN)
+        return re <= 1000.0 ? drag.c1 / re + drag.c2 * riddle_pow(re, -0.313) : 0.44;
     return drag.c1 / re + drag.c2 / sqrt(re) + drag.c3;
 }
 
-static inline double classifier_drag_force(classifier_drag drag, double x, double speed, double fluid_density, double viscosity) {
-    if (!(classifier__positive(x) && classifier__positive(fluid_density) && classifier__positive(viscosity) && speed >= 0.0))
+static inline double classifier_drag_force(classifier_drag drag, double x, double speed, double fluid_density,
+                                           double viscosity) {
+    if (!(classifier__positive(x) && classifier__positive(fluid_density) && classifier__positive(viscosity) &&
+          speed >= 0.0))
         return classifier__nan();
     double re = fluid_density * speed * x / viscosity;
     double cd_re = re > 0.0 ? classifier_drag_coefficient(drag, re) * re : drag.c1;
@@ -885,11 +966,11 @@ static inline double classifier_di_felice_interstitial_total(double voids, doubl
     return classifier__voids_power(voids, 1.0 - classifier_di_felice_exponent(re));
 }
 
-/* >>balance =================================================================================================================== */
+/* >>balance ======================================================================================================== */
 
-/* Solves Re = g c_D(Re). In units of the largest of the three one-term solutions a quartic in y = sqrt(Re), y^4 - u3 y^2 - u2 y - u1 = 0
-   with all u in [0, 1]: one positive root (Descartes), between 1 and sqrt 3, and for y >= 1 slope >= y^3, so that Newton's method
-   converges. The start takes sqrt(Re) of the middle term as 1. */
+/* Solves Re = g c_D(Re). In units of the largest of the three one-term solutions a quartic in y = sqrt(Re), y^4 - u3
+   y^2 - u2 y - u1 = 0 with all u in [0, 1]: one positive root (Descartes), between 1 and sqrt 3, and for y >= 1
+   slope >= y^3, so that Newton's method converges. The start takes sqrt(Re) of the middle term as 1. */
 static inline double classifier__solve_cut(classifier_drag drag, double g, int *iterations) {
     double s1 = sqrt(g) * sqrt(drag.c1), s2 = riddle_cbrt(g * drag.c2), s3 = g * drag.c3;
     s2 *= s2;
@@ -898,7 +979,8 @@ static inline double classifier__solve_cut(classifier_drag drag, double g, int *
     double u3 = s3 / unit, u2 = s2 / unit * sqrt(s2 / unit), u1 = s1 / unit * (s1 / unit),
            y = sqrt(0.5 * u3 + sqrt(0.25 * u3 * u3 + u2 + u1));
     int i = 0;
-    for (double step = 1.0; fabs(step) > 1e-9 && i < 20; i++) { /* quadratic: a step of 1e-9 leaves less than a rounding */
+    /* Quadratic: a step of 1e-9 leaves less than a rounding. */
+    for (double step = 1.0; fabs(step) > 1e-9 && i < 20; i++) {
         step = (((y * y - u3) * y - u2) * y - u1) / ((4.0 * y * y - 2.0 * u3) * y - u2);
         y -= step;
     }
@@ -906,10 +988,11 @@ static inline double classifier__solve_cut(classifier_drag drag, double g, int *
     return unit * y * y;
 }
 
-/* Solves Re^2 c_D(Re) = b. In units of the smallest one-term solution, v3 y^4 + v2 y^3 + v1 y^2 = 1, which rises and is convex, with a root
-   between 1/sqrt 3 and 1. */
+/* Solves Re^2 c_D(Re) = b. In units of the smallest one-term solution, v3 y^4 + v2 y^3 + v1 y^2 = 1, which rises and is
+   convex, with a root between 1/sqrt 3 and 1. */
 static inline double classifier__solve_speed(classifier_drag drag, double b, int *iterations) {
-    double s1 = b / drag.c1, s2 = riddle_cbrt(b / drag.c2), s3 = sqrt(b / drag.c3); /* infinite where a term is missing */
+    /* Infinite where a term is missing. */
+    double s1 = b / drag.c1, s2 = riddle_cbrt(b / drag.c2), s3 = sqrt(b / drag.c3);
     s2 *= s2;
     double unit = s1 < s2 ? s1 : s2;
     if (s3 < unit) unit = s3;
@@ -923,14 +1006,15 @@ static inline double classifier__solve_speed(classifier_drag drag, double b, int
     return unit * y * y;
 }
 
-/* Solves Re^k c_D = b for Schiller-Naumann, k = -1 (cut) or 2 (speed), by Newton's method in ln Re; it converges monotonically because the
-   slope k - m is monotone. */
+/* Solves Re^k c_D = b for Schiller-Naumann, k = -1 (cut) or 2 (speed), by Newton's method in ln Re; it converges
+   monotonically because the slope k - m is monotone. */
 static inline double classifier__solve_schiller_naumann(classifier_drag drag, double b, double k, int *iterations) {
     double ln_b = riddle_log(b), l = k < 0.0 ? -0.5 * (riddle_log(drag.c1) - ln_b) : ln_b - riddle_log(drag.c1);
     int i = 0;
     for (double step = 1.0; fabs(step) > 1e-9 && i < 40; i++) {
         double t1 = drag.c1 * riddle_exp(-l), t2 = drag.c2 * riddle_exp(-0.313 * l), m = (t1 + 0.313 * t2) / (t1 + t2);
-        step = k < 0.0 ? (l - ln_b - riddle_log(t1 + t2)) / (1.0 + m) : (2.0 * l + riddle_log(t1 + t2) - ln_b) / (2.0 - m);
+        step =
+            k < 0.0 ? (l - ln_b - riddle_log(t1 + t2)) / (1.0 + m) : (2.0 * l + riddle_log(t1 + t2) - ln_b) / (2.0 - m);
         l -= step;
     }
     if (iterations) *iterations = i;
@@ -941,8 +1025,9 @@ static inline double classifier__solve_schiller_naumann(classifier_drag drag, do
 }
 
 static inline bool classifier__balance_ok(const classifier_balance *at) {
-    return classifier__positive(at->fluid_density) && classifier__positive(at->viscosity) && classifier__positive(at->particle_density) &&
-           classifier__positive(at->radius) && (!at->buoyancy || at->particle_density > at->fluid_density);
+    return classifier__positive(at->fluid_density) && classifier__positive(at->viscosity) &&
+           classifier__positive(at->particle_density) && classifier__positive(at->radius) &&
+           (!at->buoyancy || at->particle_density > at->fluid_density);
 }
 static inline double classifier__driving_density(const classifier_balance *at) {
     return at->buoyancy ? at->particle_density - at->fluid_density : at->particle_density;
@@ -952,20 +1037,23 @@ static inline bool classifier__drag_ok(classifier_drag drag) {
 }
 
 static inline double classifier_cut_size_stokes(const classifier_balance *at) {
-    if (!(classifier__balance_ok(at) && classifier__positive(at->radial_velocity) && classifier__positive(at->tangential_velocity)))
+    if (!(classifier__balance_ok(at) && classifier__positive(at->radial_velocity) &&
+          classifier__positive(at->tangential_velocity)))
         return classifier__nan();
-    return sqrt(18.0 * at->viscosity / classifier__driving_density(at) * at->radius * at->radial_velocity) / at->tangential_velocity;
+    return sqrt(18.0 * at->viscosity / classifier__driving_density(at) * at->radius * at->radial_velocity) /
+           at->tangential_velocity;
 }
 
 static inline double classifier_cut_size(const classifier_balance *at, classifier_drag drag, int *iterations) {
     if (iterations) *iterations = 0;
-    if (!(classifier__balance_ok(at) && classifier__positive(at->radial_velocity) && classifier__positive(at->tangential_velocity) &&
-          classifier__drag_ok(drag)))
+    if (!(classifier__balance_ok(at) && classifier__positive(at->radial_velocity) &&
+          classifier__positive(at->tangential_velocity) && classifier__drag_ok(drag)))
         return classifier__nan();
     double ratio = at->radial_velocity / at->tangential_velocity;
     double k = 0.75 * at->fluid_density / classifier__driving_density(at) * at->radius * ratio * ratio;
     double a = at->fluid_density * at->radial_velocity / at->viscosity; /* Re = a x */
-    if (drag.law == CLASSIFIER_SCHILLER_NAUMANN) return classifier__solve_schiller_naumann(drag, a * k, -1.0, iterations) / a;
+    if (drag.law == CLASSIFIER_SCHILLER_NAUMANN)
+        return classifier__solve_schiller_naumann(drag, a * k, -1.0, iterations) / a;
     return classifier__solve_cut(drag, a * k, iterations) / a;
 }
 
@@ -981,15 +1069,16 @@ static inline double classifier_cut_sensitivity(classifier_drag drag, double re)
 }
 
 static inline double classifier_threshold_velocity(const classifier_balance *at, classifier_drag drag, double x) {
-    if (!(classifier__balance_ok(at) && classifier__positive(at->radial_velocity) && classifier__positive(x))) return classifier__nan();
+    if (!(classifier__balance_ok(at) && classifier__positive(at->radial_velocity) && classifier__positive(x)))
+        return classifier__nan();
     double re = at->fluid_density * at->radial_velocity * x / at->viscosity;
-    return at->radial_velocity *
-           sqrt(0.75 * at->fluid_density / classifier__driving_density(at) * at->radius / x * classifier_drag_coefficient(drag, re));
+    return at->radial_velocity * sqrt(0.75 * at->fluid_density / classifier__driving_density(at) * at->radius / x *
+                                      classifier_drag_coefficient(drag, re));
 }
 
 /* Returns the speed at which the drag on x [m] balances density * acceleration. density: of the driving force. */
-static inline double classifier__speed_for(classifier_drag drag, double x, double density, double fluid_density, double viscosity,
-                                           double acceleration) {
+static inline double classifier__speed_for(classifier_drag drag, double x, double density, double fluid_density,
+                                           double viscosity, double acceleration) {
     double unit = viscosity / (fluid_density * x); /* speed at Re = 1 */
     double b = 4.0 / 3.0 * density / fluid_density * acceleration * x / (unit * unit);
     if (!(classifier__positive(b) && classifier__drag_ok(drag))) return classifier__nan();
@@ -998,15 +1087,16 @@ static inline double classifier__speed_for(classifier_drag drag, double x, doubl
 }
 
 static inline double classifier_cut_radial_velocity(const classifier_balance *at, classifier_drag drag, double x) {
-    if (!(classifier__balance_ok(at) && classifier__positive(at->tangential_velocity) && classifier__positive(x))) return classifier__nan();
+    if (!(classifier__balance_ok(at) && classifier__positive(at->tangential_velocity) && classifier__positive(x)))
+        return classifier__nan();
     return classifier__speed_for(drag, x, classifier__driving_density(at), at->fluid_density, at->viscosity,
                                  at->tangential_velocity * at->tangential_velocity / at->radius);
 }
 
-static inline double classifier_terminal_velocity(classifier_drag drag, double x, double particle_density, double fluid_density,
-                                                  double viscosity, double gravity) {
-    if (!(classifier__positive(x) && particle_density >= 0.0 && classifier__positive(fluid_density) && classifier__positive(viscosity) &&
-          classifier__positive(gravity)))
+static inline double classifier_terminal_velocity(classifier_drag drag, double x, double particle_density,
+                                                  double fluid_density, double viscosity, double gravity) {
+    if (!(classifier__positive(x) && particle_density >= 0.0 && classifier__positive(fluid_density) &&
+          classifier__positive(viscosity) && classifier__positive(gravity)))
         return classifier__nan();
     double difference = particle_density - fluid_density;
     if (difference == 0.0) return 0.0;
@@ -1018,9 +1108,10 @@ static inline double classifier_terminal_velocity(classifier_drag drag, double x
 static inline double classifier__drag_integral(classifier_drag drag, double re) {
     double c1 = drag.c1, c2 = drag.c2, c3 = drag.c3, u = sqrt(re);
     if (drag.law == CLASSIFIER_SCHILLER_NAUMANN) {
-        /* (Re/24) 2F1(1, b; 1 + b; -z), z = 0.15 Re^0.687, b = 1 / 0.687; Pfaff's transformation makes all terms positive */
-        double low = re < 1000.0 ? re : 1000.0, z = c2 / c1 * riddle_pow(low, 0.687), w = z / (1.0 + z), b = 1.0 / 0.687, term = 1.0,
-               sum = 0.0;
+        /* (Re/24) 2F1(1, b; 1 + b; -z), z = 0.15 Re^0.687, b = 1 / 0.687; Pfaff's transformation makes all
+           terms positive */
+        double low = re < 1000.0 ? re : 1000.0, z = c2 / c1 * riddle_pow(low, 0.687), w = z / (1.0 + z),
+               b = 1.0 / 0.687, term = 1.0, sum = 0.0;
         for (int n = 1; term > 1e-17 * sum && n < 4000; n++) {
             sum += term;
             term *= w * n / (b + n);
@@ -1029,7 +1120,8 @@ static inline double classifier__drag_integral(classifier_drag drag, double re) 
     }
     if (c2 == 0.0 && c3 == 0.0) return re / c1;
     double small = (c2 * u + c3 * re) / c1;
-    if (small < 0.2) { /* the closed form cancels here: 2 u / c1 times the power series of 1 / (1 + p + q), term by term */
+    /* the closed form cancels here: 2 u / c1 times the power series of 1 / (1 + p + q), term by term */
+    if (small < 0.2) {
         double p = c2 / c1 * u, q = c3 / c1 * re, before = 0.0, now = 1.0, sum = 0.0;
         for (int n = 0; n < 24; n++) {
             sum += now / (n + 2);
@@ -1045,23 +1137,24 @@ static inline double classifier__drag_integral(classifier_drag drag, double re) 
         rest = 2.0 / root * riddle_atan2(root * u, 2.0 * c1 + c2 * u); /* difference of two arctangents in one */
     } else {
         double root = sqrt(-d), s = root * u / (2.0 * c1 + c2 * u);
-        rest =
-            s > 1e-4 ? riddle_log((1.0 + s) / (1.0 - s)) / root : 2.0 * u / (2.0 * c1 + c2 * u) * (1.0 + s * s / 3.0 + s * s * s * s / 5.0);
+        rest = s > 1e-4 ? riddle_log((1.0 + s) / (1.0 - s)) / root
+                        : 2.0 * u / (2.0 * c1 + c2 * u) * (1.0 + s * s / 3.0 + s * s * s * s / 5.0);
     }
     return (riddle_log1p(small) - c2 * rest) / c3;
 }
 
-static inline double classifier_stopping_distance(classifier_drag drag, double x, double particle_density, double fluid_density,
-                                                  double viscosity, double speed) {
+static inline double classifier_stopping_distance(classifier_drag drag, double x, double particle_density,
+                                                  double fluid_density, double viscosity, double speed) {
     if (!(classifier__positive(x) && classifier__positive(particle_density) && classifier__positive(fluid_density) &&
           classifier__positive(viscosity) && speed >= 0.0 && speed < HUGE_VAL && classifier__drag_ok(drag)))
         return classifier__nan();
     if (speed == 0.0) return 0.0;
-    return 4.0 / 3.0 * particle_density / fluid_density * x * classifier__drag_integral(drag, fluid_density * speed * x / viscosity);
+    return 4.0 / 3.0 * particle_density / fluid_density * x *
+           classifier__drag_integral(drag, fluid_density * speed * x / viscosity);
 }
 
-static inline double classifier_stopping_distance_mercer(double x, double particle_density, double fluid_density, double viscosity,
-                                                         double speed) {
+static inline double classifier_stopping_distance_mercer(double x, double particle_density, double fluid_density,
+                                                         double viscosity, double speed) {
     if (!(classifier__positive(x) && classifier__positive(particle_density) && classifier__positive(fluid_density) &&
           classifier__positive(viscosity) && speed >= 0.0))
         return classifier__nan();
@@ -1069,7 +1162,7 @@ static inline double classifier_stopping_distance_mercer(double x, double partic
     return particle_density * x / fluid_density * (c - root6 * riddle_atan(c / root6));
 }
 
-/* >>rebound =================================================================================================================== */
+/* >>rebound ======================================================================================================== */
 
 static inline double classifier_thornton_ning(double speed, double yield_velocity) {
     if (!(classifier__positive(speed) && yield_velocity > 0.0)) return classifier__nan();
@@ -1079,14 +1172,17 @@ static inline double classifier_thornton_ning(double speed, double yield_velocit
 }
 
 static inline double classifier_yield_velocity(double contact_pressure, double density, double reduced_modulus) {
-    if (!(classifier__positive(contact_pressure) && classifier__positive(density) && classifier__positive(reduced_modulus)))
+    if (!(classifier__positive(contact_pressure) && classifier__positive(density) &&
+          classifier__positive(reduced_modulus)))
         return classifier__nan();
     double ratio = contact_pressure / reduced_modulus;
     return 1.5605 * ratio * ratio * sqrt(contact_pressure / density);
 }
 
-static inline double classifier_reduced_modulus(double modulus_1, double poisson_1, double modulus_2, double poisson_2) {
-    if (!(modulus_1 > 0.0 && modulus_2 > 0.0 && fabs(poisson_1) < 1.0 && fabs(poisson_2) < 1.0)) return classifier__nan();
+static inline double classifier_reduced_modulus(double modulus_1, double poisson_1, double modulus_2,
+                                                double poisson_2) {
+    if (!(modulus_1 > 0.0 && modulus_2 > 0.0 && fabs(poisson_1) < 1.0 && fabs(poisson_2) < 1.0))
+        return classifier__nan();
     return 1.0 / ((1.0 - poisson_1 * poisson_1) / modulus_1 + (1.0 - poisson_2 * poisson_2) / modulus_2);
 }
 
@@ -1103,7 +1199,7 @@ static inline double classifier_rebound_slowed(double v_a, double v_t, double e,
     return e >= 0.0 && e <= 1.0 ? v_a - 0.5 * (1.0 + e) * share * (v_a + v_t) : classifier__nan();
 }
 
-/* >>cases ===================================================================================================================== */
+/* >>cases ========================================================================================================== */
 
 static inline classifier_weights classifier__weights(double clean, double thrown, double again) {
     classifier_weights w;
@@ -1140,7 +1236,8 @@ static inline classifier_weights classifier_weights_geometric(double mean) {
 
 static inline classifier_weights classifier_weights_markov(int n, double counter, double wall) {
     if (!(n >= 0 && counter >= 0.0 && counter <= 1.0 && wall >= 0.0 && wall <= 1.0)) return classifier__weights_nan();
-    double in = 1.0 - wall, out_w = wall, out_p = 0.0; /* inbound; outbound with a paddle or a particle as the last reversal */
+    /* Inbound; outbound with a paddle or a particle as the last reversal. */
+    double in = 1.0 - wall, out_w = wall, out_p = 0.0;
     double clean_in = in, clean_out = wall;            /* of these: never turned by a particle */
     for (int i = 0; i < n; i++) {
         double turned_in = counter * (out_w + out_p), turned_out = counter * in;
@@ -1159,9 +1256,10 @@ static inline classifier_weights classifier_weights_markov(int n, double counter
     return classifier__weights(clean_out / out, out_p / out, (out_w - clean_out) / out);
 }
 
-/* >>curves ==================================================================================================================== */
+/* >>curves ========================================================================================================= */
 
-/* Solves w + ln w = l, which gives Lambert's W(e^l) without overflow, by Newton's method for a concave function, from below. */
+/* Solves w + ln w = l, which gives Lambert's W(e^l) without overflow, by Newton's method for a concave
+   function, from below. */
 static inline double classifier__lambert_w_exp(double l) {
     double w = l < 1.0 ? riddle_exp(l) / (1.0 + riddle_exp(l)) : l - riddle_log(l);
     for (int i = 0; i < 40 && w > 0.0; i++) {
@@ -1195,7 +1293,8 @@ static inline double classifier_molerus_hoffmann(double x, double x50, double al
     return z > 0.0 ? 1.0 / (1.0 + riddle_exp(alpha * (1.0 - z)) / z) : 0.0;
 }
 static inline double classifier_molerus_hoffmann_size(double t, double x50, double alpha) {
-    if (!(t >= 0.0 && t < 1.0 && classifier__positive(x50) && alpha >= 0.0 && alpha < HUGE_VAL)) return classifier__nan();
+    if (!(t >= 0.0 && t < 1.0 && classifier__positive(x50) && alpha >= 0.0 && alpha < HUGE_VAL))
+        return classifier__nan();
     if (t == 0.0) return 0.0;
     double odds = t / (1.0 - t);
     if (alpha * (1.0 + odds) < 1e-16) return x50 * sqrt(odds);
@@ -1224,7 +1323,7 @@ static inline double classifier_curve_value(const classifier_curve *c, double x)
     return b + (1.0 - b) * classifier__curve_clean(c, x);
 }
 
-/* >>wheel ===================================================================================================================== */
+/* >>wheel ========================================================================================================== */
 
 static inline double classifier_radial_velocity(const classifier_wheel *wheel, double air_flow, double r) {
     double open = 2.0 * RIDDLE_PI * r - wheel->paddles * wheel->thickness;
@@ -1245,7 +1344,7 @@ static inline classifier_distribution classifier_normal(double mean, double sd, 
 
 #ifdef CLASSIFIER__BODIES
 
-/* >>distributions ============================================================================================================= */
+/* >>distributions ================================================================================================== */
 
 static inline double classifier__polynomial(double z, const double *c, int n) { /* c[0] z^n + ... + c[n] */
     double p = c[0];
@@ -1255,10 +1354,13 @@ static inline double classifier__polynomial(double z, const double *c, int n) { 
 
 /* Returns P(N > z) for a normal N by the rational approximations of erfc of Cody 1969. */
 static inline double classifier__normal_above(double z) {
-    const double a[] = {1.85777706184603153e-1, 3.16112374387056560, 1.13864154151050156e2, 3.77485237685302021e2, 3.20937758913846947e3};
-    const double b[] = {1.0, 2.36012909523441209e1, 2.44024637934444173e2, 1.28261652607737228e3, 2.84423683343917062e3};
-    const double c[] = {2.15311535474403846e-8, 5.64188496988670089e-1, 8.88314979438837594,   6.61191906371416295e1, 2.98635138197400131e2,
-                        8.81952221241769090e2,  1.71204761263407058e3,  2.05107837782607147e3, 1.23033935479799725e3};
+    const double a[] = {1.85777706184603153e-1, 3.16112374387056560, 1.13864154151050156e2, 3.77485237685302021e2,
+                        3.20937758913846947e3};
+    const double b[] = {1.0, 2.36012909523441209e1, 2.44024637934444173e2, 1.28261652607737228e3,
+                        2.84423683343917062e3};
+    const double c[] = {2.15311535474403846e-8, 5.64188496988670089e-1, 8.88314979438837594,
+                        6.61191906371416295e1,  2.98635138197400131e2,  8.81952221241769090e2,
+                        1.71204761263407058e3,  2.05107837782607147e3,  1.23033935479799725e3};
     const double d[] = {1.0,
                         1.57449261107098347e1,
                         1.17693950891312499e2,
@@ -1270,12 +1372,18 @@ static inline double classifier__normal_above(double z) {
                         1.23033935480374942e3};
     const double p[] = {1.63153871373020978e-2, 3.05326634961232344e-1, 3.60344899949804439e-1,
                         1.25781726111229246e-1, 1.60837851487422766e-2, 6.58749161529837803e-4};
-    const double q[] = {
-        1.0, 2.56852019228982242, 1.87295284992346725, 5.27905102951428412e-1, 6.05183413124413191e-2, 2.33520497626869185e-3};
+    const double q[] = {1.0,
+                        2.56852019228982242,
+                        1.87295284992346725,
+                        5.27905102951428412e-1,
+                        6.05183413124413191e-2,
+                        2.33520497626869185e-3};
     double y = fabs(z) * 0.70710678118654752, value;
     if (z != z) return z;
     if (y > 26.6) return z > 0.0 ? 0.0 : 1.0;
-    if (y <= 0.46875) return 0.5 - 0.5 * (z < 0.0 ? -y : y) * classifier__polynomial(y * y, a, 4) / classifier__polynomial(y * y, b, 4);
+    if (y <= 0.46875)
+        return 0.5 -
+               0.5 * (z < 0.0 ? -y : y) * classifier__polynomial(y * y, a, 4) / classifier__polynomial(y * y, b, 4);
     if (y <= 4.0) {
         value = classifier__polynomial(y, c, 8) / classifier__polynomial(y, d, 8);
     } else {
@@ -1294,18 +1402,24 @@ static inline double classifier__normal_between(double a, double b) {
 
 /* Returns z with P(N < z) = u, 0 < u < 1, to 1e-16: Wichura 1988, algorithm AS 241. */
 static inline double classifier__normal_at(double u) {
-    const double a[] = {2.5090809287301226727e3, 3.3430575583588128105e4, 6.7265770927008700853e4, 4.5921953931549871457e4,
-                        1.3731693765509461125e4, 1.9715909503065514427e3, 1.3314166789178437745e2, 3.3871328727963666080};
-    const double b[] = {5.2264952788528545610e3, 2.8729085735721942674e4, 3.9307895800092710610e4, 2.1213794301586595867e4,
-                        5.3941960214247511077e3, 6.8718700749205790830e2, 4.2313330701600911252e1, 1.0};
-    const double c[] = {7.74545014278341407640e-4, 2.27238449892691845833e-2, 2.41780725177450611770e-1, 1.27045825245236838258,
-                        3.64784832476320460504,    5.76949722146069140550,    4.63033784615654529590,    1.42343711074968357734};
-    const double d[] = {1.05075007164441684324e-9, 5.47593808499534494600e-4, 1.51986665636164571966e-2, 1.48103976427480074590e-1,
-                        6.89767334985100004550e-1, 1.67638483018380384940,    2.05319162663775882187,    1.0};
-    const double e[] = {2.01033439929228813265e-7, 2.71155556874348757815e-5, 1.24266094738807843860e-3, 2.65321895265761230930e-2,
-                        2.96560571828504891230e-1, 1.78482653991729133580,    5.46378491116411436990,    6.65790464350110377720};
-    const double f[] = {2.04426310338993978564e-15, 1.42151175831644588870e-7, 1.84631831751005468180e-5, 7.86869131145613259100e-4,
-                        1.48753612908506148525e-2,  1.36929880922735805310e-1, 5.99832206555887937690e-1, 1.0};
+    const double a[] = {2.5090809287301226727e3, 3.3430575583588128105e4, 6.7265770927008700853e4,
+                        4.5921953931549871457e4, 1.3731693765509461125e4, 1.9715909503065514427e3,
+                        1.3314166789178437745e2, 3.3871328727963666080};
+    const double b[] = {
+        5.2264952788528545610e3, 2.8729085735721942674e4, 3.9307895800092710610e4, 2.1213794301586595867e4,
+        5.3941960214247511077e3, 6.8718700749205790830e2, 4.2313330701600911252e1, 1.0};
+    const double c[] = {7.74545014278341407640e-4, 2.27238449892691845833e-2, 2.41780725177450611770e-1,
+                        1.27045825245236838258,    3.64784832476320460504,    5.76949722146069140550,
+                        4.63033784615654529590,    1.42343711074968357734};
+    const double d[] = {
+        1.05075007164441684324e-9, 5.47593808499534494600e-4, 1.51986665636164571966e-2, 1.48103976427480074590e-1,
+        6.89767334985100004550e-1, 1.67638483018380384940,    2.05319162663775882187,    1.0};
+    const double e[] = {2.01033439929228813265e-7, 2.71155556874348757815e-5, 1.24266094738807843860e-3,
+                        2.65321895265761230930e-2, 2.96560571828504891230e-1, 1.78482653991729133580,
+                        5.46378491116411436990,    6.65790464350110377720};
+    const double f[] = {
+        2.04426310338993978564e-15, 1.42151175831644588870e-7, 1.84631831751005468180e-5, 7.86869131145613259100e-4,
+        1.48753612908506148525e-2,  1.36929880922735805310e-1, 5.99832206555887937690e-1, 1.0};
     double q = u - 0.5;
     if (fabs(q) <= 0.425) {
         double r = 0.180625 - q * q;
@@ -1317,7 +1431,8 @@ static inline double classifier__normal_at(double u) {
     return q < 0.0 ? -z : z;
 }
 
-CLASSIFIER_API classifier_status classifier_histogram(const double *edge, const double *shares, int bins, classifier_distribution *made) {
+CLASSIFIER_API classifier_status classifier_histogram(const double *edge, const double *shares, int bins,
+                                                      classifier_distribution *made) {
     if (!made || (bins > 0 && (!edge || !shares)) || bins > CLASSIFIER_BINS) return CLASSIFIER_BAD_ARGUMENT;
     if (bins <= 0) return CLASSIFIER_EMPTY;
     double total = 0.0;
@@ -1353,20 +1468,23 @@ CLASSIFIER_API classifier_status classifier_check_distribution(const classifier_
             if (!(d->edge[i + 1] > d->edge[i])) return CLASSIFIER_NOT_SORTED;
             if (!(d->cumulative[i + 1] >= d->cumulative[i])) return CLASSIFIER_BAD_ARGUMENT;
         }
-        return d->cumulative[0] == 0.0 && d->cumulative[d->bins] == 1.0 && fabs(d->edge[0]) < HUGE_VAL && fabs(d->edge[d->bins]) < HUGE_VAL
+        return d->cumulative[0] == 0.0 && d->cumulative[d->bins] == 1.0 && fabs(d->edge[0]) < HUGE_VAL &&
+                       fabs(d->edge[d->bins]) < HUGE_VAL
                    ? CLASSIFIER_OK
                    : CLASSIFIER_NOT_NORMALISED;
     }
-    if (d->shape != CLASSIFIER_NORMAL || !(fabs(d->mean) < HUGE_VAL && d->sd >= 0.0 && d->sd < HUGE_VAL && d->low <= d->high))
+    if (d->shape != CLASSIFIER_NORMAL ||
+        !(fabs(d->mean) < HUGE_VAL && d->sd >= 0.0 && d->sd < HUGE_VAL && d->low <= d->high))
         return CLASSIFIER_BAD_ARGUMENT;
     if (d->sd == 0.0) return d->mean >= d->low && d->mean <= d->high ? CLASSIFIER_OK : CLASSIFIER_EMPTY;
     double mass = classifier__normal_between((d->low - d->mean) / d->sd, (d->high - d->mean) / d->sd);
     return mass > 1e-9 ? CLASSIFIER_OK : CLASSIFIER_EMPTY;
 }
 
-/* Returns P(X < value). normal_low, normal_mass: P(N > low) and P(low < N < high); if high is below the mean, normal_low is -P(N < low) <=
-   0, which keeps its digits. */
-static inline double classifier__below(const classifier_distribution *d, double value, double normal_low, double normal_mass) {
+/* Returns P(X < value). normal_low, normal_mass: P(N > low) and P(low < N < high); if high is below the mean,
+   normal_low is -P(N < low) <= 0, which keeps its digits. */
+static inline double classifier__below(const classifier_distribution *d, double value, double normal_low,
+                                       double normal_mass) {
     if (!(value > d->low)) return value != value ? value : 0.0;
     if (!(value < d->high)) return 1.0;
     if (d->shape == CLASSIFIER_HISTOGRAM) {
@@ -1376,7 +1494,8 @@ static inline double classifier__below(const classifier_distribution *d, double 
             if (value >= d->edge[middle]) low = middle;
             else high = middle;
         }
-        return d->cumulative[low] + (d->cumulative[high] - d->cumulative[low]) * (value - d->edge[low]) / (d->edge[high] - d->edge[low]);
+        return d->cumulative[low] +
+               (d->cumulative[high] - d->cumulative[low]) * (value - d->edge[low]) / (d->edge[high] - d->edge[low]);
     }
     if (d->sd == 0.0) return value > d->mean ? 1.0 : 0.0;
     if (normal_low <= 0.0) return (classifier__normal_above((d->mean - value) / d->sd) + normal_low) / normal_mass;
@@ -1396,7 +1515,8 @@ static inline double classifier__at(const classifier_distribution *d, double u, 
     }
     if (d->sd == 0.0) return d->mean;
     /* from the nearer tail: 1 - u would lose digits */
-    double tail = classifier__normal_at(fabs(normal_low - u * normal_mass)), x = d->mean + (normal_low > 0.0 ? -d->sd : d->sd) * tail;
+    double tail = classifier__normal_at(fabs(normal_low - u * normal_mass)),
+           x = d->mean + (normal_low > 0.0 ? -d->sd : d->sd) * tail;
     return x < d->low ? d->low : x > d->high ? d->high : x;
 }
 
@@ -1416,7 +1536,9 @@ static inline classifier__drawer classifier__drawer_of(const classifier_distribu
     }
     return w;
 }
-static inline double classifier__draw(const classifier__drawer *w, double u) { return classifier__at(w->d, u, w->low, w->mass); }
+static inline double classifier__draw(const classifier__drawer *w, double u) {
+    return classifier__at(w->d, u, w->low, w->mass);
+}
 static inline double classifier__above(const classifier_distribution *d, double value) {
     classifier__drawer w = classifier__drawer_of(d);
     return 1.0 - classifier__below(d, value, w.low, w.mass);
@@ -1435,7 +1557,8 @@ CLASSIFIER_API double classifier_distribution_mean(const classifier_distribution
     if (classifier_check_distribution(d) != CLASSIFIER_OK) return classifier__nan();
     if (d->shape == CLASSIFIER_HISTOGRAM) {
         double sum = 0.0;
-        for (int i = 0; i < d->bins; i++) sum += (d->cumulative[i + 1] - d->cumulative[i]) * 0.5 * (d->edge[i] + d->edge[i + 1]);
+        for (int i = 0; i < d->bins; i++)
+            sum += (d->cumulative[i + 1] - d->cumulative[i]) * 0.5 * (d->edge[i] + d->edge[i + 1]);
         return sum;
     }
     if (d->sd == 0.0) return d->mean;
@@ -1467,20 +1590,23 @@ CLASSIFIER_API classifier_status classifier_contact_weights(const classifier_con
     }
     if (!(c->mean >= 0.0 && c->mean <= 1e6)) return CLASSIFIER_BAD_ARGUMENT;
     bool whole = c->mean == floor(c->mean);
-    classifier_weights w = c->law == CLASSIFIER_POISSON           ? classifier_weights_poisson(c->mean)
-                           : c->law == CLASSIFIER_GEOMETRIC       ? classifier_weights_geometric(c->mean)
-                           : c->law == CLASSIFIER_MARKOV && whole ? classifier_weights_markov((int)c->mean, c->counter, c->wall)
-                           : c->law == CLASSIFIER_FIXED && whole  ? classifier_weights_of((int)c->mean)
-                                                                  : classifier__weights_nan();
+    classifier_weights w = c->law == CLASSIFIER_POISSON     ? classifier_weights_poisson(c->mean)
+                           : c->law == CLASSIFIER_GEOMETRIC ? classifier_weights_geometric(c->mean)
+                           : c->law == CLASSIFIER_MARKOV && whole
+                               ? classifier_weights_markov((int)c->mean, c->counter, c->wall)
+                           : c->law == CLASSIFIER_FIXED && whole ? classifier_weights_of((int)c->mean)
+                                                                 : classifier__weights_nan();
     if (!(w.clean >= 0.0)) return CLASSIFIER_BAD_ARGUMENT;
     *weights = w;
     return CLASSIFIER_OK;
 }
 
-/* >>root ====================================================================================================================== */
+/* >>root =========================================================================================================== */
 
-/* Returns a zero of f in [a, b], where f(a) and f(b) have opposite signs, to 1e-14 of b, or an exact zero (Brent 1973). */
-static inline double classifier__brent(double (*f)(double, const void *), const void *user, double a, double fa, double b, double fb) {
+/* Returns a zero of f in [a, b], where f(a) and f(b) have opposite signs, to 1e-14 of b, or an exact zero
+   (Brent 1973). */
+static inline double classifier__brent(double (*f)(double, const void *), const void *user, double a, double fa,
+                                       double b, double fb) {
     double c = a, fc = fa, d = b - a, e = d;
     for (int i = 0; i < 200; i++) {
         if ((fb > 0.0) == (fc > 0.0)) {
@@ -1530,10 +1656,10 @@ static inline double classifier__brent(double (*f)(double, const void *), const 
     return b;
 }
 
-/* Returns the exponential of a zero of a function of ln x between low and high; NaN if there is none. Goes from start in steps of `stride`
-   until the sign changes, then uses Brent's method. */
-static inline double classifier__find(double (*f)(double, const void *), const void *user, double low, double high, double start,
-                                      double stride) {
+/* Returns the exponential of a zero of a function of ln x between low and high; NaN if there is none. Goes from start
+   in steps of `stride` until the sign changes, then uses Brent's method. */
+static inline double classifier__find(double (*f)(double, const void *), const void *user, double low, double high,
+                                      double start, double stride) {
     low = riddle_log(low);
     high = riddle_log(high);
     double a = start > 0.0 ? riddle_log(start) : 0.5 * (low + high);
@@ -1555,7 +1681,7 @@ static inline double classifier__find(double (*f)(double, const void *), const v
     return riddle_exp(a);
 }
 
-/* >>sampling ================================================================================================================== */
+/* >>sampling ======================================================================================================= */
 
 enum { CLASSIFIER__REBOUNDS = 4, CLASSIFIER__NUMBERS = 11 + CLASSIFIER__REBOUNDS, CLASSIFIER__CELLS = 512 };
 /* What each random number is for, the most important first. The last one is only needed without preintegration. */
@@ -1598,8 +1724,8 @@ typedef struct classifier__sequence {
     uint32_t direction[CLASSIFIER__DIMENSIONS][32];
 } classifier__sequence;
 
-static inline void classifier__sequence_begin(classifier__sequence *s, classifier_sampler sampler, int points, uint64_t seed,
-                                              int repetition) {
+static inline void classifier__sequence_begin(classifier__sequence *s, classifier_sampler sampler, int points,
+                                              uint64_t seed, int repetition) {
     s->sampler = sampler;
     s->points = points;
     s->random = seed;
@@ -1611,7 +1737,8 @@ static inline void classifier__sequence_begin(classifier__sequence *s, classifie
         s->sobol[j] = 0;
     }
     /* the multiplier is the best of 400 for this model at 512, 1024 and 4096 points */
-    for (int j = 0; j < CLASSIFIER__DIMENSIONS; j++) s->generator[j] = j ? s->generator[j - 1] * 117897u & 0xFFFFFu : 1u;
+    for (int j = 0; j < CLASSIFIER__DIMENSIONS; j++)
+        s->generator[j] = j ? s->generator[j - 1] * 117897u & 0xFFFFFu : 1u;
     if (sampler != CLASSIFIER_SOBOL) return;
     /* Joe & Kuo 2008: degree, coefficients of the primitive polynomial, first direction numbers */
     const unsigned char table[CLASSIFIER__DIMENSIONS - 1][7] = {{1, 0, 1},
@@ -1657,19 +1784,21 @@ static inline void classifier__sequence_point(classifier__sequence *s, int i, do
             double at = (double)((uint32_t)i * s->generator[j] & (uint32_t)(s->points - 1)) * per_point + s->shift[j];
             if (at >= 1.0) at -= 1.0;
             /* the tent map makes the integrand periodic; in an angle it is so already, being even */
-            if (j != CLASSIFIER__U_REBOUND && j != CLASSIFIER__U_REBOUND_2 && j != CLASSIFIER__U_CONE) at = fabs(2.0 * at - 1.0);
+            if (j != CLASSIFIER__U_REBOUND && j != CLASSIFIER__U_REBOUND_2 && j != CLASSIFIER__U_CONE)
+                at = fabs(2.0 * at - 1.0);
             u[j] = at < 1e-15 ? 1e-15 : at > 1.0 - 1e-15 ? 1.0 - 1e-15 : at;
         }
     }
 }
 
-/* >>model ===================================================================================================================== */
+/* >>model ========================================================================================================== */
 
 #define CLASSIFIER__COOKIE 0xC1A551F1u
 
 CLASSIFIER_API classifier_def classifier_paper_def(classifier_material material, double rpm, unsigned *flags) {
     double degree = RIDDLE_PI / 180.0, speed = rpm < 3000.0 ? 3000.0 : rpm > 15000.0 ? 15000.0 : rpm;
-    double to_9000 = speed < 9000.0 ? (speed - 3000.0) / 6000.0 : 1.0, to_15000 = speed > 9000.0 ? (speed - 9000.0) / 6000.0 : 0.0;
+    double to_9000 = speed < 9000.0 ? (speed - 3000.0) / 6000.0 : 1.0,
+           to_15000 = speed > 9000.0 ? (speed - 9000.0) / 6000.0 : 0.0;
     bool beads = material == CLASSIFIER_BEADS, ground = material == CLASSIFIER_GROUND_GLASS;
     double radial = riddle_pow(speed / 3000.0, 0.9372);
     classifier_def d;
@@ -1714,7 +1843,9 @@ CLASSIFIER_API classifier_def classifier_paper_def(classifier_material material,
     return d;
 }
 
-CLASSIFIER_API classifier_def classifier_default_def(void) { return classifier_paper_def(CLASSIFIER_LIMESTONE, 3000.0, NULL); }
+CLASSIFIER_API classifier_def classifier_default_def(void) {
+    return classifier_paper_def(CLASSIFIER_LIMESTONE, 3000.0, NULL);
+}
 
 CLASSIFIER_API classifier_status classifier_check_def(const classifier_def *def, const char **field) {
     const char *dummy;
@@ -1722,24 +1853,26 @@ CLASSIFIER_API classifier_status classifier_check_def(const classifier_def *def,
     if (!field) field = &dummy;
     *field = "def";
     if (!def) return CLASSIFIER_BAD_ARGUMENT;
-#define CLASSIFIER__NEED(name, condition)                                                                                                  \
-    *field = name;                                                                                                                         \
+#define CLASSIFIER__NEED(name, condition)                                                                              \
+    *field = name;                                                                                                     \
     if (!(condition)) return CLASSIFIER_BAD_DEFINITION;
     CLASSIFIER__NEED("cookie", def->cookie == CLASSIFIER__COOKIE)
     CLASSIFIER__NEED("wheel.inner_radius", classifier__positive(def->wheel.inner_radius))
-    CLASSIFIER__NEED("wheel.outer_radius", def->wheel.outer_radius > def->wheel.inner_radius && def->wheel.outer_radius < HUGE_VAL)
+    CLASSIFIER__NEED("wheel.outer_radius",
+                     def->wheel.outer_radius > def->wheel.inner_radius && def->wheel.outer_radius < HUGE_VAL)
     CLASSIFIER__NEED("wheel.height", classifier__positive(def->wheel.height))
     CLASSIFIER__NEED("wheel.paddles", def->wheel.paddles >= 1)
-    CLASSIFIER__NEED("wheel.thickness",
-                     def->wheel.thickness >= 0.0 && def->wheel.paddles * def->wheel.thickness < 2.0 * RIDDLE_PI * def->wheel.inner_radius)
+    CLASSIFIER__NEED("wheel.thickness", def->wheel.thickness >= 0.0 && def->wheel.paddles * def->wheel.thickness <
+                                                                           2.0 * RIDDLE_PI * def->wheel.inner_radius)
     CLASSIFIER__NEED("rpm", def->rpm > 0.0 && def->rpm <= 1e9)
     CLASSIFIER__NEED("air_flow", classifier__positive(def->air_flow))
     CLASSIFIER__NEED("fluid_density", classifier__positive(def->fluid_density))
     CLASSIFIER__NEED("viscosity", classifier__positive(def->viscosity))
-    CLASSIFIER__NEED("particle_density",
-                     classifier__positive(def->particle_density) && (!def->buoyancy || def->particle_density > def->fluid_density))
+    CLASSIFIER__NEED("particle_density", classifier__positive(def->particle_density) &&
+                                             (!def->buoyancy || def->particle_density > def->fluid_density))
     CLASSIFIER__NEED("radial_factor", classifier__positive(def->radial_factor))
-    CLASSIFIER__NEED("approach_size", def->approach_size == 0.0 || (def->approach_size >= 1e-9 && def->approach_size <= 1.0))
+    CLASSIFIER__NEED("approach_size",
+                     def->approach_size == 0.0 || (def->approach_size >= 1e-9 && def->approach_size <= 1.0))
     CLASSIFIER__NEED("particle_restitution", def->particle_restitution >= 0.0 && def->particle_restitution <= 1.0)
     CLASSIFIER__NEED("cone_half_angle", def->cone_half_angle >= 0.0 && def->cone_half_angle <= 0.5 * RIDDLE_PI)
     CLASSIFIER__NEED("law", def->law <= CLASSIFIER_STOKES)
@@ -1750,15 +1883,17 @@ CLASSIFIER_API classifier_status classifier_check_def(const classifier_def *def,
     CLASSIFIER__NEED("points", def->points >= 16 && def->points <= 1 << 20 && (def->points & (def->points - 1)) == 0)
     CLASSIFIER__NEED("shifts", def->shifts >= 2 && def->shifts <= CLASSIFIER_MAX_SHIFTS)
 #undef CLASSIFIER__NEED
-    const classifier_distribution *all[] = {&def->tangential_velocity, &def->radial_velocity, &def->restitution, &def->imperfection,
-                                            &def->sphericity_2d};
-    const char *const names[] = {"tangential_velocity", "radial_velocity", "restitution", "imperfection", "sphericity_2d"};
+    const classifier_distribution *all[] = {&def->tangential_velocity, &def->radial_velocity, &def->restitution,
+                                            &def->imperfection, &def->sphericity_2d};
+    const char *const names[] = {"tangential_velocity", "radial_velocity", "restitution", "imperfection",
+                                 "sphericity_2d"};
     const double low[] = {-HUGE_VAL, 0.0, 0.0, -HUGE_VAL, 0.0}, high[] = {HUGE_VAL, HUGE_VAL, 1.0, HUGE_VAL, 1.0};
     for (int i = 0; i < 5; i++) {
         *field = names[i];
         status = classifier_check_distribution(all[i]);
         if (status != CLASSIFIER_OK) return status;
-        if (fabs(all[i]->mean) > 1e9 || all[i]->sd > 1e9) return CLASSIFIER_BAD_DEFINITION; /* a speed beyond light would overflow */
+        /* a speed beyond light would overflow */
+        if (fabs(all[i]->mean) > 1e9 || all[i]->sd > 1e9) return CLASSIFIER_BAD_DEFINITION;
         if (all[i]->low < low[i] || all[i]->high > high[i]) return CLASSIFIER_BAD_DEFINITION;
     }
     *field = "imperfection"; /* rebounds into the paddle do not count: some must be left */
@@ -1782,11 +1917,13 @@ static inline void classifier__sincos(double angle, double *s, double *c) {
 
 /* Computes where and how a particle meets the face of the paddle; radius_only: without speed and angle. */
 static inline classifier_impact classifier__approach(const classifier_wheel *wheel, double angular_speed, double ahead,
-                                                     double tangential_against, double radial_inward, bool radius_only) {
+                                                     double tangential_against, double radial_inward,
+                                                     bool radius_only) {
     classifier_impact hit = {false, 0.0, 0.0, 0.0, 0.0, 0};
     double ra = wheel->outer_radius, face = 0.5 * wheel->thickness, turn = 2.0 * RIDDLE_PI / angular_speed, s, c;
     classifier__sincos(ahead, &s, &c);
-    double px = ra * c, py = ra * s, vx = tangential_against * s - radial_inward * c, vy = -tangential_against * c - radial_inward * s;
+    double px = ra * c, py = ra * s, vx = tangential_against * s - radial_inward * c,
+           vy = -tangential_against * c - radial_inward * s;
     double t = (ahead - face / ra) / (angular_speed + tangential_against / ra);
     if (!(t >= 0.0 && t < turn)) return hit;         /* it runs away from the face (or an argument is NaN) */
     for (hit.iterations = 0; hit.iterations < 30;) { /* face normal (-s, c) . position = thickness / 2 */
@@ -1794,11 +1931,14 @@ static inline classifier_impact classifier__approach(const classifier_wheel *whe
         double x = px + vx * t, y = py + vy * t, gap = c * y - s * x - face;
         if (hit.iterations > 0 && fabs(gap) < 1e-14 * ra) {
             double r = sqrt(x * x + y * y), wx = vx + angular_speed * y, wy = vy - angular_speed * x;
-            double course = px * vx + py * vy, speed2 = vx * vx + vy * vy, inner2 = wheel->inner_radius * wheel->inner_radius;
-            if (r < wheel->inner_radius || (course < 0.0 && course + speed2 * t > 0.0 && (ra * ra - inner2) * speed2 < course * course))
+            double course = px * vx + py * vy, speed2 = vx * vx + vy * vy,
+                   inner2 = wheel->inner_radius * wheel->inner_radius;
+            if (r < wheel->inner_radius ||
+                (course < 0.0 && course + speed2 * t > 0.0 && (ra * ra - inner2) * speed2 < course * course))
                 return hit; /* it was inside before: at the hit or at the middle of its chord */
             hit.hit = true;
-            hit.radius = r < ra ? r : ra; /* outside with almost no inward velocity: in the model as a rule by hundredths of a millimetre */
+            /* outside with almost no inward velocity: in the model as a rule by hundredths of a millimetre */
+            hit.radius = r < ra ? r : ra;
             hit.time = t;
             if (radius_only) return hit;
             hit.speed = sqrt(wx * wx + wy * wy);
@@ -1821,12 +1961,14 @@ CLASSIFIER_API classifier_impact classifier_approach(const classifier_wheel *whe
     return classifier__approach(wheel, angular_speed, ahead, tangential_against, radial_inward, false);
 }
 
-/* Computes d/dt of {x, y, v_x, v_y} in the frame of the wheel: drag on the slip, centrifugal and Coriolis acceleration. */
-static inline void classifier__motion_in_wheel(const classifier_def *def, classifier_drag drag, double size, const double *y,
-                                               double *rate) {
+/* Computes d/dt of {x, y, v_x, v_y} in the frame of the wheel: drag on the slip, centrifugal and Coriolis
+   acceleration. */
+static inline void classifier__motion_in_wheel(const classifier_def *def, classifier_drag drag, double size,
+                                               const double *y, double *rate) {
     double omega = def->rpm * RIDDLE_PI / 30.0, r = sqrt(y[0] * y[0] + y[1] * y[1]);
     double in = def->radial_factor * classifier_radial_velocity(&def->wheel, def->air_flow, r);
-    double u = -in * y[0] / r - y[2], v = -in * y[1] / r - y[3], re = def->fluid_density * sqrt(u * u + v * v) * size / def->viscosity;
+    double u = -in * y[0] / r - y[2], v = -in * y[1] / r - y[3],
+           re = def->fluid_density * sqrt(u * u + v * v) * size / def->viscosity;
     double driving = def->buoyancy ? def->particle_density - def->fluid_density : def->particle_density;
     double scale = 0.75 * def->viscosity / (driving * size * size); /* times c_D Re */
     double per_slip = scale * (re > 0.0 ? classifier_drag_coefficient(drag, re) * re : drag.c1);
@@ -1836,7 +1978,8 @@ static inline void classifier__motion_in_wheel(const classifier_def *def, classi
 }
 
 /* Makes a step of h by the classical Runge-Kutta method of order 4. */
-static inline void classifier__step_in_wheel(const classifier_def *def, classifier_drag drag, double size, double h, double *y) {
+static inline void classifier__step_in_wheel(const classifier_def *def, classifier_drag drag, double size, double h,
+                                             double *y) {
     double k[4][4], at[4];
     classifier__motion_in_wheel(def, drag, size, y, k[0]);
     for (int s = 1; s < 4; s++) {
@@ -1848,12 +1991,15 @@ static inline void classifier__step_in_wheel(const classifier_def *def, classifi
 
 enum { CLASSIFIER__FLIGHT_STEPS = 10000 };
 
-/* Computes how a particle meets the face under the drag of the gas. The last step is shortened, by Newton's method, to end at the face. */
-static inline classifier_impact classifier__approach_in_gas(const classifier_def *def, classifier_drag drag, double x, double ahead,
-                                                            double tangential_against, double radial_inward) {
+/* Computes how a particle meets the face under the drag of the gas. The last step is shortened, by Newton's method, to
+   end at the face. */
+static inline classifier_impact classifier__approach_in_gas(const classifier_def *def, classifier_drag drag, double x,
+                                                            double ahead, double tangential_against,
+                                                            double radial_inward) {
     classifier_impact hit = {false, 0.0, 0.0, 0.0, 0.0, 0};
     double s, c;
-    double omega = def->rpm * RIDDLE_PI / 30.0, ra = def->wheel.outer_radius, face = 0.5 * def->wheel.thickness, h = 0.01 / omega;
+    double omega = def->rpm * RIDDLE_PI / 30.0, ra = def->wheel.outer_radius, face = 0.5 * def->wheel.thickness,
+           h = 0.01 / omega;
     double relaxation = def->particle_density * x * x / (18.0 * def->viscosity), turn = 2.0 * RIDDLE_PI / omega;
     classifier__sincos(ahead, &s, &c);
     double y[4] = {ra * c, ra * s, tangential_against * s - radial_inward * c + omega * ra * s,
@@ -1887,11 +2033,12 @@ static inline classifier_impact classifier__approach_in_gas(const classifier_def
     return hit;
 }
 
-CLASSIFIER_API classifier_impact classifier_approach_in_gas(const classifier_def *def, classifier_drag drag, double x, double ahead,
-                                                            double tangential_against, double radial_inward) {
+CLASSIFIER_API classifier_impact classifier_approach_in_gas(const classifier_def *def, classifier_drag drag, double x,
+                                                            double ahead, double tangential_against,
+                                                            double radial_inward) {
     const classifier_impact none = {false, 0.0, 0.0, 0.0, 0.0, 0};
-    if (!(classifier_check_def(def, NULL) == CLASSIFIER_OK && classifier__drag_ok(drag) && classifier__positive(x) && x <= 1.0 &&
-          fabs(ahead) < 2.0 * RIDDLE_PI && fabs(tangential_against) < 1e9 && fabs(radial_inward) < 1e9))
+    if (!(classifier_check_def(def, NULL) == CLASSIFIER_OK && classifier__drag_ok(drag) && classifier__positive(x) &&
+          x <= 1.0 && fabs(ahead) < 2.0 * RIDDLE_PI && fabs(tangential_against) < 1e9 && fabs(radial_inward) < 1e9))
         return none;
     return classifier__approach_in_gas(def, drag, x, ahead, tangential_against, radial_inward);
 }
@@ -1902,11 +2049,13 @@ static inline double classifier__cos_forward(double angle) {
     return 1.0 - 2.0 * s * s;
 }
 
-/* Computes the terms of the threshold velocity of one place and shape: v*^2 = k[0] / x^2 + k[1] / x^(1 + p) + k[2] / x. */
+/* Computes the terms of the threshold velocity of one place and shape: v*^2 = k[0] / x^2 + k[1] / x^(1 + p) + k[2] /
+   x. */
 static inline void classifier__threshold_terms(const classifier_def *def, classifier_drag drag, double r, double *k) {
-    double v = def->radial_factor * classifier_radial_velocity(&def->wheel, def->air_flow, r), a = def->fluid_density * v / def->viscosity;
-    double scale =
-        0.75 * def->fluid_density / (def->buoyancy ? def->particle_density - def->fluid_density : def->particle_density) * r * v * v;
+    double v = def->radial_factor * classifier_radial_velocity(&def->wheel, def->air_flow, r),
+           a = def->fluid_density * v / def->viscosity;
+    double scale = 0.75 * def->fluid_density /
+                   (def->buoyancy ? def->particle_density - def->fluid_density : def->particle_density) * r * v * v;
     k[0] = scale * drag.c1 / a;
     k[1] = scale * drag.c2 / (drag.law == CLASSIFIER_SCHILLER_NAUMANN ? riddle_pow(a, 0.313) : sqrt(a));
     k[2] = scale * drag.c3;
@@ -1948,7 +2097,8 @@ static inline classifier__recipe classifier__recipe_of(const classifier_def *def
     q.arc_low = riddle_asin(0.5 * def->wheel.thickness / def->wheel.outer_radius);
     q.arc = 2.0 * RIDDLE_PI / def->wheel.paddles - 2.0 * q.arc_low;
     q.straight_low = classifier__below(&def->imperfection, -0.5 * RIDDLE_PI, q.imperfection.low, q.imperfection.mass);
-    q.straight = classifier__below(&def->imperfection, 0.5 * RIDDLE_PI, q.imperfection.low, q.imperfection.mass) - q.straight_low;
+    q.straight = classifier__below(&def->imperfection, 0.5 * RIDDLE_PI, q.imperfection.low, q.imperfection.mass) -
+                 q.straight_low;
     return q;
 }
 
@@ -1959,13 +2109,16 @@ typedef struct classifier__particle {
     double cos_first[CLASSIFIER__REBOUNDS], cos_second, share, v_t2, e_first, e_last;
 } classifier__particle;
 
-static inline classifier_impact classifier__draw_approach(const classifier__recipe *q, classifier_drag drag, double entry,
-                                                          double tangential, double radial, bool radius_only) {
+static inline classifier_impact classifier__draw_approach(const classifier__recipe *q, classifier_drag drag,
+                                                          double entry, double tangential, double radial,
+                                                          bool radius_only) {
     if (q->def->approach_size > 0.0)
         return classifier__approach_in_gas(q->def, drag, q->def->approach_size, q->arc_low + entry * q->arc,
-                                           classifier__draw(&q->tangential, tangential), classifier__draw(&q->radial, radial));
-    return classifier__approach(&q->def->wheel, q->omega, q->arc_low + entry * q->arc, classifier__draw(&q->tangential, tangential),
-                                classifier__draw(&q->radial, radial), radius_only);
+                                           classifier__draw(&q->tangential, tangential),
+                                           classifier__draw(&q->radial, radial));
+    return classifier__approach(&q->def->wheel, q->omega, q->arc_low + entry * q->arc,
+                                classifier__draw(&q->tangential, tangential), classifier__draw(&q->radial, radial),
+                                radius_only);
 }
 
 static inline void classifier__draw_particle(const classifier__recipe *q, const double *u, classifier__particle *p) {
@@ -1975,17 +2128,22 @@ static inline void classifier__draw_particle(const classifier__recipe *q, const 
     if (def->law == CLASSIFIER_HOELZER_SOMMERFELD)
         psi = classifier__sphericity_3d(def, classifier__draw(&q->sphericity, u[CLASSIFIER__U_SHAPE]), &p->clamped);
     p->drag = classifier__model_drag(def, psi);
-    p->first = classifier__draw_approach(q, p->drag, u[CLASSIFIER__U_ENTRY], u[CLASSIFIER__U_TANGENTIAL], u[CLASSIFIER__U_RADIAL], false);
-    p->second =
-        classifier__draw_approach(q, p->drag, u[CLASSIFIER__U_ENTRY_2], u[CLASSIFIER__U_TANGENTIAL_2], u[CLASSIFIER__U_RADIAL_2], true);
-    double low = classifier__below(&def->imperfection, -quarter - p->first.angle, q->imperfection.low, q->imperfection.mass);
-    double high = classifier__below(&def->imperfection, quarter - p->first.angle, q->imperfection.low, q->imperfection.mass);
+    p->first = classifier__draw_approach(q, p->drag, u[CLASSIFIER__U_ENTRY], u[CLASSIFIER__U_TANGENTIAL],
+                                         u[CLASSIFIER__U_RADIAL], false);
+    p->second = classifier__draw_approach(q, p->drag, u[CLASSIFIER__U_ENTRY_2], u[CLASSIFIER__U_TANGENTIAL_2],
+                                          u[CLASSIFIER__U_RADIAL_2], true);
+    double low =
+        classifier__below(&def->imperfection, -quarter - p->first.angle, q->imperfection.low, q->imperfection.mass);
+    double high =
+        classifier__below(&def->imperfection, quarter - p->first.angle, q->imperfection.low, q->imperfection.mass);
     for (int k = 0; k < q->rebounds; k++) {
         double u_k = u[CLASSIFIER__U_REBOUND] + (double)k / (double)CLASSIFIER__REBOUNDS;
         if (u_k >= 1.0) u_k -= 1.0;
-        p->cos_first[k] = classifier__cos_forward(p->first.angle + classifier__draw(&q->imperfection, low + u_k * (high - low)));
+        p->cos_first[k] =
+            classifier__cos_forward(p->first.angle + classifier__draw(&q->imperfection, low + u_k * (high - low)));
     }
-    p->cos_second = classifier__cos_forward(classifier__draw(&q->imperfection, q->straight_low + u[CLASSIFIER__U_REBOUND_2] * q->straight));
+    p->cos_second = classifier__cos_forward(
+        classifier__draw(&q->imperfection, q->straight_low + u[CLASSIFIER__U_REBOUND_2] * q->straight));
     p->share = classifier__cos_forward(def->cone_half_angle * (2.0 * u[CLASSIFIER__U_CONE] - 1.0));
     if (def->impulse_along_centres) p->share *= p->share;
     p->v_t2 = classifier__draw(&q->tangential, u[CLASSIFIER__U_PARTNER]);
@@ -1993,9 +2151,10 @@ static inline void classifier__draw_particle(const classifier__recipe *q, const 
     p->e_last = def->preintegrate ? 0.0 : classifier__draw(&q->restitution, u[CLASSIFIER__U_RESTITUTION_2]);
 }
 
-/* Computes the lines v = start + slope e of the three cases (in case A after the first rebound); e is the first restitution in A and B, the
-   second in C. */
-static inline void classifier__case_lines(const classifier__recipe *q, const classifier__particle *p, double line[3][2]) {
+/* Computes the lines v = start + slope e of the three cases (in case A after the first rebound); e is the first
+   restitution in A and B, the second in C. */
+static inline void classifier__case_lines(const classifier__recipe *q, const classifier__particle *p,
+                                          double line[3][2]) {
     double w1 = q->omega * p->first.radius, w2 = q->omega * p->second.radius, gain = p->first.speed * p->cos_first[0],
            e_pp = q->def->particle_restitution;
     line[0][0] = w1;
@@ -2009,9 +2168,9 @@ static inline void classifier__case_lines(const classifier__recipe *q, const cla
     line[2][1] = caught ? (w2 - slowed) * p->cos_second : 0.0;
 }
 
-/* Stores the numbers of a particle in the model: threshold terms at the first hit [3] and at the second [3]; start of A's lines and their
-   inverse slopes [REBOUNDS]; start and inverse slope for B and for C. Without preintegration the restitutions are drawn too, and every line
-   is flat. */
+/* Stores the numbers of a particle in the model: threshold terms at the first hit [3] and at the second [3]; start of
+   A's lines and their inverse slopes [REBOUNDS]; start and inverse slope for B and for C. Without preintegration the
+   restitutions are drawn too, and every line is flat. */
 static inline void classifier__store(const classifier__recipe *q, const classifier__particle *p, double *out) {
     const classifier_def *def = q->def;
     double line[3][2], *slopes = out + 7, *b = slopes + CLASSIFIER__REBOUNDS, *c = b + 2;
@@ -2038,7 +2197,8 @@ static inline void classifier__store(const classifier__recipe *q, const classifi
     c[1] = classifier__inverse_slope(line[2][1]);
 }
 
-/* Tabulates P(restitution >= e) on its effective support as quintics through value, slope and curvature: error 1e-13, 5 ns a call. */
+/* Tabulates P(restitution >= e) on its effective support as quintics through value, slope and curvature:
+   error 1e-13, 5 ns a call. */
 static inline void classifier__survival_table(classifier_model *m) {
     const classifier_distribution *d = &m->def.restitution;
     classifier__drawer w = classifier__drawer_of(d);
@@ -2049,14 +2209,15 @@ static inline void classifier__survival_table(classifier_model *m) {
     m->table_low = low;
     m->table_scale = 1.0 / h;
     for (int i = 0; i <= CLASSIFIER__CELLS; i++) {
-        double z = (low + i * h - d->mean) / d->sd, density = 0.39894228040143268 * riddle_exp(-0.5 * z * z) / (d->sd * w.mass) * h,
-               *a = f[0], *b = f[1];
+        double z = (low + i * h - d->mean) / d->sd,
+               density = 0.39894228040143268 * riddle_exp(-0.5 * z * z) / (d->sd * w.mass) * h, *a = f[0], *b = f[1];
         for (int k = 0; k < 3; k++) a[k] = b[k];
         b[0] = 1.0 - classifier__below(d, low + i * h, w.low, w.mass);
         b[1] = -density;
         b[2] = z / d->sd * h * density * 0.5;
         if (i == 0) continue;
-        double *c = m->table + 6 * (i - 1), p0 = b[0] - a[0] - a[1] - a[2], p1 = b[1] - a[1] - 2.0 * a[2], p2 = 2.0 * b[2] - 2.0 * a[2];
+        double *c = m->table + 6 * (i - 1), p0 = b[0] - a[0] - a[1] - a[2], p1 = b[1] - a[1] - 2.0 * a[2],
+               p2 = 2.0 * b[2] - 2.0 * a[2];
         c[0] = a[0];
         c[1] = a[1];
         c[2] = a[2];
@@ -2077,7 +2238,8 @@ static inline size_t classifier__model_size(const classifier_model *m) {
     return ((size_t)m->count * CLASSIFIER__NUMBERS + 6 * (size_t)CLASSIFIER__CELLS) * sizeof(double);
 }
 
-CLASSIFIER_API classifier_status classifier_init(classifier_model *model, const classifier_def *def, const classifier_memory *memory) {
+CLASSIFIER_API classifier_status classifier_init(classifier_model *model, const classifier_def *def,
+                                                 const classifier_memory *memory) {
     if (!model) return CLASSIFIER_BAD_ARGUMENT;
     model->data = model->table = NULL;
     model->count = 0;
@@ -2122,7 +2284,8 @@ CLASSIFIER_API classifier_status classifier_init(classifier_model *model, const 
     model->clamped = (double)clamped / model->count;
     model->missed = 1.0 - (double)hits / model->count;
     model->mean_radius = hits ? radius / hits : def->wheel.outer_radius;
-    model->flags = (clamped ? (unsigned)CLASSIFIER_SPHERICITY_CLAMPED : 0u) | (hits < model->count ? (unsigned)CLASSIFIER_MISSED : 0u);
+    model->flags = (clamped ? (unsigned)CLASSIFIER_SPHERICITY_CLAMPED : 0u) |
+                   (hits < model->count ? (unsigned)CLASSIFIER_MISSED : 0u);
     return CLASSIFIER_OK;
 }
 
@@ -2144,13 +2307,15 @@ static inline double classifier__survival(const classifier_model *m, double e) {
     return c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))));
 }
 
-/* Means over each shift of the three cases, mean[shift][3]; the gas velocity may be `factor` times that of the definition. */
+/* Means over each shift of the three cases, mean[shift][3]; the gas velocity may be `factor` times that of
+   the definition. */
 static inline void classifier__evaluate(const classifier_model *m, double x, double factor, double *mean) {
     int rebounds = m->def.preintegrate ? CLASSIFIER__REBOUNDS : 1;
     double p = m->def.law == CLASSIFIER_SCHILLER_NAUMANN ? 0.313 : 0.5;
     if (x < 1e-90) x = 1e-90; /* nothing is so fine; its powers would overflow */
     double f0 = factor / (x * x),
-           f1 = p == 0.5 ? factor * sqrt(factor) / (x * sqrt(x)) : riddle_pow(factor, 2.0 - p) * riddle_pow(x, -1.0 - p),
+           f1 =
+               p == 0.5 ? factor * sqrt(factor) / (x * sqrt(x)) : riddle_pow(factor, 2.0 - p) * riddle_pow(x, -1.0 - p),
            f2 = factor * factor / x;
     const double *q = m->data;
     for (int shift = 0; shift < m->def.shifts; shift++, mean += 3) {
@@ -2173,7 +2338,8 @@ static inline double classifier__weighted(const classifier_model *m, double x, d
     int n = m->def.shifts;
     classifier__evaluate(m, x, factor, mean);
     for (int i = 0; i < n; i++) {
-        mean[i] = m->weights.clean * mean[3 * i] + m->weights.thrown * mean[3 * i + 1] + m->weights.again * mean[3 * i + 2];
+        mean[i] =
+            m->weights.clean * mean[3 * i] + m->weights.thrown * mean[3 * i + 1] + m->weights.again * mean[3 * i + 2];
         sum += mean[i];
     }
     sum /= n;
@@ -2217,10 +2383,13 @@ static inline double classifier__typical_cut(const classifier_model *m) {
     at.particle_density = d->particle_density;
     at.radius = m->mean_radius;
     at.radial_velocity = d->radial_factor * classifier_radial_velocity(&d->wheel, d->air_flow, m->mean_radius);
-    at.tangential_velocity = d->rpm * RIDDLE_PI / 30.0 * m->mean_radius * (1.0 + 0.8 * classifier_distribution_mean(&d->restitution));
+    at.tangential_velocity =
+        d->rpm * RIDDLE_PI / 30.0 * m->mean_radius * (1.0 + 0.8 * classifier_distribution_mean(&d->restitution));
     at.buoyancy = d->buoyancy;
     return classifier_cut_size(
-        &at, classifier__model_drag(d, classifier__sphericity_3d(d, classifier_distribution_mean(&d->sphericity_2d), NULL)), NULL);
+        &at,
+        classifier__model_drag(d, classifier__sphericity_3d(d, classifier_distribution_mean(&d->sphericity_2d), NULL)),
+        NULL);
 }
 
 CLASSIFIER_API double classifier_quantile(const classifier_model *model, double t) {
@@ -2229,13 +2398,14 @@ CLASSIFIER_API double classifier_quantile(const classifier_model *model, double 
     goal.model = model;
     goal.t = t;
     goal.x = 0.0;
-    return classifier__find(classifier__quantile_gap, &goal, model->def.size_low, model->def.size_high, classifier__typical_cut(model),
-                            0.2);
+    return classifier__find(classifier__quantile_gap, &goal, model->def.size_low, model->def.size_high,
+                            classifier__typical_cut(model), 0.2);
 }
 
-/* Finds the quantile where the approach is computed for the size itself. The cut depends only weakly on the size in the approach: the
-   secant method converges in three or four steps. */
-CLASSIFIER_API classifier_status classifier_quantile_in_gas(const classifier_def *def, double t, const classifier_weights *case_weights,
+/* Finds the quantile where the approach is computed for the size itself. The cut depends only weakly on the size in the
+   approach: the secant method converges in three or four steps. */
+CLASSIFIER_API classifier_status classifier_quantile_in_gas(const classifier_def *def, double t,
+                                                            const classifier_weights *case_weights,
                                                             const classifier_memory *memory, double *x) {
     double size = 0.0, before = 0.0, gap = 0.0;
     if (x) *x = classifier__nan();
@@ -2286,10 +2456,11 @@ CLASSIFIER_API classifier_status classifier_separate(const classifier_model *mod
         (void)classifier_tromp(model, cut[k], &error);
         if (error > r.t_error) r.t_error = error;
         if (k == 1)
-            r.x50_error =
-                error * cut[k] * 0.02 / (classifier_tromp(model, cut[k] * 1.01, NULL) - classifier_tromp(model, cut[k] * 0.99, NULL));
+            r.x50_error = error * cut[k] * 0.02 /
+                          (classifier_tromp(model, cut[k] * 1.01, NULL) - classifier_tromp(model, cut[k] * 0.99, NULL));
     }
-    double re = d->fluid_density * d->radial_factor * classifier_radial_velocity(&d->wheel, d->air_flow, model->mean_radius) / d->viscosity;
+    double re = d->fluid_density * d->radial_factor *
+                classifier_radial_velocity(&d->wheel, d->air_flow, model->mean_radius) / d->viscosity;
     r.x25 = cut[0];
     r.x50 = cut[1];
     r.x75 = cut[2];
@@ -2298,7 +2469,8 @@ CLASSIFIER_API classifier_status classifier_separate(const classifier_model *mod
     r.re25 = re * cut[0];
     r.re50 = re * cut[1];
     r.re75 = re * cut[2];
-    if ((d->law == CLASSIFIER_SCHILLER_NAUMANN && !(r.re75 <= 1000.0)) || (d->law == CLASSIFIER_STOKES && !(r.re75 <= 0.1)))
+    if ((d->law == CLASSIFIER_SCHILLER_NAUMANN && !(r.re75 <= 1000.0)) ||
+        (d->law == CLASSIFIER_STOKES && !(r.re75 <= 0.1)))
         r.flags |= (unsigned)CLASSIFIER_REYNOLDS_OUTSIDE;
     r.weights = model->weights;
     r.clamped = model->clamped;
@@ -2313,8 +2485,8 @@ static inline double classifier__calibration_gap(double ln_factor, const void *u
     return goal->t - classifier__weighted(goal->model, goal->x, riddle_exp(ln_factor), NULL);
 }
 
-CLASSIFIER_API classifier_status classifier_calibrate(const classifier_def *def, double x50, const classifier_memory *memory,
-                                                      classifier_def *calibrated) {
+CLASSIFIER_API classifier_status classifier_calibrate(const classifier_def *def, double x50,
+                                                      const classifier_memory *memory, classifier_def *calibrated) {
     if (!(calibrated && classifier__positive(x50))) return CLASSIFIER_BAD_ARGUMENT;
     classifier_model model;
     classifier_status status = classifier_init(&model, def, memory);
@@ -2331,11 +2503,12 @@ CLASSIFIER_API classifier_status classifier_calibrate(const classifier_def *def,
     return CLASSIFIER_OK;
 }
 
-CLASSIFIER_API classifier_status classifier_air_flow_for(const classifier_def *def, double x50, const classifier_memory *memory,
-                                                         double *air_flow) {
+CLASSIFIER_API classifier_status classifier_air_flow_for(const classifier_def *def, double x50,
+                                                         const classifier_memory *memory, double *air_flow) {
     classifier_def calibrated;
     if (!air_flow) return CLASSIFIER_BAD_ARGUMENT;
-    classifier_status status = classifier_calibrate(def, x50, memory, &calibrated); /* flow and factor only occur as a product */
+    /* flow and factor only occur as a product */
+    classifier_status status = classifier_calibrate(def, x50, memory, &calibrated);
     if (status == CLASSIFIER_OK) *air_flow = def->air_flow * (calibrated.radial_factor / def->radial_factor);
     return classifier__leave(status, 1, air_flow);
 }
@@ -2359,7 +2532,8 @@ static inline double classifier__speed_gap(double ln_rpm, const void *user) {
     return gap;
 }
 
-CLASSIFIER_API classifier_status classifier_rpm_for(const classifier_def *def, double x50, const classifier_memory *memory, double *rpm) {
+CLASSIFIER_API classifier_status classifier_rpm_for(const classifier_def *def, double x50,
+                                                    const classifier_memory *memory, double *rpm) {
     classifier_status status = classifier_check_def(def, NULL);
     if (status == CLASSIFIER_OK && !(rpm && classifier__positive(x50))) status = CLASSIFIER_BAD_ARGUMENT;
     if (status != CLASSIFIER_OK) return classifier__leave(status, 1, rpm);
@@ -2377,9 +2551,10 @@ typedef struct classifier__fines {
     classifier_status status;
 } classifier__fines;
 
-/* Computes ln(size / wanted size) and the yield of the fine product, with the air flow times `factor`. Classes are cut into four, evenly in
-   ln x (the first one from 0 in x), and are uniform within a piece. */
-static inline double classifier__fines_of(const classifier_model *m, const classifier_wish *wish, double factor, double *yield) {
+/* Computes ln(size / wanted size) and the yield of the fine product, with the air flow times `factor`. Classes are cut
+   into four, evenly in ln x (the first one from 0 in x), and are uniform within a piece. */
+static inline double classifier__fines_of(const classifier_model *m, const classifier_wish *wish, double factor,
+                                          double *yield) {
     const int pieces = 4;
     double sum = 0.0, target = 0.0, size = 0.0;
     for (int pass = 0; pass < 2; pass++) { /* the yield, then the size with the wanted share below it */
@@ -2405,7 +2580,8 @@ static inline double classifier__fines_of(const classifier_model *m, const class
 }
 
 /* Returns ln(size / wanted size) at a speed [1/min] and air flow [m3/s]; NaN if the model cannot be made. */
-static inline double classifier__fines_at(classifier__fines *f, double rpm, double air_flow, double *yield, double *x50) {
+static inline double classifier__fines_at(classifier__fines *f, double rpm, double air_flow, double *yield,
+                                          double *x50) {
     classifier_def def = *f->def;
     classifier_model model;
     *yield = classifier__nan();
@@ -2418,7 +2594,8 @@ static inline double classifier__fines_at(classifier__fines *f, double rpm, doub
     return miss;
 }
 
-/* Finds the air flow that gives the wanted size at a speed; more air makes coarser fines. The nearest limit where there is none. */
+/* Finds the air flow that gives the wanted size at a speed; more air makes coarser fines. The nearest limit where
+   there is none. */
 static inline double classifier__air_at(classifier__fines *f, double rpm, double *yield) {
     const classifier_wish *wish = f->wish;
     classifier_def def = *f->def;
@@ -2446,7 +2623,8 @@ static inline double classifier__air_at(classifier__fines *f, double rpm, double
     return riddle_exp(found);
 }
 
-/* Finds the speed that gives the wanted size with an air flow; a higher one makes finer fines. The nearest limit where there is none. */
+/* Finds the speed that gives the wanted size with an air flow; a higher one makes finer fines. The nearest limit where
+   there is none. */
 static inline double classifier__speed_at(classifier__fines *f, double air_flow) {
     double low = riddle_log(f->wish->rpm_low), high = riddle_log(f->wish->rpm_high), yield;
     if (!(classifier__fines_at(f, riddle_exp(low), air_flow, &yield, NULL) > 0.0)) high = low;
@@ -2485,7 +2663,8 @@ static inline void classifier__set(classifier__fines *f, double rpm, double air_
     for (int by = 0; by < 2; by++) {
         for (int k = 0; k < 2; k++) {
             const double change = riddle_exp(k ? step : -step);
-            miss[k] = classifier__fines_at(f, by ? rpm : rpm * change, by ? air_flow * change : air_flow, &yield[k], NULL);
+            miss[k] =
+                classifier__fines_at(f, by ? rpm : rpm * change, by ? air_flow * change : air_flow, &yield[k], NULL);
         }
         *(by ? &s->size_by_air : &s->size_by_rpm) = (miss[1] - miss[0]) / (2.0 * step);
         *(by ? &s->yield_by_air : &s->yield_by_rpm) = (yield[1] - yield[0]) / (2.0 * step);
@@ -2497,8 +2676,8 @@ static inline void classifier__clear_setting(classifier_setting *s) {
     s->size_by_rpm = s->size_by_air = s->yield_by_rpm = s->yield_by_air = classifier__nan();
 }
 
-CLASSIFIER_API classifier_status classifier_for(const classifier_def *def, const classifier_wish *wish, const classifier_memory *memory,
-                                                classifier_setting *setting) {
+CLASSIFIER_API classifier_status classifier_for(const classifier_def *def, const classifier_wish *wish,
+                                                const classifier_memory *memory, classifier_setting *setting) {
     if (!setting) return CLASSIFIER_BAD_ARGUMENT;
     classifier__clear_setting(setting);
     classifier__fines f = {def, wish, memory, classifier_check_def(def, NULL)};
@@ -2516,7 +2695,8 @@ CLASSIFIER_API classifier_status classifier_for(const classifier_def *def, const
         missed = setting->size / wish->size - 1.0;
     } else { /* the slowest and the fastest speed that give the size, then between them */
         for (int k = 0; k < 2; k++) {
-            const double rpm = classifier__speed_at(&f, k ? wish->air_high : wish->air_low), air = classifier__air_at(&f, rpm, &yields[k]);
+            const double rpm = classifier__speed_at(&f, k ? wish->air_high : wish->air_low),
+                         air = classifier__air_at(&f, rpm, &yields[k]);
             const double miss = classifier__fines_at(&f, rpm, air, &yield, NULL);
             at[k] = rpm, missed = fabs(miss) > fabs(missed) ? miss : missed;
         }
@@ -2524,7 +2704,8 @@ CLASSIFIER_API classifier_status classifier_for(const classifier_def *def, const
         setting->yield_high = yields[0] < yields[1] ? yields[1] : yields[0];
         double low = riddle_log(at[0]), high = riddle_log(at[1]);
         const double rises = yields[1] >= yields[0] ? 1.0 : -1.0;
-        if (!(rises * (wish->yield - yields[0]) > 0.0)) high = low, answer = wish->yield == yields[0] ? CLASSIFIER_OK : CLASSIFIER_OUTSIDE;
+        if (!(rises * (wish->yield - yields[0]) > 0.0))
+            high = low, answer = wish->yield == yields[0] ? CLASSIFIER_OK : CLASSIFIER_OUTSIDE;
         else if (!(rises * (yields[1] - wish->yield) > 0.0))
             low = high, answer = wish->yield == yields[1] ? CLASSIFIER_OK : CLASSIFIER_OUTSIDE;
         for (int k = 0; k < 30 && high - low > 1e-6 && f.status == CLASSIFIER_OK; k++) {
@@ -2541,28 +2722,30 @@ CLASSIFIER_API classifier_status classifier_for(const classifier_def *def, const
     return f.status == CLASSIFIER_OK ? CLASSIFIER_OUTSIDE : f.status;
 }
 
-/* >>trajectory ================================================================================================================ */
+/* >>trajectory ===================================================================================================== */
 
-/* Computes d/dt of {r, v_r outward, v_phi} in the inertial frame: polar acceleration, and drag on the slip against a gas that rotates with
-   the wheel and flows inward. */
-static inline void classifier__motion(const classifier_def *def, classifier_drag drag, double x, classifier_slip slip, const double *y,
-                                      double *rate) {
+/* Computes d/dt of {r, v_r outward, v_phi} in the inertial frame: polar acceleration, and drag on the slip against a
+   gas that rotates with the wheel and flows inward. */
+static inline void classifier__motion(const classifier_def *def, classifier_drag drag, double x, classifier_slip slip,
+                                      const double *y, double *rate) {
     double omega = def->rpm * RIDDLE_PI / 30.0, r = y[0];
     double gas = -def->radial_factor * classifier_radial_velocity(&def->wheel, def->air_flow, r);
     double slip_r = gas - y[1], slip_phi = slip == CLASSIFIER_FULL_SLIP ? omega * r - y[2] : 0.0,
            speed = sqrt(slip_r * slip_r + slip_phi * slip_phi);
     double re = def->fluid_density * speed * x / def->viscosity;
     double driving = def->buoyancy ? def->particle_density - def->fluid_density : def->particle_density;
-    double per_slip = re > 0.0 ? 0.75 * def->fluid_density / (driving * x) * classifier_drag_coefficient(drag, re) * speed
-                               : 0.75 * drag.c1 * def->viscosity / (driving * x * x);
+    double per_slip = re > 0.0
+                          ? 0.75 * def->fluid_density / (driving * x) * classifier_drag_coefficient(drag, re) * speed
+                          : 0.75 * drag.c1 * def->viscosity / (driving * x * x);
     rate[0] = y[1];
     rate[1] = y[2] * y[2] / r + per_slip * slip_r;
     rate[2] = -y[1] * y[2] / r + per_slip * slip_phi;
 }
 
-/* Follows a path. Returns 1: it leaves outside; 0: inside; -1: it stays, or arguments are bad; 2: 100 000 steps did not reach its end. */
-static inline int classifier__follow(const classifier_def *def, classifier_drag drag, double x, double r, double v_radial, double v_phi,
-                                     classifier_slip slip) {
+/* Follows a path. Returns 1: it leaves outside; 0: inside; -1: it stays, or arguments are bad; 2: 100 000 steps did not
+   reach its end. */
+static inline int classifier__follow(const classifier_def *def, classifier_drag drag, double x, double r,
+                                     double v_radial, double v_phi, classifier_slip slip) {
     /* Dormand & Prince 1980, order 5 with error estimate of order 4 */
     const double a[7][6] = {{0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
                             {1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0},
@@ -2571,14 +2754,16 @@ static inline int classifier__follow(const classifier_def *def, classifier_drag 
                             {19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0},
                             {9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0},
                             {35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0}};
-    const double e[7] = {71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0};
+    const double e[7] = {71.0 / 57600.0,      0.0,          -71.0 / 16695.0, 71.0 / 1920.0,
+                         -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0};
     double k[7][3], y[3] = {r, v_radial, v_phi}, t = 0.0, tolerance = 1e-9;
-    if (!def || !(classifier__drag_ok(drag) && classifier__positive(x) && r >= def->wheel.inner_radius && r <= def->wheel.outer_radius &&
-                  fabs(v_radial) < HUGE_VAL && fabs(v_phi) < HUGE_VAL))
+    if (!def || !(classifier__drag_ok(drag) && classifier__positive(x) && r >= def->wheel.inner_radius &&
+                  r <= def->wheel.outer_radius && fabs(v_radial) < HUGE_VAL && fabs(v_phi) < HUGE_VAL))
         return -1;
     double omega = def->rpm * RIDDLE_PI / 30.0, end = 20.0 * RIDDLE_PI / omega, h = 1e-3 / omega;
     double tip = omega * def->wheel.outer_radius,
-           inward = def->radial_factor * classifier_radial_velocity(&def->wheel, def->air_flow, def->wheel.outer_radius),
+           inward =
+               def->radial_factor * classifier_radial_velocity(&def->wheel, def->air_flow, def->wheel.outer_radius),
            scale = tip > inward ? tip : inward;
     classifier__motion(def, drag, x, slip, y, k[0]);
     for (int step = 0; t < end && t + h > t && step < 100000; step++) {
@@ -2619,8 +2804,8 @@ static inline int classifier__follow(const classifier_def *def, classifier_drag 
     return t < end ? 2 : -1;
 }
 
-CLASSIFIER_API int classifier_trajectory(const classifier_def *def, classifier_drag drag, double x, double r, double v_radial, double v_phi,
-                                         classifier_slip slip) {
+CLASSIFIER_API int classifier_trajectory(const classifier_def *def, classifier_drag drag, double x, double r,
+                                         double v_radial, double v_phi, classifier_slip slip) {
     const int fate = classifier__follow(def, drag, x, r, v_radial, v_phi, slip);
     return fate == 2 ? -1 : fate;
 }
@@ -2629,7 +2814,8 @@ CLASSIFIER_API double classifier_trajectory_cut(const classifier_def *def, class
                                                 classifier_slip slip) {
     if (classifier_check_def(def, NULL) != CLASSIFIER_OK) return classifier__nan();
     double low = def->size_low, high = def->size_high;
-    if (classifier_trajectory(def, drag, low, r, 0.0, v_phi, slip) == 1 || classifier_trajectory(def, drag, high, r, 0.0, v_phi, slip) != 1)
+    if (classifier_trajectory(def, drag, low, r, 0.0, v_phi, slip) == 1 ||
+        classifier_trajectory(def, drag, high, r, 0.0, v_phi, slip) != 1)
         return classifier__nan();
     while (high / low > 1.0 + 1e-9) {
         double middle = sqrt(low * high);
@@ -2639,8 +2825,8 @@ CLASSIFIER_API double classifier_trajectory_cut(const classifier_def *def, class
     return sqrt(low * high);
 }
 
-CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_def *def, double x, classifier_slip slip, double *t,
-                                                             double *error) {
+CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_def *def, double x, classifier_slip slip,
+                                                             double *t, double *error) {
     classifier_status status = classifier_check_def(def, NULL);
     if (t) *t = classifier__nan();
     if (error) *error = classifier__nan();
@@ -2681,7 +2867,7 @@ CLASSIFIER_API classifier_status classifier_trajectory_tromp(const classifier_de
     return CLASSIFIER_OK;
 }
 
-/* >>curves and fits =========================================================================================================== */
+/* >>curves and fits ================================================================================================ */
 
 typedef struct classifier__curve_goal {
     const classifier_curve *curve;
@@ -2689,7 +2875,8 @@ typedef struct classifier__curve_goal {
 } classifier__curve_goal;
 static inline double classifier__curve_gap(double ln_x, const void *user) {
     const classifier__curve_goal *goal = (const classifier__curve_goal *)user;
-    return goal->t - classifier_curve_value(goal->curve, riddle_exp(ln_x)); /* sign turned: falling towards fine sizes */
+    /* sign turned: falling towards fine sizes */
+    return goal->t - classifier_curve_value(goal->curve, riddle_exp(ln_x));
 }
 
 static inline double classifier__curve_clean_size(const classifier_curve *c, double t) {
@@ -2725,13 +2912,15 @@ static inline double classifier__curve_least(const classifier__curve_goal *goal,
 CLASSIFIER_API double classifier_curve_size(const classifier_curve *curve, double t) {
     if (!(curve && t > 0.0 && t < 1.0 && classifier_curve_value(curve, curve->size) >= 0.0)) return classifier__nan();
     double b = curve->bypass;
-    if (!(curve->hook_size < HUGE_VAL)) return t > b ? classifier__curve_clean_size(curve, (t - b) / (1.0 - b)) : classifier__nan();
+    if (!(curve->hook_size < HUGE_VAL))
+        return t > b ? classifier__curve_clean_size(curve, (t - b) / (1.0 - b)) : classifier__nan();
     double x = classifier__curve_clean_size(curve, t);
     if (x >= curve->hook_size) return x; /* right of the hook there is no bypass */
     classifier__curve_goal goal;
     goal.curve = curve;
     goal.t = t;
-    /* from the hook's end down in small steps to the first crossing; where T turns back up, its minimum may lie between two steps */
+    /* from the hook's end down in small steps to the first crossing; where T turns back up, its minimum may lie
+       between two steps */
     double ln_hook = riddle_log(curve->hook_size), ln_high = ln_hook, high_gap = classifier__curve_gap(ln_high, &goal);
     if (!(high_gap < 0.0)) return x; /* the hook's end, but for rounding */
     bool falls = true;
@@ -2739,7 +2928,8 @@ CLASSIFIER_API double classifier_curve_size(const classifier_curve *curve, doubl
         double ln_low = ln_high - 0.01, low_gap = classifier__curve_gap(ln_low, &goal);
         bool turns = falls && low_gap < high_gap;
         if (turns && !(low_gap > 0.0)) {
-            double end = i > 1 ? ln_high + 0.01 : ln_hook, ln_least, gap = classifier__curve_least(&goal, ln_low, end, &ln_least);
+            double end = i > 1 ? ln_high + 0.01 : ln_hook, ln_least,
+                   gap = classifier__curve_least(&goal, ln_low, end, &ln_least);
             if (gap > 0.0) {
                 ln_low = ln_least;
                 low_gap = gap;
@@ -2758,10 +2948,11 @@ CLASSIFIER_API double classifier_curve_size(const classifier_curve *curve, doubl
     return classifier__nan();
 }
 
-CLASSIFIER_API double classifier_class_mean(classifier_function t, const void *t_user, classifier_function q, const void *q_user,
-                                            double low, double high, int pieces) {
+CLASSIFIER_API double classifier_class_mean(classifier_function t, const void *t_user, classifier_function q,
+                                            const void *q_user, double low, double high, int pieces) {
     const double node[5] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309, 0.90617984593866399};
-    const double weight[5] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647, 0.23692688505618909};
+    const double weight[5] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647,
+                              0.23692688505618909};
     double above = 0.0, below = 0.0, half = 0.5 * (high - low) / pieces;
     if (!(t && pieces >= 1 && half > 0.0 && half < HUGE_VAL)) return classifier__nan();
     for (int piece = 0; piece < pieces; piece++) {
@@ -2784,7 +2975,8 @@ static inline classifier_curve classifier__curve_from(const classifier_curve *li
     return c;
 }
 
-/* Solves a x = b for symmetric positive definite a[n][4], n <= 4, by Cholesky's method. Returns false if a is not positive definite. */
+/* Solves a x = b for symmetric positive definite a[n][4], n <= 4, by Cholesky's method. Returns false if a is not
+   positive definite. */
 static inline bool classifier__solve_spd(double a[4][4], double *b, int n) {
     for (int j = 0; j < n; j++) {
         for (int k = 0; k < j; k++) a[j][j] -= a[j][k] * a[j][k];
@@ -2806,10 +2998,11 @@ static inline bool classifier__solve_spd(double a[4][4], double *b, int n) {
     return true;
 }
 
-/* Returns the sum of squared residuals of the curve. With normal != NULL, also computes J'J and J'r over the free parameters by central
-   differences. */
-static inline double classifier__fit_squares(const classifier_curve *like, const double *p, const int *free, int n_free, const double *x,
-                                             const double *t, const double *sd, int n, double normal[4][4], double *gradient) {
+/* Returns the sum of squared residuals of the curve. With normal != NULL, also computes J'J and J'r over the free
+   parameters by central differences. */
+static inline double classifier__fit_squares(const classifier_curve *like, const double *p, const int *free, int n_free,
+                                             const double *x, const double *t, const double *sd, int n,
+                                             double normal[4][4], double *gradient) {
     double sum = 0.0, step = 1e-5;
     classifier_curve c = classifier__curve_from(like, p), up[4], down[4];
     for (int j = 0; normal && j < n_free; j++) {
@@ -2825,7 +3018,8 @@ static inline double classifier__fit_squares(const classifier_curve *like, const
         double weight = sd ? 1.0 / sd[i] : 1.0, r = (t[i] - classifier_curve_value(&c, x[i])) * weight, slope[4];
         sum += r * r;
         for (int j = 0; normal && j < n_free; j++) {
-            slope[j] = (classifier_curve_value(&up[j], x[i]) - classifier_curve_value(&down[j], x[i])) * weight / (2.0 * step);
+            slope[j] =
+                (classifier_curve_value(&up[j], x[i]) - classifier_curve_value(&down[j], x[i])) * weight / (2.0 * step);
             gradient[j] += slope[j] * r;
             for (int k = 0; k <= j; k++) normal[j][k] += slope[j] * slope[k];
         }
@@ -2844,14 +3038,14 @@ typedef struct classifier__fit_try {
     int free[4], n_free, iterations;
 } classifier__fit_try;
 
-static inline double classifier__try_squares(const classifier__fit_try *f, const double *p, const classifier__fit_data *d,
-                                             double normal[4][4], double *gradient) {
+static inline double classifier__try_squares(const classifier__fit_try *f, const double *p,
+                                             const classifier__fit_data *d, double normal[4][4], double *gradient) {
     return classifier__fit_squares(&f->like, p, f->free, f->n_free, d->x, d->t, d->sd, d->n, normal, gradient);
 }
 
 /* Computes the step of Levenberg and Marquardt, no longer than 1 in any parameter. Returns false if there is none. */
-static inline bool classifier__fit_step(const classifier__fit_try *f, double normal[4][4], const double *gradient, double damping,
-                                        double *step, double *length) {
+static inline bool classifier__fit_step(const classifier__fit_try *f, double normal[4][4], const double *gradient,
+                                        double damping, double *step, double *length) {
     double a[4][4];
     for (int i = 0; i < f->n_free; i++) {
         step[i] = gradient[i];
@@ -2865,8 +3059,9 @@ static inline bool classifier__fit_step(const classifier__fit_try *f, double nor
     return *length < HUGE_VAL;
 }
 
-/* Goes on from f->p along a narrow, curved valley, as one makes that pins the curve at a point with a small deviation. Damped steps creep
-   there: this takes steps without damping, each followed by damped ones that lead back to the floor. */
+/* Goes on from f->p along a narrow, curved valley, as one makes that pins the curve at a point with a small deviation.
+   Damped steps creep there: this takes steps without damping, each followed by damped ones that lead back
+   to the floor. */
 static inline void classifier__follow_valley(classifier__fit_try *f, const classifier__fit_data *d) {
     double normal[4][4], gradient[4], step[4], back[4], length;
     for (int round = 0; round < 100; round++) {
@@ -2916,8 +3111,8 @@ static inline void classifier__descend(classifier__fit_try *f, const classifier_
     if (d->sd) classifier__follow_valley(f, d);
 }
 
-static inline classifier__fit_try classifier__fit_begin(const classifier__fit_try *from, bool bypass, bool hook, double logit_bypass,
-                                                        double ln_hook) {
+static inline classifier__fit_try classifier__fit_begin(const classifier__fit_try *from, bool bypass, bool hook,
+                                                        double logit_bypass, double ln_hook) {
     classifier__fit_try f = *from;
     f.free[0] = 0, f.free[1] = 1, f.free[2] = 2, f.free[3] = 3;
     f.n_free = 2 + (bypass ? 1 : 0) + (hook ? 1 : 0);
@@ -2940,7 +3135,8 @@ static inline double classifier__size_above(const classifier__fit_data *d, doubl
     return above;
 }
 
-/* Takes a step between two sizes where that is better: the border of infinite slope, which a descent from a gentle slope may miss. */
+/* Takes a step between two sizes where that is better: the border of infinite slope, which a descent from a gentle
+   slope may miss. */
 static inline void classifier__fit_steps(classifier__fit_try *best, const classifier__fit_data *d, bool bypass) {
     for (int i = 0; i < d->n; i++) {
         const double low = d->x[i], above = classifier__size_above(d, low);
@@ -2952,9 +3148,11 @@ static inline void classifier__fit_steps(classifier__fit_try *best, const classi
         }
         const double share = sum / weights < 0.99 ? sum / weights : 0.99;
         for (int k = 0; k < (bypass && share > 1e-7 ? 2 : 1); k++) {
-            classifier__fit_try f = classifier__fit_begin(best, k == 1, false, k ? riddle_log(share / (1.0 - share)) : 0.0, 0.0);
+            classifier__fit_try f =
+                classifier__fit_begin(best, k == 1, false, k ? riddle_log(share / (1.0 - share)) : 0.0, 0.0);
             f.p[0] = 0.5 * (riddle_log(low) + riddle_log(above));
-            f.p[1] = riddle_log(60.0 / (f.like.law == CLASSIFIER_MOLERUS_HOFFMANN ? 1.0 - low / above : riddle_log(above / low)));
+            f.p[1] = riddle_log(
+                60.0 / (f.like.law == CLASSIFIER_MOLERUS_HOFFMANN ? 1.0 - low / above : riddle_log(above / low)));
             f.squares = classifier__try_squares(&f, f.p, d, NULL, NULL);
             if (!(f.squares < best->squares)) continue;
             classifier__descend(&f, d);
@@ -2964,7 +3162,8 @@ static inline void classifier__fit_steps(classifier__fit_try *best, const classi
     }
 }
 
-/* Takes the curve of Molerus & Hoffmann where it is better from other starts: the best of a grid of sizes and slopes, 0 among them. */
+/* Takes the curve of Molerus & Hoffmann where it is better from other starts: the best of a grid of sizes and
+   slopes, 0 among them. */
 static inline void classifier__fit_from_grid(classifier__fit_try *best, const classifier__fit_data *d, bool bypass) {
     const double slopes[4] = {-40.0, -1.0, 0.5, 2.0};
     double least = HUGE_VAL, most = 0.0;
@@ -2976,7 +3175,8 @@ static inline void classifier__fit_from_grid(classifier__fit_try *best, const cl
         start.squares = HUGE_VAL;
         for (int i = 0; i < 24; i++) {
             classifier__fit_try f = classifier__fit_begin(best, k >= 4, false, k < 8 ? -2.0 : 1.0, 0.0);
-            f.p[0] = i == 0 ? from - 14.0 : from + way * i / 23.0, f.p[1] = slopes[k % 4]; /* the first: far below all, T = 1 */
+            /* the first: far below all, T = 1 */
+            f.p[0] = i == 0 ? from - 14.0 : from + way * i / 23.0, f.p[1] = slopes[k % 4];
             f.squares = classifier__try_squares(&f, f.p, d, NULL, NULL);
             if (f.squares < start.squares) start = f;
         }
@@ -3016,15 +3216,17 @@ static inline bool classifier__fit_accepts(const classifier__fit_data *d) {
     double least = HUGE_VAL, most = 0.0;
     if (!(d->x && d->t && d->n > 0)) return false;
     for (int i = 0; i < d->n; i++) {
-        if (!(classifier__positive(d->x[i]) && fabs(d->t[i]) < HUGE_VAL && (!d->sd || classifier__positive(d->sd[i])))) return false;
+        if (!(classifier__positive(d->x[i]) && fabs(d->t[i]) < HUGE_VAL && (!d->sd || classifier__positive(d->sd[i]))))
+            return false;
         if (d->sd) least = d->sd[i] < least ? d->sd[i] : least, most = d->sd[i] > most ? d->sd[i] : most;
     }
     return !d->sd || (least > 1e-100 && most < 1e100 && most <= 1e6 * least);
 }
 
-/* Sets the start of a fit with this bypass, or with none (0): the size by interpolation where T without the bypass is one half, the slope
-   as the best of a few. Returns false if the points are not on both sides of that. */
-static inline bool classifier__fit_start(classifier__fit_try *f, classifier_curve_law law, const classifier__fit_data *d, double bypass) {
+/* Sets the start of a fit with this bypass, or with none (0): the size by interpolation where T without the bypass is
+   one half, the slope as the best of a few. Returns false if the points are not on both sides of that. */
+static inline bool classifier__fit_start(classifier__fit_try *f, classifier_curve_law law,
+                                         const classifier__fit_data *d, double bypass) {
     const double half = 0.5 * (1.0 + bypass);
     double at_low = 0.0, at_high = HUGE_VAL, t_low = 0.0, t_high = 1.0, best = HUGE_VAL, first = 0.0;
     bool is_below = false, is_above = false;
@@ -3039,7 +3241,8 @@ static inline bool classifier__fit_start(classifier__fit_try *f, classifier_curv
     if (!(is_below && is_above)) return false;
     double size = at_low;
     if (at_high < HUGE_VAL)
-        size = riddle_exp(riddle_log(at_low) + (half - t_low) / (t_high - t_low) * (riddle_log(at_high) - riddle_log(at_low)));
+        size = riddle_exp(riddle_log(at_low) +
+                          (half - t_low) / (t_high - t_low) * (riddle_log(at_high) - riddle_log(at_low)));
     f->p[0] = riddle_log(size);
     *f = classifier__fit_begin(f, bypass > 0.0, false, bypass > 0.0 ? riddle_log(bypass / (1.0 - bypass)) : 0.0, 0.0);
     for (int i = 0; i < 12; i++) {
@@ -3051,8 +3254,8 @@ static inline bool classifier__fit_start(classifier__fit_try *f, classifier_curv
     return true;
 }
 
-/* Finds the best curve with a bypass, starting from the least T of the points and from smaller ones; a result at the bound counts as no
-   bypass. */
+/* Finds the best curve with a bypass, starting from the least T of the points and from smaller ones; a result at the
+   bound counts as no bypass. */
 static inline void classifier__fit_bypass(classifier__fit_try *best, const classifier__fit_data *d, double floor_t) {
     const double starts[4] = {floor_t, 0.01, 0.1, 0.8 * floor_t};
     const int iterations = best->iterations;
@@ -3066,8 +3269,9 @@ static inline void classifier__fit_bypass(classifier__fit_try *best, const class
     }
 }
 
-/* Finds the best curve with a hook. The sum of squares has a kink at every size, so there are starts between each two: from the best curve
-   so far, and from the least T and the T of the smallest size as bypass. A result at the bound counts as no hook. */
+/* Finds the best curve with a hook. The sum of squares has a kink at every size, so there are starts between each two:
+   from the best curve so far, and from the least T and the T of the smallest size as bypass. A result at the bound
+   counts as no hook. */
 static inline void classifier__fit_hook(classifier__fit_try *best, const classifier__fit_data *d, double floor_t) {
     classifier__fit_try start[3];
     const int iterations = best->iterations;
@@ -3085,8 +3289,9 @@ static inline void classifier__fit_hook(classifier__fit_try *best, const classif
         if (!(above < HUGE_VAL)) continue;
         for (int k = 0; k < 3; k++) {
             if (!is_start[k]) continue;
-            classifier__fit_try f = classifier__fit_begin(&start[k], true, true, riddle_log(floors[k] / (1.0 - floors[k])),
-                                                          0.5 * (riddle_log(d->x[i]) + riddle_log(above)));
+            classifier__fit_try f =
+                classifier__fit_begin(&start[k], true, true, riddle_log(floors[k] / (1.0 - floors[k])),
+                                      0.5 * (riddle_log(d->x[i]) + riddle_log(above)));
             classifier__descend(&f, d);
             f.iterations += iterations;
             if (f.p[2] > -16.0) classifier__fit_take(best, &f);
@@ -3094,8 +3299,8 @@ static inline void classifier__fit_hook(classifier__fit_try *best, const classif
     }
 }
 
-/* Returns whether parameter k is free and may grow by `way` at the same cut size without a change of T at the points, as the slope of a
-   step between two sizes. */
+/* Returns whether parameter k is free and may grow by `way` at the same cut size without a change of T at the points,
+   as the slope of a step between two sizes. */
 static inline bool classifier__is_open(const classifier__fit_try *f, const classifier__fit_data *d, int k, double way) {
     double q[4] = {f->p[0], f->p[1], f->p[2], f->p[3]};
     bool is_free = false;
@@ -3105,12 +3310,14 @@ static inline bool classifier__is_open(const classifier__fit_try *f, const class
     classifier_curve other = classifier__curve_from(&f->like, q);
     other.size *= k == 1 ? classifier__curve_clean_size(&best, 0.5) / classifier__curve_clean_size(&other, 0.5) : 1.0;
     for (int i = 0; i < d->n && is_free; i++)
-        if (!(fabs(classifier_curve_value(&other, d->x[i]) - classifier_curve_value(&best, d->x[i])) < 1e-6)) return false;
+        if (!(fabs(classifier_curve_value(&other, d->x[i]) - classifier_curve_value(&best, d->x[i])) < 1e-6))
+            return false;
     return is_free;
 }
 
 /* Deviations from the curvature at the best place: the diagonal of the inverse, column by column. */
-static inline void classifier__fit_deviations(const classifier__fit_try *f, const classifier__fit_data *d, classifier_fit_result *result) {
+static inline void classifier__fit_deviations(const classifier__fit_try *f, const classifier__fit_data *d,
+                                              classifier_fit_result *result) {
     double normal[4][4], gradient[4], deviation[4] = {0.0, 0.0, 0.0, 0.0};
     const double squares = classifier__try_squares(f, f->p, d, normal, gradient);
     for (int k = 0; k < f->n_free; k++) {
@@ -3123,14 +3330,17 @@ static inline void classifier__fit_deviations(const classifier__fit_try *f, cons
     }
     const classifier_curve *c = &result->curve;
     result->size_sd = classifier__is_open(f, d, 0, 0.01) ? HUGE_VAL : c->size * deviation[0];
-    result->slope_sd = classifier__is_open(f, d, 1, RIDDLE_LN2_HI) ? HUGE_VAL : c->slope > 0.0 ? c->slope * deviation[1] : 0.0;
+    result->slope_sd = classifier__is_open(f, d, 1, RIDDLE_LN2_HI) ? HUGE_VAL
+                       : c->slope > 0.0                            ? c->slope * deviation[1]
+                                                                   : 0.0;
     result->bypass_sd = c->bypass > 0.0 ? c->bypass * (1.0 - c->bypass) * deviation[2] : 0.0;
     result->hook_sd = c->hook_size < HUGE_VAL ? c->hook_size * deviation[3] : 0.0;
 }
 
-/* Ranges of a curve with a bypass: the values that it has in all curves whose sum of squares is below a bound. A hook is held at each of
-   many sizes, because the sum has a kink at every measured size; size, slope and bypass then make it nearly a quadratic, whose ends are
-   known. The bypass enters linearly and may be negative on the way; where it would be, the curve without one counts. */
+/* Ranges of a curve with a bypass: the values that it has in all curves whose sum of squares is below a bound. A hook
+   is held at each of many sizes, because the sum has a kink at every measured size; size, slope and bypass then make it
+   nearly a quadratic, whose ends are known. The bypass enters linearly and may be negative on the way; where it would
+   be, the curve without one counts. */
 typedef struct classifier__held {
     classifier_curve like;
     double p[3], squares, inverse[3][3]; /* ln size, ln slope (alpha itself), bypass */
@@ -3168,14 +3378,16 @@ static inline double classifier__held_squares(const classifier__held *f, const d
         for (int j = 0; j < 3; j++) normal[k][j] = 0.0;
     }
     for (int i = 0; i < d->n; i++) {
-        const double weight = d->sd ? 1.0 / d->sd[i] : 1.0, x = d->x[i], share = x * f->per_size < 1.0 ? 1.0 - x * f->per_size : 0.0,
+        const double weight = d->sd ? 1.0 / d->sd[i] : 1.0, x = d->x[i],
+                     share = x * f->per_size < 1.0 ? 1.0 - x * f->per_size : 0.0,
                      passes = f->n_free > 2 ? 1.0 - p[2] * share : 1.0, clean = classifier__held_value(&c, x),
                      r = (d->t[i] - (1.0 - passes * (1.0 - clean))) * weight;
         double by[3];
         sum += r * r;
         if (!normal) continue;
         for (int k = 0; k < 2; k++)
-            by[k] = weight * passes * (classifier__held_value(&near[k][1], x) - classifier__held_value(&near[k][0], x)) / (2.0 * step);
+            by[k] = weight * passes *
+                    (classifier__held_value(&near[k][1], x) - classifier__held_value(&near[k][0], x)) / (2.0 * step);
         by[2] = weight * share * (1.0 - clean);
         for (int k = 0; k < f->n_free; k++) {
             gradient[k] += by[k] * r;
@@ -3194,7 +3406,8 @@ static inline void classifier__held_fit(classifier__held *f, const classifier__f
         double a[4][4], step[4] = {0.0, 0.0, 0.0, 0.0}, q[3], length = 0.0;
         for (int k = 0; k < f->n_free; k++) {
             step[k] = gradient[k];
-            for (int j = 0; j <= k; j++) a[k][j] = normal[k][j] * (j == k ? 1.0 + damping : 1.0) + (j == k ? 1e-300 : 0.0);
+            for (int j = 0; j <= k; j++)
+                a[k][j] = normal[k][j] * (j == k ? 1.0 + damping : 1.0) + (j == k ? 1e-300 : 0.0);
         }
         const bool solved = classifier__solve_spd(a, step, f->n_free);
         for (int k = 0; k < f->n_free; k++) length = fabs(step[k]) > length ? fabs(step[k]) : length;
@@ -3226,11 +3439,13 @@ static inline bool classifier__held_widen(const classifier__held *f, double boun
     const double room = bound - f->squares;
     if (!(room >= 0.0)) return false;
     bool is_any = !f->is_known;
-    for (int k = 0; k < 3 && !f->is_known; k++) low[k] = -HUGE_VAL, high[k] = HUGE_VAL; /* a step: the points leave it open */
+    /* a step: the points leave it open */
+    for (int k = 0; k < 3 && !f->is_known; k++) low[k] = -HUGE_VAL, high[k] = HUGE_VAL;
     if (is_any) return true;
     for (int k = 0; k < f->n_free; k++) {
         for (int side = -1; side <= 1; side++) {
-            const double way = side * sqrt(room / f->inverse[k][k]), bypass = f->n_free > 2 ? f->p[2] + way * f->inverse[k][2] : 0.0;
+            const double way = side * sqrt(room / f->inverse[k][k]),
+                         bypass = f->n_free > 2 ? f->p[2] + way * f->inverse[k][2] : 0.0;
             if (!(bypass >= 0.0 && bypass <= 1.0)) continue;
             const double p[3] = {f->p[0] + way * f->inverse[k][0], f->p[1] + way * f->inverse[k][1], bypass};
             for (int j = 0; j < 3; j++) {
@@ -3245,13 +3460,14 @@ static inline bool classifier__held_widen(const classifier__held *f, double boun
 
 typedef struct classifier__ranges {
     double low[3], high[3], bound, most_per_size; /* 1 / the smallest size: a hook there has no bypass left */
-    bool is_without;                              /* a curve without a bypass is below the bound, and so is one with any hook */
+    bool is_without;                              /* a curve without a bypass is below the bound, and so is one
+                                                     with any hook */
     classifier__held last;                        /* the curve that the next search starts from */
 } classifier__ranges;
 
 /* Widens the ranges by the curves with a hook of 1 / per_size. Returns whether there are any below the bound. */
-static inline bool classifier__ranges_at(classifier__ranges *r, const classifier__held *best, const classifier__fit_data *d,
-                                         double per_size) {
+static inline bool classifier__ranges_at(classifier__ranges *r, const classifier__held *best,
+                                         const classifier__fit_data *d, double per_size) {
     bool is_in = r->is_without;
     if (!(per_size < r->most_per_size)) return is_in;
     for (int k = 0; k < 2; k++) { /* from the last one, and from the best of all */
@@ -3267,8 +3483,8 @@ static inline bool classifier__ranges_at(classifier__ranges *r, const classifier
 }
 
 /* Finds the end of the accepted hooks between one that is accepted and one that is not. */
-static inline double classifier__ranges_end(classifier__ranges *r, const classifier__held *best, const classifier__fit_data *d, double in,
-                                            double out) {
+static inline double classifier__ranges_end(classifier__ranges *r, const classifier__held *best,
+                                            const classifier__fit_data *d, double in, double out) {
     for (int k = 0; k < 8; k++) {
         const double middle = 0.5 * (in + out);
         if (classifier__ranges_at(r, best, d, middle)) in = middle;
@@ -3286,8 +3502,8 @@ static inline double classifier__ranges_next(const classifier__fit_data *d, doub
 }
 
 /* Sets the ranges of a fit. A sum of squares up to the bound is accepted. */
-static inline void classifier__fit_ranges(const classifier__fit_try *f, const classifier__fit_data *d, bool bypass, bool hook, double bound,
-                                          classifier_fit_result *result) {
+static inline void classifier__fit_ranges(const classifier__fit_try *f, const classifier__fit_data *d, bool bypass,
+                                          bool hook, double bound, classifier_fit_result *result) {
     const classifier_curve *c = &result->curve;
     const bool is_alpha = c->law == CLASSIFIER_MOLERUS_HOFFMANN;
     classifier__held best;
@@ -3332,10 +3548,12 @@ static inline void classifier__fit_ranges(const classifier__fit_try *f, const cl
     if (!(result->slope_sd < HUGE_VAL)) result->slope_low = 0.0, result->slope_high = HUGE_VAL;
 }
 
-CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x, const double *t,
-                                                const double *sd, int n, classifier_fit_result *result) {
+CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsigned free_parameters, const double *x,
+                                                const double *t, const double *sd, int n,
+                                                classifier_fit_result *result) {
     const classifier__fit_data d = {x, t, sd, n};
-    const bool hook = (free_parameters & CLASSIFIER_FREE_HOOK) != 0, bypass = hook || (free_parameters & CLASSIFIER_FREE_BYPASS) != 0;
+    const bool hook = (free_parameters & CLASSIFIER_FREE_HOOK) != 0,
+               bypass = hook || (free_parameters & CLASSIFIER_FREE_BYPASS) != 0;
     const int wanted = 2 + (bypass ? 1 : 0) + (hook ? 1 : 0);
     classifier__fit_try best;
     double floor_t = 0.99;
@@ -3375,19 +3593,23 @@ CLASSIFIER_API classifier_status classifier_fit(classifier_curve_law law, unsign
     classifier__fit_deviations(&best, &d, result);
     const double least = classifier__try_squares(&best, best.p, &d, NULL, NULL), free = n - wanted,
                  t95 = sd ? 1.959963984540054 : riddle_student(0.95, n - wanted);
-    /* a hook bends to the noise at any size, which takes more of it than one parameter does: by 1/10, found by trials */
-    classifier__fit_ranges(&best, &d, bypass, hook, least + (hook ? 1.1 : 1.0) * t95 * t95 * (sd ? 1.0 : least / free), result);
+    /* a hook bends to the noise at any size, which takes more of it than one parameter does: by 1/10,
+       found by trials */
+    classifier__fit_ranges(&best, &d, bypass, hook, least + (hook ? 1.1 : 1.0) * t95 * t95 * (sd ? 1.0 : least / free),
+                           result);
     if (hook) result->student = classifier__nan();
-    result->rms = sqrt(classifier__fit_squares(&best.like, best.p, best.free, best.n_free, x, t, NULL, n, NULL, NULL) / n);
+    result->rms =
+        sqrt(classifier__fit_squares(&best.like, best.p, best.free, best.n_free, x, t, NULL, n, NULL, NULL) / n);
     result->iterations = best.iterations;
     return CLASSIFIER_OK;
 }
 
-/* >>reconciliation ============================================================================================================ */
+/* >>reconciliation ================================================================================================= */
 
-/* For a split c the balance of a class misses r = f - c g - (1 - c) h, with variance s. With the variances ff, gg, hh of the three shares
-   the least adjustment has the multiplier lambda = (r + c gg mu + (1 - c) hh nu) / s in each class, mu and nu such that coarse and fine
-   (and so feed) still add up to 1. No share may fall below 0: one that would is held there, and the class is adjusted without it. */
+/* For a split c the balance of a class misses r = f - c g - (1 - c) h, with variance s. With the variances ff, gg, hh
+   of the three shares the least adjustment has the multiplier lambda = (r + c gg mu + (1 - c) hh nu) / s in each class,
+   mu and nu such that coarse and fine (and so feed) still add up to 1. No share may fall below 0: one that would is
+   held there, and the class is adjusted without it. */
 typedef struct classifier__balance {
     const classifier_balance_data *data;
     double c, mu, nu;
@@ -3403,7 +3625,8 @@ static inline classifier__adjusted classifier__adjust(const classifier__balance 
                  hh = d->fine_sd[i] * d->fine_sd[i];
     classifier__adjusted a = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
     for (int hold = 0; hold < 4; hold++) { /* nothing, coarse, fine, both: just one of them is the least */
-        const double G = hold & 1 ? 0.0 : d->coarse[i], H = hold & 2 ? 0.0 : d->fine[i], vg = hold & 1 ? 0.0 : gg, vh = hold & 2 ? 0.0 : hh;
+        const double G = hold & 1 ? 0.0 : d->coarse[i], H = hold & 2 ? 0.0 : d->fine[i], vg = hold & 1 ? 0.0 : gg,
+                     vh = hold & 2 ? 0.0 : hh;
         const double s = ff + c * c * vg + e * e * vh;
         a.lambda = (d->feed[i] - c * G - e * H + c * vg * b->mu + e * vh * b->nu) / s;
         a.f = d->feed[i] - ff * a.lambda;
@@ -3458,11 +3681,13 @@ static inline double classifier__balance_at(classifier__balance *b, double c) {
                      dh = (a.h - d->fine[i]) / d->fine_sd[i];
         chi += df * df + dg * dg + dh * dh;
     }
-    if (d->coarse_share_sd > 0.0) chi += (c - d->coarse_share) * (c - d->coarse_share) / (d->coarse_share_sd * d->coarse_share_sd);
+    if (d->coarse_share_sd > 0.0)
+        chi += (c - d->coarse_share) * (c - d->coarse_share) / (d->coarse_share_sd * d->coarse_share_sd);
     return chi;
 }
 
-/* Returns half of d(chi squared)/dc by the envelope theorem: minus the sum of multiplier * (reconciled coarse - reconciled fine) */
+/* Returns half of d(chi squared)/dc by the envelope theorem: minus the sum of multiplier * (reconciled
+   coarse - reconciled fine) */
 static inline double classifier__balance_slope(double c, const void *user) {
     classifier__balance b = *(const classifier__balance *)user;
     const classifier_balance_data *d = b.data;
@@ -3475,9 +3700,11 @@ static inline double classifier__balance_slope(double c, const void *user) {
     return slope;
 }
 
-static inline classifier_status classifier__reconcile(const classifier_balance_data *data, double *t, double *t_sd, double *feed,
-                                                      double *coarse, double *fine, classifier_balance_result *result) {
-    if (!(data && result && data->feed && data->coarse && data->fine && data->feed_sd && data->coarse_sd && data->fine_sd))
+static inline classifier_status classifier__reconcile(const classifier_balance_data *data, double *t, double *t_sd,
+                                                      double *feed, double *coarse, double *fine,
+                                                      classifier_balance_result *result) {
+    if (!(data && result && data->feed && data->coarse && data->fine && data->feed_sd && data->coarse_sd &&
+          data->fine_sd))
         return CLASSIFIER_BAD_ARGUMENT;
     if (data->classes < 2) return CLASSIFIER_EMPTY;
     bool known = data->coarse_share == data->coarse_share;
@@ -3530,10 +3757,10 @@ static inline classifier_status classifier__reconcile(const classifier_balance_d
         double value = f > 0.0 ? c * g / f : classifier__nan();
         if (t) t[i] = value;
         if (!t_sd) continue;
-        /* T = c g / f: covariance of the adjusted f and g at fixed c, and how both move with c; of a share that is held at 0, as if it
-           were not, for its measurement is no better than the others */
-        double vff = ff - ff * ff / s, vgg = gg - c * c * gg * gg / s, vfg = c * ff * gg / s, jf = -value / f, jg = c / f,
-               turn = d.coarse[i] - d.fine[i];
+        /* T = c g / f: covariance of the adjusted f and g at fixed c, and how both move with c; of a share that is held
+           at 0, as if it were not, for its measurement is no better than the others */
+        double vff = ff - ff * ff / s, vgg = gg - c * c * gg * gg / s, vfg = c * ff * gg / s, jf = -value / f,
+               jg = c / f, turn = d.coarse[i] - d.fine[i];
         double dc = g / f + jf * ff * turn / s - jg * c * gg * turn / s;
         t_sd[i] = sqrt(jf * jf * vff + jg * jg * vgg + 2.0 * jf * jg * vfg + dc * dc * c_variance);
     }
@@ -3544,8 +3771,9 @@ static inline classifier_status classifier__reconcile(const classifier_balance_d
     return CLASSIFIER_OK;
 }
 
-CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_data *data, double *t, double *t_sd, double *feed,
-                                                      double *coarse, double *fine, classifier_balance_result *result) {
+CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_data *data, double *t, double *t_sd,
+                                                      double *feed, double *coarse, double *fine,
+                                                      classifier_balance_result *result) {
     if (result) {
         result->coarse_share = result->coarse_share_sd = result->chi_squared = classifier__nan();
         result->freedom = 0;
@@ -3556,23 +3784,28 @@ CLASSIFIER_API classifier_status classifier_reconcile(const classifier_balance_d
     return status;
 }
 
-/* >>circuits ================================================================================================================== */
+/* >>circuits ======================================================================================================= */
 
-static inline classifier_status classifier__circuit(const classifier_circuit_def *circuit, const double *t, double *coarse, double *load) {
-    double to[CLASSIFIER_STAGES][CLASSIFIER_STAGES], out[CLASSIFIER_STAGES], leaves[CLASSIFIER_STAGES], flow[CLASSIFIER_STAGES];
-    if (!(circuit && t && coarse) || circuit->stages < 1 || circuit->stages > CLASSIFIER_STAGES) return CLASSIFIER_BAD_ARGUMENT;
+static inline classifier_status classifier__circuit(const classifier_circuit_def *circuit, const double *t,
+                                                    double *coarse, double *load) {
+    double to[CLASSIFIER_STAGES][CLASSIFIER_STAGES], out[CLASSIFIER_STAGES], leaves[CLASSIFIER_STAGES],
+        flow[CLASSIFIER_STAGES];
+    if (!(circuit && t && coarse) || circuit->stages < 1 || circuit->stages > CLASSIFIER_STAGES)
+        return CLASSIFIER_BAD_ARGUMENT;
     int n = circuit->stages;
     for (int i = 0; i < n; i++) {
         int to_c = circuit->coarse_to[i], to_f = circuit->fine_to[i];
-        if (!(t[i] >= 0.0 && t[i] <= 1.0) || to_c < CLASSIFIER_TO_FINE || to_c >= n || to_f < CLASSIFIER_TO_FINE || to_f >= n)
+        if (!(t[i] >= 0.0 && t[i] <= 1.0) || to_c < CLASSIFIER_TO_FINE || to_c >= n || to_f < CLASSIFIER_TO_FINE ||
+            to_f >= n)
             return CLASSIFIER_BAD_ARGUMENT;
         out[i] = 0.0;
         for (int j = 0; j < n; j++) to[i][j] = 0.0;
         *(to_c >= 0 ? &to[i][to_c] : &out[i]) += t[i];
         *(to_f >= 0 ? &to[i][to_f] : &out[i]) += 1.0 - t[i];
     }
-    /* Stages are eliminated from the last one down: what enters a stage continues to others in the shares in which it leaves. Only positive
-       numbers are summed (Grassmann, Taksar and Heyman 1985), so a flow that leaves slowly keeps its digits. */
+    /* Stages are eliminated from the last one down: what enters a stage continues to others in the shares in which it
+       leaves. Only positive numbers are summed (Grassmann, Taksar and Heyman 1985), so a flow that leaves slowly
+       keeps its digits. */
     for (int k = n - 1; k >= 0; k--) {
         leaves[k] = out[k];
         for (int j = 0; j < k; j++) leaves[k] += to[k][j];
@@ -3597,7 +3830,8 @@ static inline classifier_status classifier__circuit(const classifier_circuit_def
     return CLASSIFIER_OK;
 }
 
-CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def *circuit, const double *t, double *coarse, double *load) {
+CLASSIFIER_API classifier_status classifier_circuit(const classifier_circuit_def *circuit, const double *t,
+                                                    double *coarse, double *load) {
     classifier_status status = classifier__circuit(circuit, t, coarse, load);
     classifier__leave(status, circuit && circuit->stages <= CLASSIFIER_STAGES ? circuit->stages : 0, load);
     return classifier__leave(status, 1, coarse);

@@ -21,34 +21,39 @@
            return status != DEM_OK;
        }
 
-   Models    linear spring-dashpot, naive or clipped restitution (Schwager & Poeschel 2007); Hertz-Mindlin with damping from the
-             coefficient of restitution (Tsuji et al. 1992); tangential spring with Coulomb limit (Cundall & Strack 1979); rolling
-             resistance with a lever arm in metres, relative and capped. A law of your own: dem_law and DEM_KERNEL below.
-   Bodies    spheres, clumps of them (dem_add_clumps, docs/dem_bodies.md), and convex polyhedra with rounded edges (dem_add_convex,
-             docs/dem_convex.md).
-   Walls     plane, cylinder, wire screen, cone, disc, sphere, box, triangle mesh (STL); each at rest, vibrating, turning,
-             moving, prescribed or driven by a force or torque. A wall supplies geometry (normal, gap, surface velocity,
-             inverse mass 0); everything after that is the pair's kernel.
-   Time      A particle is on a parabola from the step at which its last force ended; only particles that touch something take steps.
-             Velocity Verlet with the dashpot's velocity predicted and the first and last step of a contact resolved in time: second
-             order in dt with damping, third for the restitution of a linear contact.
+   Models    linear spring-dashpot, naive or clipped restitution (Schwager & Poeschel 2007); Hertz-Mindlin with damping
+             from the coefficient of restitution (Tsuji et al. 1992); tangential spring with Coulomb limit (Cundall &
+             Strack 1979); rolling resistance with a lever arm in metres, relative and capped. A law of your own:
+             dem_law and DEM_KERNEL below.
+   Bodies    spheres, clumps of them (dem_add_clumps, docs/dem_bodies.md), and convex polyhedra with rounded edges
+             (dem_add_convex, docs/dem_convex.md).
+   Walls     plane, cylinder, wire screen, cone, disc, sphere, box, triangle mesh (STL); each at rest, vibrating,
+             turning, moving, prescribed or driven by a force or torque. A wall supplies geometry (normal, gap, surface
+             velocity, inverse mass 0); everything after that is the pair's kernel.
+   Time      A particle is on a parabola from the step at which its last force ended; only particles that touch
+             something take steps. Velocity Verlet with the dashpot's velocity predicted and the first and last step of
+             a contact resolved in time: second order in dt with damping, third for the restitution of a linear contact.
              A pair is not tested before it can touch. Results do not depend on what is skipped, bit for bit.
    Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
-   Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const world.
+   Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const
+   world.
    Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 560 bytes a
-             sphere and 12 more for every wall, 40 a near pair, 340 a contact with friction (64 more with a ledger), room for at least
-             64 to 1024 of each and 6 near pairs a sphere, and half as much again for growing. Running out gives DEM_OUT_OF_MEMORY and
-             a world that can be read, saved and freed.
-   Threads   def.threads with OpenMP (no more than there are processors) or a pool of the host's, else one; fewer where a loop has little
-             work or another program takes the cores. Same bits for any number. Worlds are independent of each other; several threads may
-             read one.
-   Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off; dem_build_is_deterministic().
-   Flags     -O2 is enough: with gcc the functions here bring their own options (#pragma GCC optimize, undone at the end), and with gcc
-             and clang sqrt in a file that includes this does not set errno. A law of yours takes part if declared DEM_INLINE.
-   Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file; laws of yours stand there.
-   Fields    a force on every particle, in flight by steps of its own, by a law of yours (DEM_FORCE_FIELD); drag in a gas, at rest or on a
-             Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer & Sommerfeld; with a porosity Di Felice,
-             Gidaspow, Beetstra, Koch & Hill.
+             sphere and 12 more for every wall, 40 a near pair, 340 a contact with friction (64 more with a ledger),
+             room for at least 64 to 1024 of each and 6 near pairs a sphere, and half as much again for growing. Running
+             out gives DEM_OUT_OF_MEMORY and a world that can be read, saved and freed.
+   Threads   def.threads with OpenMP (no more than there are processors) or a pool of the host's, else one; fewer where
+             a loop has little work or another program takes the cores. Same bits for any number. Worlds are independent
+             of each other; several threads may read one.
+   Bits      The same on every machine that computes IEEE doubles, if compiled with -ffp-contract=off;
+             dem_build_is_deterministic().
+   Flags     -O2 is enough: with gcc the functions here bring their own options (#pragma GCC optimize, undone at the
+             end), and with gcc and clang sqrt in a file that includes this does not set errno. A law of yours takes
+             part if declared DEM_INLINE.
+   Linking   one shared copy: #define DEM_API extern everywhere, DEM_IMPLEMENTATION as well in one file; laws of yours
+             stand there.
+   Fields    a force on every particle, in flight by steps of its own, by a law of yours (DEM_FORCE_FIELD); drag in a
+             gas, at rest or on a Cartesian grid that turns with a wall (DEM_GAS): Stokes, Schiller & Naumann, Hoelzer &
+             Sommerfeld; with a porosity Di Felice, Gidaspow, Beetstra, Koch & Hill.
    Not here  the flow of fluids, heat, files, printing. */
 #ifndef DEM_H
 #define DEM_H
@@ -168,8 +173,8 @@ extern double sqrt(double) __attribute__((const));
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
     DEM__FAST DEM__STATIC void name parameters { call; }
 #endif
-/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built with. Clang fuses
-   only if told to by -ffp-contract=fast. With the address sanitizer the command line decides. */
+/* gcc, from -O1 on, but not at -Os: loops vectorise and no product is fused with a sum, whatever else a host is built
+   with. Clang fuses only if told to by -ffp-contract=fast. With the address sanitizer the command line decides. */
 #if defined(__clang__)
 #pragma float_control(push)
 #pragma clang fp contract(off)
@@ -565,7 +570,9 @@ enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
 
 /* ---- force fields ---- */
 
-/* Input of the law of a force field for one particle. */
+struct dem__seen;
+
+/* Input of the law of a force field for one particle. For one of your own: all 0, then the members that count. */
 typedef struct dem_force_point {
     dem_vec position; /* of its centre, within the periodic box [m] */
     dem_vec velocity; /* [m/s] */
@@ -574,6 +581,7 @@ typedef struct dem_force_point {
     double time;      /* [s] */
     dem_vec gravity;  /* [m/s2] */
     const void *user; /* the user of the field */
+    const struct dem__seen *body__; /* private: the body whose shape dem_sphericities() finds; NULL: a sphere */
 } dem_force_point;
 
 struct dem__field_task;
@@ -593,13 +601,21 @@ typedef struct dem_force_field {
                         default 1e-6 */
 } dem_force_field;
 
+/* The shape of a rigid body for dem_drag_hoelzer_sommerfeld: */
+typedef enum dem_drag_shape {
+    DEM_DRAG_BY_ORIENTATION, /* its own, as the flow meets it: sphericity, crosswise and lengthwise sphericity */
+    DEM_DRAG_BY_SPHERICITY,  /* its own sphericity for all three: the mean of all orientations of a convex body */
+    DEM_DRAG_SHARED          /* dem_gas.shape, as for a sphere */
+} dem_drag_shape;
+
 /* A gas: at rest, or given by values on a Cartesian grid, in a frame that may move. Made by dem_default_gas(); the
    arrays are the caller's. */
 typedef struct dem_gas {
     double density;   /* [kg/m3] > 0; default 1.2 */
     double viscosity; /* [Pa s] > 0; default 1.81e-5 */
-    double shape[3];  /* C1, C2, C3 of the drag coefficient C1/Re + C2/sqrt(Re) + C3 for dem_drag_hoelzer_sommerfeld;
-                         default 24, 3, 0.42 */
+    double shape[3];  /* of spheres: C1, C2, C3 of the drag coefficient C1/Re + C2/sqrt(Re) + C3 for
+                         dem_drag_hoelzer_sommerfeld; default 24, 3, 0.42 */
+    int bodies;       /* dem_drag_shape: the shape of polyhedra and clumps; default DEM_DRAG_BY_ORIENTATION */
     int buoyancy; /* 1: subtracts the weight of the displaced gas; 0 if pressure_gradient contains the gas's own weight;
                      default 0 */
     dem_vec low, high;      /* corners of the grid in the frame [m], no gas beyond; default -HUGE_VAL, HUGE_VAL */
@@ -612,6 +628,8 @@ typedef struct dem_gas {
     dem_vec centre, axis,
         drift; /* the frame turns about `axis` through `centre` [m], which moves at `drift` [m/s]; 0, (0, 0, 1), 0 */
     double spin, start; /* rate of this rotation [rad/s]; time at which frame and world coincide [s]; default 0 */
+    const dem_force_point *point__; /* private: for a law of drag: the body, and how the gas flows about it */
+    dem_vec flow__;
 } dem_gas;
 
 /* ---- the world ---- */
@@ -1149,8 +1167,8 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
    an error of at most `accuracy`; velocities read in between have as small an error. A particle in contact gets the
    force of the law in each step. Where the law gives exactly 0, a flight is the same to the bit as without a field.
    Call this again after dem_load (until then runs give DEM_NO_FIELD), and when the data of the law have changed. The
-   time step must be below the shortest relaxation time. A rigid body feels the field at its centre, as a sphere of its
-   volume; the field exerts no torque. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
+   time step must be below the shortest relaxation time. A rigid body feels the field at its centre, with the radius of
+   the sphere of its volume; dem_sphericities() tells the law its shape. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
 /* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, for a
@@ -1158,6 +1176,11 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
    area seen along the flow; lengthwise: (pi x^2/4)/(S/2 - B), where B is its mean area seen across the flow; both 0 <
    .. <= 100. For a convex body that turns at random all three are equal. NaN outside these ranges. */
 DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengthwise, double shape[3]);
+/* Computes sphericity, crosswise and lengthwise sphericity of the body of particle i, as dem_shape_of_drag takes them,
+   in a flow along `flow` (any length but 0). A polyhedron is taken without its rounding; exact, but for `deviation`.
+   For clumps: the union of the spheres, with its own volume; the lengthwise one to 1e-3. psi: 1, 1, 1 for a sphere.
+   DEM_BAD_ARGUMENT: i is out of range, or `flow` is 0 or not finite. */
+DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, dem_vec flow, double psi[3]);
 DEM_API dem_gas dem_default_gas(void); /* air at 20 degrees C, at rest everywhere */
 /* Returns DEM_OK, or DEM_BAD_DEFINITION with the name of the first bad field in *field (field may be NULL). */
 DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field);
@@ -1475,9 +1498,9 @@ typedef struct dem__tree {
 } dem__tree;
 
 /* ------------------------------------------------------------------------------------------ >>base/portable_math.h */
-/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
-   stated; NaN outside the domain. */
+/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ.
+   Identical in every Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the
+   copies). Within 5 ulp unless stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
 #define RIDDLE_PORTABLE_MATH
@@ -1541,7 +1564,9 @@ static inline double riddle_log(double x) {
     return e * RIDDLE_LN2_HI + (riddle__log1p_small(m - 1.0) + e * RIDDLE_LN2_LO);
 }
 
-static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
+static inline double riddle_log1p(double x) {
+    return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x);
+}
 
 /* Returns x^y for x >= 0; relative error about (2 + |y log x|) ulp. */
 static inline double riddle_pow(double x, double y) {
@@ -1898,10 +1923,37 @@ DEM_INLINE double dem_drag_schiller_naumann(double reynolds, double porosity, co
     return dem__drag_of_sphere(reynolds) * hindrance;
 }
 
-/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among other particles
-   times Di Felice's factor. */
+/* How a law sees the shape of a body at a point of a force field; gas/view.h fills it. */
+typedef struct dem__seen {
+    void (*find)(const struct dem__seen *s, dem_vec flow, double psi[3]);
+    const dem_world *world;
+    ptrdiff_t first; /* particle of the body */
+    double tau;      /* time of the point after the body's origin step [s] */
+} dem__seen;
+
+/* Finds the sphericities of the particle at a point of a force field in a flow along `flow`, of any length: sphericity,
+   crosswise and lengthwise sphericity (see dem_shape_of_drag) [-]; 1, 1, 1 for a sphere. For laws of your own. */
+DEM_INLINE void dem_sphericities(const dem_force_point *at, dem_vec flow, double psi[3]) {
+    psi[0] = psi[1] = psi[2] = 1.0;
+    if (at->body__) at->body__->find(at->body__, flow, psi);
+}
+/* Finds the same for a law of drag, from its argument `gas`: of the particle whose drag is asked for, as the gas flows
+   about it; all three the sphericity with DEM_DRAG_BY_SPHERICITY, 1 with DEM_DRAG_SHARED. */
+DEM_INLINE void dem_gas_sphericities(const dem_gas *gas, double psi[3]) {
+    psi[0] = psi[1] = psi[2] = 1.0;
+    if (gas->point__) dem_sphericities(gas->point__, gas->flow__, psi);
+    if (gas->bodies == DEM_DRAG_BY_SPHERICITY) psi[1] = psi[2] = psi[0];
+}
+
+/* Returns c_D Re by Hoelzer & Sommerfeld 2008, eq. 9, with the shape of the body (dem_gas.bodies), or gas->shape, which
+   dem_shape_of_drag() sets; among other particles times Di Felice's factor. */
 DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, double porosity, const dem_gas *gas) {
-    const double alone = gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
+    double psi[3], shape[3] = {gas->shape[0], gas->shape[1], gas->shape[2]};
+    if (gas->point__) {
+        dem_gas_sphericities(gas, psi);
+        dem_shape_of_drag(psi[0], psi[1], psi[2], shape);
+    }
+    const double alone = shape[0] + shape[1] * sqrt(reynolds) + shape[2] * reynolds;
     return alone * dem_hindrance_di_felice(reynolds, porosity);
 }
 
@@ -2033,7 +2085,12 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     const dem_vec slip = dem__sub(dem__gas_speed(gas, &f, &cell, at->position), at->velocity);
     const double porosity = gas->porosity ? dem__gas_value(gas->porosity, &cell, 1, 0) : 1.0;
     const double reynolds = gas->density * porosity * dem__length(slip) * d / gas->viscosity;
-    const double coefficient = drag ? drag(reynolds, porosity, gas) : 0.0;
+    double coefficient = 0.0;
+    if (drag && at->body__ && gas->bodies != DEM_DRAG_SHARED) {
+        dem_gas own = *gas;
+        own.point__ = at, own.flow__ = slip;
+        coefficient = drag(reynolds, porosity, &own);
+    } else if (drag) coefficient = drag(reynolds, porosity, gas);
     dem_vec force = dem__scale(RIDDLE_PI / 8.0 * gas->viscosity * d * coefficient, slip);
     if (gas->pressure_gradient)
         force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));
@@ -2238,8 +2295,8 @@ typedef struct dem__convex_point {
                            ends */
     int32_t taken;      /* a contact uses it */
     dem_vec normal, at; /* from b to a; [m] */
-    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1, over the
-                           springs of its body; later its part of the pair's law */
+    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1, over
+                           the springs of its body; later its part of the pair's law */
     double count;       /* for a corner 1, for a crossing what its ends leave, for an end 0; over the springs of its
                            body */
     double pull;        /* its part of the pair's pull, over the force of its spring */
@@ -2611,6 +2668,8 @@ typedef struct dem__links {
     int64_t evaluated_step;     /* step of that evaluation */
 } dem__links;
 
+struct dem__view;
+
 /* A force field, and the flights in it. gas/flights.h begins and ends flights, gas/field.h computes them. */
 typedef struct dem__field {
     int on; /* a field is set; after loading its law may be missing */
@@ -2625,6 +2684,9 @@ typedef struct dem__field {
     dem_vec *torque;       /* the same [N m] */
     double *work;          /* work of the field along the flight [J] */
     double *booked;        /* part of this work that is in the ledger [J] */
+    struct dem__view *view; /* shapes of bodies as a flow sees them, made at the beginning of a run (gas/view.h) */
+    ptrdiff_t views, view_capacity;
+    int32_t *view_of; /* of a body's first particle: 1 + index of its view; 0: none yet; -1: it is one sphere */
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 
@@ -8809,7 +8871,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         contacts->type_count += same == contacts->type_count;
         return;
     }
-    contacts->type_count = DEM__TYPES_MAX + 1; /* from here on each has its own: a search would cost more than it saves */
+    /* from here on each has its own: a search would cost more than it saves */
+    contacts->type_count = DEM__TYPES_MAX + 1;
     contacts->type[c] = -1;
     for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
     contacts->mass[c] = kind.mass;
@@ -12993,6 +13056,622 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
     return DEM_OK;
 }
 
+/* ------------------------------------------------------------------------------------------------ >>bodies/union.h */
+/* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is
+   cut along latitudes about z. On a latitude other balls cover arcs. Between the arcs, the integrals of products of the
+   normal's components are closed forms. Between latitudes at which an arc begins or ends, they are smooth functions of
+   the latitude but for square roots at both ends. A substitution removes these, so that Gauss's rule with 16 points is
+   exact to rounding. */
+
+/* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
+typedef struct dem__content {
+    double volume;
+    dem_vec first;
+    double second[6];
+} dem__content;
+
+/* Integrals over the exposed directions n of a ball: of 1, n, n n, n n n. */
+typedef struct dem__exposed {
+    double zero, one[3], two[3][3], three[3][3][3];
+} dem__exposed;
+
+/* What another ball covers of a ball's surface: directions n with n d > h. */
+typedef struct dem__cover {
+    dem_vec d;
+    double h, across, angle; /* across, angle: length and angle of d about z */
+} dem__cover;
+
+/* Rims of m caps meet in at most 6 m - 12 exposed places, and each cap has two ends. Where many meet in one place,
+   rounding may find some more. A latitude that does not fit is only a kink, which halving a zone resolves, too. */
+enum { DEM__CAPS = DEM_CLUMP_MAX, DEM__LATITUDES = 10 * DEM__CAPS };
+
+/* Lists what others cover of ball i. Returns how many do. */
+static inline int dem__find_caps(int n, const dem_vec *centre, const double *radius, int i, dem__cover *cap) {
+    int m = 0;
+    for (int j = 0; j < n; j++) {
+        const dem_vec d = dem__sub(centre[j], centre[i]);
+        const double square = dem__dot(d, d), sum = radius[i] + radius[j], r = radius[i];
+        if (j == i || !(square < sum * sum) || sqrt(square) + radius[j] <= r) continue;
+        cap[m].d = d, cap[m].h = 0.5 * (square + (r - radius[j]) * (r + radius[j])) / r;
+        cap[m].across = sqrt(d.x * d.x + d.y * d.y), cap[m].angle = riddle_atan2(d.y, d.x);
+        m++;
+    }
+    return m;
+}
+
+/* Returns whether a cap other than a and b covers a direction, by more than rounding. */
+static inline int dem__is_covered(int m, const dem__cover *cap, dem_vec n, int a, int b) {
+    for (int k = 0; k < m; k++) {
+        if (k != a && k != b && dem__dot(n, cap[k].d) > cap[k].h + 1e-11 * dem__length(cap[k].d)) return 1;
+    }
+    return 0;
+}
+
+/* Adds a latitude to a list in ascending order. Returns the new length. */
+static inline int dem__insert_latitude(double *t, int count, double z) {
+    int k = count;
+    while (t[k - 1] > z) k--;
+    if (count == DEM__LATITUDES || z - t[k - 1] < 1e-15 || (k < count && t[k] - z < 1e-15)) return count;
+    memmove(t + k + 1, t + k, (size_t)(count - k) * sizeof *t);
+    t[k] = z;
+    return count + 1;
+}
+
+/* Lists the latitudes, from -1 to 1, at which the exposed arcs change their number: where the rim of a cap is highest
+   or lowest, and where two rims meet. */
+static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
+    int count = 2;
+    t[0] = -1.0, t[1] = 1.0;
+    for (int a = 0; a < m; a++) {
+        const dem_vec d = cap[a].d;
+        const double square = dem__dot(d, d), left = square - cap[a].h * cap[a].h;
+        for (double side = -1.0; side < 2.0 && left > 0.0; side += 2.0) {
+            const double z = (cap[a].h * d.z + side * cap[a].across * sqrt(left)) / square;
+            dem_vec n = dem__scale(cap[a].h / square, d);
+            if (cap[a].across > 0.0) { /* up or down along the rim's plane */
+                const double up = side * sqrt(left) / (square * cap[a].across);
+                n = dem__plus(n, up, dem_vec3(-d.z * d.x, -d.z * d.y, cap[a].across * cap[a].across));
+            }
+            if (z > -1.0 && z < 1.0 && !(cap[a].across > 0.0 && dem__is_covered(m, cap, n, a, a)))
+                count = dem__insert_latitude(t, count, z);
+        }
+        for (int b = 0; b < a; b++) {
+            const dem_vec axis = dem__cross(d, cap[b].d);
+            const double bb = dem__dot(cap[b].d, cap[b].d), ab = dem__dot(d, cap[b].d), det = dem__dot(axis, axis);
+            if (!(det > 1e-24 * square * bb)) continue;
+            const dem_vec foot = dem__plus(dem__scale((cap[a].h * bb - cap[b].h * ab) / det, d),
+                                           (cap[b].h * square - cap[a].h * ab) / det, cap[b].d);
+            const double rest = 1.0 - dem__dot(foot, foot);
+            for (double side = -1.0; side < 2.0 && rest > 0.0; side += 2.0) {
+                const dem_vec n = dem__plus(foot, side * sqrt(rest / det), axis);
+                if (n.z > -1.0 && n.z < 1.0 && !dem__is_covered(m, cap, n, a, b))
+                    count = dem__insert_latitude(t, count, n.z);
+            }
+        }
+    }
+    return count;
+}
+
+/* Adds the arc of a latitude t between two angles. */
+static inline void dem__add_arc(dem__exposed *e, double weight, double t, double from, double to) {
+    const double across = sqrt((1.0 - t) * (1.0 + t));
+    double in[4][4], side = -1.0; /* of cos^a sin^b */
+    memset(in, 0, sizeof in);
+    for (int k = 0; k < 2; k++, side = 1.0) {
+        const double angle = k ? to : from, c = riddle_cos(angle), s = riddle_sin(angle);
+        in[0][0] += side * angle, in[1][0] += side * s, in[0][1] -= side * c;
+        in[2][0] += side * 0.5 * (angle + s * c), in[0][2] += side * 0.5 * (angle - s * c);
+        in[1][1] += side * 0.5 * s * s, in[3][0] += side * (s - s * s * s / 3.0);
+        in[2][1] -= side * c * c * c / 3.0, in[1][2] += side * s * s * s / 3.0;
+        in[0][3] += side * (c * c * c / 3.0 - c);
+    }
+    for (int a = 0; a < 4; a++) {
+        for (int b = 0; a + b < 4; b++) {
+            in[a][b] *= weight;
+            for (int k = 0; k < a + b; k++) in[a][b] *= across;
+        }
+    }
+    e->zero += in[0][0];
+    for (int p = 0; p < 3; p++) {
+        e->one[p] += in[p == 0][p == 1] * (p == 2 ? t : 1.0);
+        for (int q = 0; q < 3; q++) {
+            const double z = (p == 2 ? t : 1.0) * (q == 2 ? t : 1.0);
+            e->two[p][q] += in[(p == 0) + (q == 0)][(p == 1) + (q == 1)] * z;
+            for (int s = 0; s < 3; s++)
+                e->three[p][q][s] +=
+                    in[(p == 0) + (q == 0) + (s == 0)][(p == 1) + (q == 1) + (s == 1)] * z * (s == 2 ? t : 1.0);
+        }
+    }
+}
+
+/* Adds the exposed arcs of a latitude. */
+static inline void dem__add_latitude(dem__exposed *e, double weight, double t, int m, const dem__cover *cap) {
+    double begin[2 * DEM__CAPS], end[2 * DEM__CAPS], from = -RIDDLE_PI;
+    const double across = sqrt((1.0 - t) * (1.0 + t));
+    int arcs = 0;
+    for (int k = 0; k < m; k++) {
+        const double most = across * cap[k].across, least = cap[k].h - t * cap[k].d.z;
+        if (least >= most) continue;
+        if (least <= -most) return; /* all is covered */
+        const double half = riddle_acos(least / most);
+        double a = cap[k].angle - half, b = cap[k].angle + half;
+        if (a < -RIDDLE_PI) begin[arcs] = a + 2.0 * RIDDLE_PI, end[arcs++] = RIDDLE_PI, a = -RIDDLE_PI;
+        if (b > RIDDLE_PI) begin[arcs] = -RIDDLE_PI, end[arcs++] = b - 2.0 * RIDDLE_PI, b = RIDDLE_PI;
+        begin[arcs] = a, end[arcs++] = b;
+    }
+    for (int k = 1; k < arcs; k++) {
+        const double a = begin[k], b = end[k];
+        int q = k;
+        for (; q > 0 && begin[q - 1] > a; q--) begin[q] = begin[q - 1], end[q] = end[q - 1];
+        begin[q] = a, end[q] = b;
+    }
+    for (int k = 0; k <= arcs; k++) {
+        const double to = k < arcs ? begin[k] : RIDDLE_PI;
+        if (to > from) dem__add_arc(e, weight, t, from, to);
+        if (k < arcs && end[k] > from) from = end[k];
+    }
+}
+
+/* A range of the latitudes t = middle + half sin(pi/2 s) between two of them, from one s to another. */
+typedef struct dem__zone {
+    double middle, half, from, to;
+} dem__zone;
+
+/* Integrates over a zone by Gauss's rule with 16 points. */
+static inline void dem__add_zone(dem__exposed *e, const dem__zone *z, int m, const dem__cover *cap) {
+    static const double node[8] = {0.095012509837637441, 0.28160355077925892, 0.45801677765722737, 0.61787624440264377,
+                                   0.755404408355003,    0.86563120238783176, 0.9445750230732326,  0.98940093499164994};
+    static const double part[8] = {0.18945061045506847,  0.18260341504492361, 0.16915651939500256,
+                                   0.14959598881657682,  0.12462897125553395, 0.095158511682492897,
+                                   0.062253523938647776, 0.027152459411754058};
+    const double half = 0.25 * RIDDLE_PI * (z->to - z->from), middle = 0.25 * RIDDLE_PI * (z->to + z->from);
+    for (int g = 0; g < 16; g++) {
+        const double s = middle + half * (g < 8 ? -node[7 - g] : node[g - 8]);
+        const double weight = half * z->half * riddle_cos(s) * part[g < 8 ? 7 - g : g - 8];
+        dem__add_latitude(e, weight, z->middle + z->half * riddle_sin(s), m, cap);
+    }
+}
+
+static inline void dem__add_exposed(dem__exposed *e, const dem__exposed *of) {
+    e->zero += of->zero;
+    for (int p = 0; p < 3; p++) {
+        e->one[p] += of->one[p];
+        for (int q = 0; q < 3; q++) {
+            e->two[p][q] += of->two[p][q];
+            for (int s = 0; s < 3; s++) e->three[p][q][s] += of->three[p][q][s];
+        }
+    }
+}
+
+/* Integrates over a zone. Halves it if that changes its integrals, because a rim then ends just beyond it. */
+enum { DEM__HALVINGS = 12 };
+static inline void dem__expose_zone(dem__exposed *e, dem__zone z, int m, const dem__cover *cap) {
+    dem__zone left[DEM__HALVINGS + 1]; /* zones left, each half as wide as the one before */
+    int todo = 0;
+    left[todo++] = z;
+    while (todo > 0) {
+        dem__exposed whole, halves;
+        dem__zone low = left[--todo], high = low;
+        memset(&whole, 0, sizeof whole), memset(&halves, 0, sizeof halves);
+        low.to = high.from = 0.5 * (high.from + high.to);
+        dem__add_zone(&whole, &left[todo], m, cap);
+        dem__add_zone(&halves, &low, m, cap), dem__add_zone(&halves, &high, m, cap);
+        const double change = fabs(halves.zero - whole.zero) + fabs(halves.one[0] - whole.one[0]) +
+                              fabs(halves.one[1] - whole.one[1]) + fabs(halves.two[2][2] - whole.two[2][2]);
+        if (change > 1e-13 && todo + 2 <= DEM__HALVINGS) left[todo++] = high, left[todo++] = low;
+        else dem__add_exposed(e, &halves);
+    }
+}
+
+/* Integrates over the exposed part of a ball. */
+static inline void dem__expose(int m, const dem__cover *cap, dem__exposed *e) {
+    double t[DEM__LATITUDES];
+    const int count = dem__find_latitudes(m, cap, t);
+    memset(e, 0, sizeof *e);
+    for (int k = 1; k < count; k++) {
+        const dem__zone z = {0.5 * (t[k] + t[k - 1]), 0.5 * (t[k] - t[k - 1]), -1.0, 1.0};
+        if (z.half > 1e-16) dem__expose_zone(e, z, m, cap);
+    }
+}
+
+/* Adds the content that the exposed surface of a ball at c encloses with the origin. */
+static inline void dem__add_enclosed(dem__content *to, const dem__exposed *e, dem_vec c, double r) {
+    const double centre[3] = {c.x, c.y, c.z};
+    double zero = r * e->zero, one[3], first[3], second[3][3]; /* of (x n) times 1, n, n n; then of x, x x */
+    for (int p = 0; p < 3; p++) zero += centre[p] * e->one[p];
+    for (int p = 0; p < 3; p++) {
+        one[p] = r * e->one[p];
+        for (int s = 0; s < 3; s++) one[p] += centre[s] * e->two[p][s];
+        first[p] = centre[p] * zero + r * one[p];
+    }
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) {
+            double two = r * e->two[p][q];
+            for (int s = 0; s < 3; s++) two += centre[s] * e->three[p][q][s];
+            second[p][q] = centre[p] * centre[q] * zero + r * (centre[p] * one[q] + centre[q] * one[p] + r * two);
+        }
+    }
+    const double area = r * r;
+    to->volume += area / 3.0 * zero;
+    to->first = dem__plus(to->first, 0.25 * area, dem_vec3(first[0], first[1], first[2]));
+    for (int p = 0; p < 3; p++)
+        to->second[p] += 0.2 * area * second[p][p], to->second[3 + p] += 0.2 * area * second[p][(p + 1) % 3];
+}
+
+/* Adds a content that was computed about another origin. */
+static inline void dem__add_shifted(dem__content *to, const dem__content *of, dem_vec origin) {
+    const double o[3] = {origin.x, origin.y, origin.z}, f[3] = {of->first.x, of->first.y, of->first.z};
+    to->volume += of->volume;
+    to->first = dem__add(to->first, dem__plus(of->first, of->volume, origin));
+    for (int p = 0; p < 3; p++) {
+        const int q = (p + 1) % 3;
+        to->second[p] += of->second[p] + 2.0 * o[p] * f[p] + of->volume * o[p] * o[p];
+        to->second[3 + p] += of->second[3 + p] + o[p] * f[q] + o[q] * f[p] + of->volume * o[p] * o[q];
+    }
+}
+
+/* Adds the union of balls. Connected balls are integrated about one of them, so that no digits are lost however far
+   apart others are. */
+static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
+    int of[DEM_CLUMP_MAX]; /* the first of the balls connected with it */
+    dem__cover cap[DEM__CAPS];
+    dem__exposed e;
+    dem__content own;
+    for (int k = 0; k < n; k++) of[k] = k;
+    for (int a = 0; a < n; a++) {
+        for (int b = 0; b < a; b++) {
+            const dem_vec d = dem__sub(centre[a], centre[b]);
+            const double sum = radius[a] + radius[b];
+            const int low = of[a] < of[b] ? of[a] : of[b], high = of[a] < of[b] ? of[b] : of[a];
+            if (!(dem__dot(d, d) < sum * sum)) continue;
+            for (int k = 0; k < n; k++) of[k] = of[k] == high ? low : of[k];
+        }
+    }
+    for (int first = 0; first < n; first++) {
+        memset(&own, 0, sizeof own);
+        for (int k = first; k < n; k++) {
+            if (of[k] != first) continue;
+            dem__expose(dem__find_caps(n, centre, radius, k, cap), cap, &e);
+            dem__add_enclosed(&own, &e, dem__sub(centre[k], centre[first]), radius[k]);
+        }
+        dem__add_shifted(c, &own, centre[first]);
+    }
+}
+
+/* ---------------------------------------------------------------------------------------------------- >>gas/view.h */
+/* What a flow sees of a body: its surface, its area along the flow, and its mean area across it, for the sphericities of
+   Hoelzer & Sommerfeld 2008. Reads shapes and bodies; writes the views of a field, one for each shape. Polyhedra: closed
+   forms. Clumps: a table of directions, from closed forms of the union's outline. */
+
+/* Directions of a table: a grid of squares on three sides of a cube; opposite directions look alike. */
+enum {
+    DEM__VIEW_CELLS = 16,
+    DEM__VIEW_ROW = DEM__VIEW_CELLS + 1,
+    DEM__VIEW_SIDE = DEM__VIEW_ROW * DEM__VIEW_ROW,
+    DEM__VIEW_CIRCLE = 32 /* directions of a half circle, for means */
+};
+
+/* All areas are over that of the circle of the sphere of equal volume. */
+typedef struct dem__view {
+    uint64_t key; /* of a polyhedron: 1 + its shape; of a clump: a hash of it, with the highest bit */
+    double surface;
+    int faces; /* of a polyhedron; 0: a clump */
+    dem_vec normal[DEM_FACES_MAX];
+    double area[DEM_FACES_MAX];
+    double seen[3 * DEM__VIEW_SIDE][2]; /* of a clump: area along, and mean area across */
+} dem__view;
+
+/* A clump over the diameter of the sphere of its volume: centres from its centre of mass along its principal axes. */
+typedef struct dem__outline {
+    int n;
+    dem_vec centre[DEM_CLUMP_MAX];
+    double radius[DEM_CLUMP_MAX];
+} dem__outline;
+
+/* ---- polyhedra ---- */
+
+/* Returns a unit vector across u. */
+static inline dem_vec dem__one_across(dem_vec u) {
+    const dem_vec a = dem__cross(u, fabs(u.x) < 0.6 ? dem_vec3(1.0, 0.0, 0.0) : dem_vec3(0.0, 1.0, 0.0));
+    return dem__scale(1.0 / dem__length(a), a);
+}
+
+/* Cuts from a polygon what is in front of a plane. Returns its number of corners. */
+static inline int dem__cut_polygon(dem_vec *corner, int n, const double *plane, double offset) {
+    dem_vec kept[DEM_FACES_MAX + 4];
+    int m = 0;
+    for (int k = 0; k < n; k++) {
+        const dem_vec a = corner[k], b = corner[(k + 1) % n];
+        const double from = dem__dot(dem__point(plane), a) - offset, to = dem__dot(dem__point(plane), b) - offset;
+        if (from <= 0.0) kept[m++] = a;
+        if ((from < 0.0 && to > 0.0) || (from > 0.0 && to < 0.0))
+            kept[m++] = dem__plus(a, from / (from - to), dem__sub(b, a));
+        if (m > DEM_FACES_MAX + 2) return 0;
+    }
+    memcpy(corner, kept, (size_t)m * sizeof *kept);
+    return m;
+}
+
+/* Returns the area of a face of a polyhedron without its rounding: its planes lie a radius in front of those of the
+   core. */
+static inline double dem__sharp_area(const dem_convex *s, int face) {
+    dem_vec corner[DEM_FACES_MAX + 4], n = dem__point(s->plane[face]);
+    const dem_vec u = dem__scale(100.0 * s->reach, dem__one_across(n)), v = dem__cross(n, u),
+                  middle = dem__scale(s->plane[face][3] + s->radius, n);
+    int m = 4;
+    double area = 0.0;
+    corner[0] = dem__add(middle, u), corner[1] = dem__add(middle, v);
+    corner[2] = dem__sub(middle, u), corner[3] = dem__sub(middle, v);
+    for (int k = 0; k < s->faces && m > 0; k++)
+        if (k != face) m = dem__cut_polygon(corner, m, s->plane[k], s->plane[k][3] + s->radius);
+    for (int k = 2; k < m; k++)
+        area += 0.5 * dem__dot(n, dem__cross(dem__sub(corner[k - 1], corner[0]), dem__sub(corner[k], corner[0])));
+    return area > 0.0 ? area : 0.0;
+}
+
+static inline void dem__view_polyhedron(dem__view *view, const dem_convex *s) {
+    double volume = 0.0;
+    view->faces = s->faces, view->surface = 0.0;
+    for (int k = 0; k < s->faces; k++) {
+        view->normal[k] = dem__point(s->plane[k]), view->area[k] = dem__sharp_area(s, k);
+        volume += (s->plane[k][3] + s->radius) * view->area[k] / 3.0;
+    }
+    const double x = riddle_cbrt(6.0 / RIDDLE_PI * volume), circle = 0.25 * RIDDLE_PI * x * x;
+    for (int k = 0; k < s->faces; k++) view->area[k] /= circle, view->surface += view->area[k];
+}
+
+/* ---- clumps ---- */
+
+/* Returns twice the area that an uncovered arc of a circle about (x, y) encloses with the origin. */
+static inline double dem__arc_area(double x, double y, double r, double from, double to) {
+    return r * (r * (to - from) + x * (riddle_sin(to) - riddle_sin(from)) - y * (riddle_cos(to) - riddle_cos(from)));
+}
+
+/* Adds an arc to a list in the order of beginnings. Returns its length. */
+static inline int dem__insert_arc(double (*arc)[2], int n, double from, double to) {
+    int k = n;
+    for (; k > 0 && arc[k - 1][0] > from; k--) arc[k][0] = arc[k - 1][0], arc[k][1] = arc[k - 1][1];
+    arc[k][0] = from, arc[k][1] = to;
+    return n + 1;
+}
+
+/* Lists the arcs of circle i that others cover. Returns how many; -1: all is covered. x, y: centres. */
+static inline int dem__covered_arcs(const dem__outline *c, const double *x, const double *y, int i, double (*arc)[2]) {
+    int n = 0;
+    for (int j = 0; j < c->n; j++) {
+        const double dx = x[j] - x[i], dy = y[j] - y[i], d = sqrt(dx * dx + dy * dy), r = c->radius[i],
+                     other = c->radius[j];
+        if (j == i || d >= r + other) continue;
+        if (d + r <= other && (d + other > r || j < i)) return -1; /* of two equal circles the first counts */
+        if (d + other <= r) continue;
+        const double half = riddle_acos(dem__clamp((d * d + (r - other) * (r + other)) / (2.0 * d * r), -1.0, 1.0)),
+                     angle = riddle_atan2(dy, dx);
+        double a = angle - half, b = angle + half;
+        if (a < -RIDDLE_PI) n = dem__insert_arc(arc, n, a + 2.0 * RIDDLE_PI, RIDDLE_PI), a = -RIDDLE_PI;
+        if (b > RIDDLE_PI) n = dem__insert_arc(arc, n, -RIDDLE_PI, b - 2.0 * RIDDLE_PI), b = RIDDLE_PI;
+        n = dem__insert_arc(arc, n, a, b);
+    }
+    return n;
+}
+
+/* Returns the area of a clump seen along the unit vector u. */
+static inline double dem__seen_along(const dem__outline *c, dem_vec u) {
+    double x[DEM_CLUMP_MAX], y[DEM_CLUMP_MAX], arc[2 * DEM_CLUMP_MAX][2], twice = 0.0;
+    const dem_vec a = dem__one_across(u), b = dem__cross(u, a);
+    for (int k = 0; k < c->n; k++) x[k] = dem__dot(a, c->centre[k]), y[k] = dem__dot(b, c->centre[k]);
+    for (int i = 0; i < c->n; i++) {
+        const int n = dem__covered_arcs(c, x, y, i, arc);
+        double from = -RIDDLE_PI;
+        for (int k = 0; k <= n; k++) {
+            const double to = k < n ? arc[k][0] : RIDDLE_PI;
+            if (to > from) twice += dem__arc_area(x[i], y[i], c->radius[i], from, to);
+            if (k < n && arc[k][1] > from) from = arc[k][1];
+        }
+    }
+    return 0.5 * twice / (0.25 * RIDDLE_PI);
+}
+
+/* Returns direction k of those of a half circle across u. */
+static inline dem_vec dem__across(dem_vec u, int k) {
+    const dem_vec a = dem__one_across(u);
+    const double angle = RIDDLE_PI * (double)k / (double)DEM__VIEW_CIRCLE;
+    return dem__plus(dem__scale(riddle_cos(angle), a), riddle_sin(angle), dem__cross(u, a));
+}
+
+/* Finds the outline of a body of spheres, over the diameter of the sphere of its own volume, and its surface. Lengths
+   are rounded, so that bodies of one shape and several sizes have the same bits. */
+static inline void dem__find_outline(const dem_world *w, const dem__rigid *r, dem__outline *c, double *surface) {
+    const double grain = 1073741824.0, x = dem__equal_diameter(w, r);
+    dem__cover cap[DEM__CAPS];
+    dem__exposed e;
+    dem__content content;
+    memset(&content, 0, sizeof content);
+    c->n = r->pieces;
+    for (int k = 0; k < c->n; k++) {
+        const dem_vec o = w->engine->bodies.offset[r->first + k];
+        c->centre[k] = dem_vec3(floor(o.x / x * grain + 0.5) / grain, floor(o.y / x * grain + 0.5) / grain,
+                                floor(o.z / x * grain + 0.5) / grain);
+        c->radius[k] = floor(w->particle[r->first + k].radius / x * grain + 0.5) / grain;
+    }
+    *surface = 0.0;
+    for (int k = 0; k < c->n; k++) {
+        dem__expose(dem__find_caps(c->n, c->centre, c->radius, k, cap), cap, &e);
+        dem__add_enclosed(&content, &e, c->centre[k], c->radius[k]);
+        *surface += c->radius[k] * c->radius[k] * e.zero;
+    }
+    const double own = riddle_cbrt(6.0 / RIDDLE_PI * content.volume);
+    for (int k = 0; k < c->n; k++) c->centre[k] = dem__scale(1.0 / own, c->centre[k]), c->radius[k] /= own;
+    *surface /= 0.25 * RIDDLE_PI * own * own;
+}
+
+/* Finds areas in a table, by interpolation in a square. seen: area along u, mean area across it. */
+static inline void dem__read_view(const dem__view *view, dem_vec u, double *seen) {
+    const double v[3] = {u.x, u.y, u.z};
+    const int side = fabs(v[0]) >= fabs(v[1]) && fabs(v[0]) >= fabs(v[2]) ? 0 : fabs(v[1]) >= fabs(v[2]) ? 1 : 2;
+    const double a = (0.5 + 0.5 * v[(side + 1) % 3] / v[side]) * DEM__VIEW_CELLS,
+                 b = (0.5 + 0.5 * v[(side + 2) % 3] / v[side]) * DEM__VIEW_CELLS;
+    const int i = a < DEM__VIEW_CELLS - 1 ? (int)a : DEM__VIEW_CELLS - 1,
+              j = b < DEM__VIEW_CELLS - 1 ? (int)b : DEM__VIEW_CELLS - 1;
+    const double p = a - i, q = b - j;
+    const double(*low)[2] = &view->seen[side * DEM__VIEW_SIDE + i * DEM__VIEW_ROW + j],
+          (*high)[2] = low + DEM__VIEW_ROW;
+    for (int k = 0; k < 2; k++)
+        seen[k] = (1.0 - p) * ((1.0 - q) * low[0][k] + q * low[1][k]) + p * ((1.0 - q) * high[0][k] + q * high[1][k]);
+}
+
+static inline void dem__view_clump(dem__view *view, const dem__outline *c) {
+    dem_vec direction[3 * DEM__VIEW_SIDE];
+    for (int k = 0; k < 3 * DEM__VIEW_SIDE; k++) {
+        const int side = k / DEM__VIEW_SIDE, place = k % DEM__VIEW_SIDE;
+        double v[3];
+        v[side] = 1.0;
+        v[(side + 1) % 3] = 2.0 * (place / DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
+        v[(side + 2) % 3] = 2.0 * (place % DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
+        direction[k] = dem__scale(1.0 / dem__length(dem__point(v)), dem__point(v));
+        view->seen[k][0] = dem__seen_along(c, direction[k]), view->seen[k][1] = 0.0;
+    }
+    for (int k = 0; k < 3 * DEM__VIEW_SIDE; k++) {
+        double sum = 0.0;
+        for (int q = 0; q < DEM__VIEW_CIRCLE; q++) {
+            double seen[2];
+            dem__read_view(view, dem__across(direction[k], q), seen);
+            sum += seen[0];
+        }
+        view->seen[k][1] = sum / DEM__VIEW_CIRCLE;
+    }
+    view->faces = 0;
+}
+
+/* ---- sphericities ---- */
+
+/* Finds the sphericities from areas over that of the sphere's circle. */
+static inline void dem__sphericities_of(double surface, double along, double across, double *psi) {
+    psi[0] = surface > 4.0 ? 4.0 / surface : 1.0;
+    psi[1] = 1.0 / along, psi[2] = 1.0 / (0.5 * surface - across);
+}
+
+/* Finds those of a polyhedron in a flow along the unit vector u, in its frame: a face with normal n and area a shows
+   a |n u| along u, and a 2/pi |n x u| on average across it; every ray meets two faces. */
+static inline void dem__see_faces(const dem__view *view, dem_vec u, double *psi) {
+    double along = 0.0, across = 0.0;
+    for (int k = 0; k < view->faces; k++) {
+        along += 0.5 * view->area[k] * fabs(dem__dot(view->normal[k], u));
+        across += view->area[k] / RIDDLE_PI * dem__length(dem__cross(view->normal[k], u));
+    }
+    dem__sphericities_of(view->surface, along, across, psi);
+}
+
+/* Returns a flow of any length as a unit vector. */
+static inline dem_vec dem__flow_direction(dem_vec flow) {
+    const double size = fmax(fabs(flow.x), fmax(fabs(flow.y), fabs(flow.z)));
+    const dem_vec u = dem__scale(1.0 / size, flow);
+    return size > 0.0 ? dem__scale(1.0 / dem__length(u), u) : dem_vec3(0.0, 0.0, 1.0); /* at rest drag is 0 */
+}
+
+/* Finds the sphericities of a body for a law. */
+static DEM__NOINLINE void dem__find_seen_body(const dem__seen *s, dem_vec flow, double psi[3]) {
+    const dem_world *w = s->world;
+    const dem__field *field = &w->engine->field;
+    const dem__rigid *r = dem__rigid_of(w, s->first);
+    const dem__view *view = &field->view[field->view_of[s->first] - 1];
+    const dem_vec u = dem__to_body(dem__pose_at(w, r, s->tau).turn, dem__flow_direction(flow));
+    double seen[2];
+    if (view->faces > 0) {
+        dem__see_faces(view, u, psi);
+        return;
+    }
+    dem__read_view(view, u, seen);
+    dem__sphericities_of(view->surface, seen[0], seen[1], psi);
+}
+
+/* Returns what a law is told about the body of particle i, tau after its origin step; NULL for a sphere. */
+DEM_INLINE const dem__seen *dem__look_at(const dem_world *w, ptrdiff_t i, double tau, dem__seen *seen) {
+    if (!dem__rigid_of(w, i) || w->engine->field.view_of[i] <= 0) return NULL;
+    seen->find = dem__find_seen_body, seen->world = w, seen->first = i, seen->tau = tau;
+    return seen;
+}
+
+/* ---- views of a world ---- */
+
+static inline void dem__release_views(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    dem__release(&w->def.allocator, field->view, (size_t)field->view_capacity * sizeof *field->view);
+    field->view = NULL, field->views = field->view_capacity = 0;
+}
+
+/* Returns the number of a view with this key, or a new one; -1 when out of memory. */
+static inline ptrdiff_t dem__view_with(dem_world *w, uint64_t key, int *is_new) {
+    dem__field *field = &w->engine->field;
+    const dem_allocator *a = &w->def.allocator;
+    const ptrdiff_t old = field->view_capacity, larger = old + old / 2 + 4;
+    *is_new = 0;
+    for (ptrdiff_t k = 0; k < field->views; k++)
+        if (field->view[k].key == key) return k;
+    if (field->views == old) {
+        dem__view *fresh =
+            (dem__view *)a->fn(a->user, field->view, (size_t)old * sizeof *fresh, (size_t)larger * sizeof *fresh);
+        if (!fresh) return -1;
+        field->view = fresh, field->view_capacity = larger;
+    }
+    *is_new = 1;
+    field->view[field->views].key = key;
+    return field->views++;
+}
+
+/* Makes the views that bodies of a world lack. Returns 0 when out of memory. */
+static inline int dem__find_views(dem_world *w) {
+    dem__field *field = &w->engine->field;
+    dem__outline outline;
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem__rigid *r = dem__rigid_of(w, i);
+        const dem_convex *s = dem__shape_of(w, i);
+        uint64_t key = s ? (uint64_t)(s - w->engine->convex.shape) + 1 : 0xcbf29ce484222325u;
+        double surface = 0.0;
+        int is_new;
+        if (!r || r->first != i || field->view_of[i] != 0) continue;
+        if (!s && r->pieces == 1) {
+            field->view_of[i] = -1;
+            continue;
+        }
+        if (!s) {
+            dem__find_outline(w, r, &outline, &surface);
+            for (int k = 0; k < outline.n; k++)
+                dem__hash_vec(&key, outline.centre[k]), dem__hash_f64(&key, &outline.radius[k], 1);
+            key |= (uint64_t)1 << 63;
+        }
+        const ptrdiff_t k = dem__view_with(w, key, &is_new);
+        if (k < 0) return 0;
+        field->view_of[i] = (int32_t)k + 1;
+        if (is_new && s) dem__view_polyhedron(&field->view[k], s);
+        else if (is_new) field->view[k].surface = surface, dem__view_clump(&field->view[k], &outline);
+    }
+    return 1;
+}
+
+DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, dem_vec flow, double psi[3]) {
+    const dem_world *w = world;
+    if (!w || !w->engine || i < 0 || i >= w->count || !psi || !dem__finite_vec(flow) || dem__length(flow) == 0.0)
+        return DEM_BAD_ARGUMENT;
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const dem_convex *s = dem__shape_of(w, i);
+    dem__view view;
+    dem__outline outline;
+    double surface, across = 0.0;
+    psi[0] = psi[1] = psi[2] = 1.0;
+    if (!r || (!s && r->pieces == 1)) return DEM_OK;
+    const dem_vec u = dem__to_body(dem__pose_at(w, r, dem__now(w, r->first)).turn, dem__flow_direction(flow));
+    if (s) {
+        dem__view_polyhedron(&view, s);
+        dem__see_faces(&view, u, psi);
+        return DEM_OK;
+    }
+    dem__find_outline(w, r, &outline, &surface);
+    for (int k = 0; k < DEM__VIEW_CIRCLE; k++)
+        across += dem__seen_along(&outline, dem__across(u, k)) / DEM__VIEW_CIRCLE;
+    dem__sphericities_of(surface, dem__seen_along(&outline, u), across, psi);
+    return DEM_OK;
+}
+
 /* --------------------------------------------------------------------------------------------------- >>gas/field.h */
 /* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step.
    Reads bodies and the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to
@@ -13046,8 +13725,10 @@ static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem
 
 DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
 
-/* Returns what a law is told about particle i at x with velocity v. */
-DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time) {
+/* Returns what a law is told about particle i at x with velocity v, tau after its origin step. seen: room for what it
+   asks about the shape of a body. */
+DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
+                                            double tau, dem__seen *seen) {
     dem_force_point at;
     at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
     at.velocity = v;
@@ -13055,13 +13736,15 @@ DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem
     at.time = time;
     at.gravity = dem__free_fall(w);
     at.user = w->engine->field.def.user;
+    at.body__ = dem__look_at(w, i, tau, seen);
     return at;
 }
 
-/* Returns the acceleration of particle i at x with velocity v by the law [m/s2]. */
-DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
+/* Returns the acceleration of particle i at x with velocity v by the law, tau after its origin step [m/s2]. */
+DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double tau,
                                    dem_vec (*law)(const dem_force_point *)) {
-    const dem_force_point at = dem__field_point(w, i, x, v, time);
+    dem__seen seen;
+    const dem_force_point at = dem__field_point(w, i, x, v, time, tau, &seen);
     return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
 }
 
@@ -13120,9 +13803,9 @@ typedef struct dem__flown {
     int zero;     /* whether the law gave 0 at every stage */
 } dem__flown;
 
-/* Integrates one step of length h from x with velocity v: of fifth order, with an error estimate of fourth order (Cash
-   & Karp 1990). */
-DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
+/* Integrates one step of length h from x with velocity v, tau after the particle's origin step: of fifth order, with an
+   error estimate of fourth order (Cash & Karp 1990). A body turns meanwhile as it does without a torque. */
+DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double tau, double h,
                                dem_vec (*law)(const dem_force_point *)) {
     enum { STAGES = 6 };
     static const double at[STAGES] = {0.0, 0.2, 0.3, 0.6, 1.0, 0.875};
@@ -13148,7 +13831,8 @@ DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_v
             way = dem__plus(way, h * by[s][r], gain[r]);
         }
         const dem_vec now = dem__add(v, gain[s]);
-        pull[s] = dem__field_pull(w, i, dem__add(dem__plus(x, at[s] * h, v), way), now, time + at[s] * h, law);
+        pull[s] = dem__field_pull(w, i, dem__add(dem__plus(x, at[s] * h, v), way), now, time + at[s] * h,
+                                  tau + at[s] * h, law);
         q.zero &= dem__is_zero(pull[s]);
         q.way = dem__plus(q.way, fifth[s], gain[s]);
         q.gain = dem__plus(q.gain, h * fifth[s], dem__add(g, pull[s]));
@@ -13168,17 +13852,18 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
 
 #define DEM__SLOWS 5e-3 /* share of its spin that a particle may lose in a flight */
 
-/* Chooses the number of steps of a flight from x with velocity v by its error, and computes the flight. A parabola that
+/* Chooses the number of steps of a flight from x with velocity v, tau after the particle's origin step, by its error,
+   and computes the flight. A parabola that
    is right at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first
    one, times the time squared. */
-DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, const dem__turning *turn,
-                                  dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double tau,
+                                  const dem__turning *turn, dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
     const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
                  probe = 16.0 * dt;
-    const dem_vec first = dem__field_pull(w, i, x, v, time, law), a = dem__add(dem__free_fall(w), first);
+    const dem_vec first = dem__field_pull(w, i, x, v, time, tau, law), a = dem__add(dem__free_fall(w), first);
     const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
-    const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, law);
+    const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, tau + probe, law);
     const double jerk = dem__length(dem__sub(soon, first)) / probe;
     const double far = dem__time_to_cover(def->length, dem__length(v), dem__length(a));
     double longest = far < def->interval ? far : def->interval;
@@ -13194,7 +13879,7 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     int n = dem__steps_within(w, longest);
     for (;;) {
         const double h = (double)n * dt;
-        *q = dem__fly(w, i, x, v, time, h, law);
+        *q = dem__fly(w, i, x, v, time, tau, h, law);
         const double bent = dem__length(dem__sub(dem__scale(2.0 / h, q->way), a)) * h * h / 13.5;
         const double error = bent > 100.0 * q->error ? bent : 100.0 * q->error; /* errors of the ends add up */
         if (n == 1 || error <= limit) return n;
@@ -13213,17 +13898,31 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     const dem_vec x = dem__centre_at(w, i, tau),
                   v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
     const dem_vec g = dem__free_fall(w), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
-    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
+    dem__seen seen;
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time, tau, &seen);
     const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
+    const int brakes = turn.c > 0.0 && passed > 0.0, falls = dem__falls_freely(w, i) && !brakes,
+              is_body = at.body__ != NULL;
     dem__flown q;
-    const int n = dem__choose_flight(w, i, x, v, &turn, &q, law), brakes = turn.c > 0.0 && passed > 0.0;
+    double since = tau;
+    int n = 0;
+    field->booked[i] = 0.0;
+    if (is_body && !(falls && dem__is_zero(law(&at)))) { /* its law sees how it turns from this origin on */
+        dem__begin_parabola(w, i, x, v, g), since = 0.0;
+        if (brakes) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn); /* the next booking adds it */
+    }
+    n = dem__choose_flight(w, i, x, v, since, &turn, &q, law);
+    if (is_body && since > 0.0 && !q.zero) { /* the law begins to act later */
+        dem__begin_parabola(w, i, x, v, g);
+        n = dem__choose_flight(w, i, x, v, 0.0, &turn, &q, law);
+    }
     const double h = (double)n * dt;
     field->until[i] = w->step + n;
-    field->work[i] = q.work, field->booked[i] = 0.0;
+    field->work[i] = q.work;
     if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
-    if (!(q.zero && dem__falls_freely(w, i)) || brakes) {
+    if (!(q.zero && falls)) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
-        if (brakes) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn); /* the next booking adds it */
+        if (brakes && !is_body) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn);
     }
     field->end_velocity[i] =
         q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
@@ -13241,7 +13940,7 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
     const double h = (double)(end - (zero ? w->step : origin)) * dt, from = zero ? tau : 0.0;
     const dem_vec v = dem__drift_at(w, i, from);
     const dem__flown q =
-        dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), h, law);
+        dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), from, h, law);
     const dem_vec a = dem__scale(2.0 / h, q.way);
     if (zero != q.zero || (zero && h * dem__length(v) > 2.0 * field->def.length)) return 0;
     if (!zero && !(a.x == pull.x && a.y == pull.y && a.z == pull.z)) return 0;
@@ -13264,11 +13963,12 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     if (tau > 0.0 && !falls) {
         const dem_vec begun = dem__drift_at(w, i, 0.0);
         const dem__flown q =
-            dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), tau, law);
+            dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), 0.0, tau, law);
         v = dem__add(begun, q.gain);
         field->work[i] = q.work;
     }
-    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
+    dem__seen seen;
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time, tau, &seen);
     const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
     const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
     const int brakes = turn.c > 0.0 && passed > 0.0;
@@ -13293,9 +13993,9 @@ DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_ve
         w->engine->field.force[i] = none;
         return;
     }
-    const dem_force_point at =
-        dem__field_point(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
-                         dem__time_of(w, w->step + (h > 0.0)));
+    dem__seen seen;
+    const dem_force_point at = dem__field_point(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
+                                                dem__time_of(w, w->step + (h > 0.0)), 0.0, &seen);
     const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
     const dem_vec force = dem__scale(p->mass, pull);
     double *load = w->engine->bodies.sum[i].load;
@@ -13479,7 +14179,8 @@ static inline int dem__list_flights(dem_world *w) {
 static inline int dem__prepare_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     ptrdiff_t n = 0, ended = 0;
-    if (!dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
+    if (!dem__find_views(w) ||
+        !dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
@@ -13607,12 +14308,11 @@ static inline void dem__correct_velocity_in_field(dem_world *w, ptrdiff_t i, dem
 /* Lists the arrays of particles in a force field. Returns how many. */
 static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
     dem__field *field = &w->engine->field;
-    const dem__array arrays[] = {{&field->until, sizeof *field->until},
-                                 {&field->end_velocity, sizeof *field->end_velocity},
-                                 {&field->force, sizeof *field->force},
-                                 {&field->torque, sizeof *field->torque},
-                                 {&field->work, sizeof *field->work},
-                                 {&field->booked, sizeof *field->booked}};
+    const dem__array arrays[] = {
+        {&field->until, sizeof *field->until},    {&field->end_velocity, sizeof *field->end_velocity},
+        {&field->force, sizeof *field->force},    {&field->torque, sizeof *field->torque},
+        {&field->work, sizeof *field->work},      {&field->booked, sizeof *field->booked},
+        {&field->view_of, sizeof *field->view_of}};
     const int n = (int)(sizeof arrays / sizeof *arrays);
     memcpy(list, arrays, sizeof arrays);
     return n;
@@ -13620,10 +14320,11 @@ static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
 
 static inline void dem__release_field(dem_world *w) {
     dem__release(&w->def.allocator, w->engine->field.timers.block, w->engine->field.timers.bytes);
+    dem__release_views(w);
 }
 
 static inline void dem__add_unflown(dem_world *w, ptrdiff_t i) {
-    w->engine->field.until[i] = DEM__NO_FLIGHT;
+    w->engine->field.until[i] = DEM__NO_FLIGHT, w->engine->field.view_of[i] = 0;
     w->engine->field.force[i] = w->engine->field.torque[i] = dem_vec3(0.0, 0.0, 0.0);
 }
 
@@ -13714,6 +14415,7 @@ static inline void dem__drop_field(dem_world *w) {
         dem__free_acceleration(w, i);
     }
     dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
+    dem__release_views(w);
     memset(field, 0, sizeof *field);
     dem__drop_feature(w, DEM__FIELD_FEATURE);
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
@@ -13740,287 +14442,6 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
     w->engine->field.def = *field;
     w->engine->run.needs_lists = 1;
     return DEM_OK;
-}
-
-/* ------------------------------------------------------------------------------------------------ >>bodies/union.h */
-/* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is
-   cut along latitudes about z. On a latitude other balls cover arcs. Between the arcs, the integrals of products of the
-   normal's components are closed forms. Between latitudes at which an arc begins or ends, they are smooth functions of
-   the latitude but for square roots at both ends. A substitution removes these, so that Gauss's rule with 16 points is
-   exact to rounding. */
-
-/* Volume [m3], its first moments [m4] and second moments about the origin [m5]: xx, yy, zz, xy, yz, zx. */
-typedef struct dem__content {
-    double volume;
-    dem_vec first;
-    double second[6];
-} dem__content;
-
-/* Integrals over the exposed directions n of a ball: of 1, n, n n, n n n. */
-typedef struct dem__exposed {
-    double zero, one[3], two[3][3], three[3][3][3];
-} dem__exposed;
-
-/* What another ball covers of a ball's surface: directions n with n d > h. */
-typedef struct dem__cover {
-    dem_vec d;
-    double h, across, angle; /* across, angle: length and angle of d about z */
-} dem__cover;
-
-/* Rims of m caps meet in at most 6 m - 12 exposed places, and each cap has two ends. Where many meet in one place,
-   rounding may find some more. A latitude that does not fit is only a kink, which halving a zone resolves, too. */
-enum { DEM__CAPS = DEM_CLUMP_MAX, DEM__LATITUDES = 10 * DEM__CAPS };
-
-/* Lists what others cover of ball i. Returns how many do. */
-static inline int dem__find_caps(int n, const dem_vec *centre, const double *radius, int i, dem__cover *cap) {
-    int m = 0;
-    for (int j = 0; j < n; j++) {
-        const dem_vec d = dem__sub(centre[j], centre[i]);
-        const double square = dem__dot(d, d), sum = radius[i] + radius[j], r = radius[i];
-        if (j == i || !(square < sum * sum) || sqrt(square) + radius[j] <= r) continue;
-        cap[m].d = d, cap[m].h = 0.5 * (square + (r - radius[j]) * (r + radius[j])) / r;
-        cap[m].across = sqrt(d.x * d.x + d.y * d.y), cap[m].angle = riddle_atan2(d.y, d.x);
-        m++;
-    }
-    return m;
-}
-
-/* Returns whether a cap other than a and b covers a direction, by more than rounding. */
-static inline int dem__is_covered(int m, const dem__cover *cap, dem_vec n, int a, int b) {
-    for (int k = 0; k < m; k++) {
-        if (k != a && k != b && dem__dot(n, cap[k].d) > cap[k].h + 1e-11 * dem__length(cap[k].d)) return 1;
-    }
-    return 0;
-}
-
-/* Adds a latitude to a list in ascending order. Returns the new length. */
-static inline int dem__insert_latitude(double *t, int count, double z) {
-    int k = count;
-    while (t[k - 1] > z) k--;
-    if (count == DEM__LATITUDES || z - t[k - 1] < 1e-15 || (k < count && t[k] - z < 1e-15)) return count;
-    memmove(t + k + 1, t + k, (size_t)(count - k) * sizeof *t);
-    t[k] = z;
-    return count + 1;
-}
-
-/* Lists the latitudes, from -1 to 1, at which the exposed arcs change their number: where the rim of a cap is highest
-   or lowest, and where two rims meet. */
-static inline int dem__find_latitudes(int m, const dem__cover *cap, double *t) {
-    int count = 2;
-    t[0] = -1.0, t[1] = 1.0;
-    for (int a = 0; a < m; a++) {
-        const dem_vec d = cap[a].d;
-        const double square = dem__dot(d, d), left = square - cap[a].h * cap[a].h;
-        for (double side = -1.0; side < 2.0 && left > 0.0; side += 2.0) {
-            const double z = (cap[a].h * d.z + side * cap[a].across * sqrt(left)) / square;
-            dem_vec n = dem__scale(cap[a].h / square, d);
-            if (cap[a].across > 0.0) { /* up or down along the rim's plane */
-                const double up = side * sqrt(left) / (square * cap[a].across);
-                n = dem__plus(n, up, dem_vec3(-d.z * d.x, -d.z * d.y, cap[a].across * cap[a].across));
-            }
-            if (z > -1.0 && z < 1.0 && !(cap[a].across > 0.0 && dem__is_covered(m, cap, n, a, a)))
-                count = dem__insert_latitude(t, count, z);
-        }
-        for (int b = 0; b < a; b++) {
-            const dem_vec axis = dem__cross(d, cap[b].d);
-            const double bb = dem__dot(cap[b].d, cap[b].d), ab = dem__dot(d, cap[b].d), det = dem__dot(axis, axis);
-            if (!(det > 1e-24 * square * bb)) continue;
-            const dem_vec foot = dem__plus(dem__scale((cap[a].h * bb - cap[b].h * ab) / det, d),
-                                           (cap[b].h * square - cap[a].h * ab) / det, cap[b].d);
-            const double rest = 1.0 - dem__dot(foot, foot);
-            for (double side = -1.0; side < 2.0 && rest > 0.0; side += 2.0) {
-                const dem_vec n = dem__plus(foot, side * sqrt(rest / det), axis);
-                if (n.z > -1.0 && n.z < 1.0 && !dem__is_covered(m, cap, n, a, b))
-                    count = dem__insert_latitude(t, count, n.z);
-            }
-        }
-    }
-    return count;
-}
-
-/* Adds the arc of a latitude t between two angles. */
-static inline void dem__add_arc(dem__exposed *e, double weight, double t, double from, double to) {
-    const double across = sqrt((1.0 - t) * (1.0 + t));
-    double in[4][4], side = -1.0; /* of cos^a sin^b */
-    memset(in, 0, sizeof in);
-    for (int k = 0; k < 2; k++, side = 1.0) {
-        const double angle = k ? to : from, c = riddle_cos(angle), s = riddle_sin(angle);
-        in[0][0] += side * angle, in[1][0] += side * s, in[0][1] -= side * c;
-        in[2][0] += side * 0.5 * (angle + s * c), in[0][2] += side * 0.5 * (angle - s * c);
-        in[1][1] += side * 0.5 * s * s, in[3][0] += side * (s - s * s * s / 3.0);
-        in[2][1] -= side * c * c * c / 3.0, in[1][2] += side * s * s * s / 3.0;
-        in[0][3] += side * (c * c * c / 3.0 - c);
-    }
-    for (int a = 0; a < 4; a++) {
-        for (int b = 0; a + b < 4; b++) {
-            in[a][b] *= weight;
-            for (int k = 0; k < a + b; k++) in[a][b] *= across;
-        }
-    }
-    e->zero += in[0][0];
-    for (int p = 0; p < 3; p++) {
-        e->one[p] += in[p == 0][p == 1] * (p == 2 ? t : 1.0);
-        for (int q = 0; q < 3; q++) {
-            const double z = (p == 2 ? t : 1.0) * (q == 2 ? t : 1.0);
-            e->two[p][q] += in[(p == 0) + (q == 0)][(p == 1) + (q == 1)] * z;
-            for (int s = 0; s < 3; s++)
-                e->three[p][q][s] +=
-                    in[(p == 0) + (q == 0) + (s == 0)][(p == 1) + (q == 1) + (s == 1)] * z * (s == 2 ? t : 1.0);
-        }
-    }
-}
-
-/* Adds the exposed arcs of a latitude. */
-static inline void dem__add_latitude(dem__exposed *e, double weight, double t, int m, const dem__cover *cap) {
-    double begin[2 * DEM__CAPS], end[2 * DEM__CAPS], from = -RIDDLE_PI;
-    const double across = sqrt((1.0 - t) * (1.0 + t));
-    int arcs = 0;
-    for (int k = 0; k < m; k++) {
-        const double most = across * cap[k].across, least = cap[k].h - t * cap[k].d.z;
-        if (least >= most) continue;
-        if (least <= -most) return; /* all is covered */
-        const double half = riddle_acos(least / most);
-        double a = cap[k].angle - half, b = cap[k].angle + half;
-        if (a < -RIDDLE_PI) begin[arcs] = a + 2.0 * RIDDLE_PI, end[arcs++] = RIDDLE_PI, a = -RIDDLE_PI;
-        if (b > RIDDLE_PI) begin[arcs] = -RIDDLE_PI, end[arcs++] = b - 2.0 * RIDDLE_PI, b = RIDDLE_PI;
-        begin[arcs] = a, end[arcs++] = b;
-    }
-    for (int k = 1; k < arcs; k++) {
-        const double a = begin[k], b = end[k];
-        int q = k;
-        for (; q > 0 && begin[q - 1] > a; q--) begin[q] = begin[q - 1], end[q] = end[q - 1];
-        begin[q] = a, end[q] = b;
-    }
-    for (int k = 0; k <= arcs; k++) {
-        const double to = k < arcs ? begin[k] : RIDDLE_PI;
-        if (to > from) dem__add_arc(e, weight, t, from, to);
-        if (k < arcs && end[k] > from) from = end[k];
-    }
-}
-
-/* A range of the latitudes t = middle + half sin(pi/2 s) between two of them, from one s to another. */
-typedef struct dem__zone {
-    double middle, half, from, to;
-} dem__zone;
-
-/* Integrates over a zone by Gauss's rule with 16 points. */
-static inline void dem__add_zone(dem__exposed *e, const dem__zone *z, int m, const dem__cover *cap) {
-    static const double node[8] = {0.095012509837637441, 0.28160355077925892, 0.45801677765722737, 0.61787624440264377,
-                                   0.755404408355003,    0.86563120238783176, 0.9445750230732326,  0.98940093499164994};
-    static const double part[8] = {0.18945061045506847, 0.18260341504492361,  0.16915651939500256,  0.14959598881657682,
-                                   0.12462897125553395, 0.095158511682492897, 0.062253523938647776, 0.027152459411754058};
-    const double half = 0.25 * RIDDLE_PI * (z->to - z->from), middle = 0.25 * RIDDLE_PI * (z->to + z->from);
-    for (int g = 0; g < 16; g++) {
-        const double s = middle + half * (g < 8 ? -node[7 - g] : node[g - 8]);
-        const double weight = half * z->half * riddle_cos(s) * part[g < 8 ? 7 - g : g - 8];
-        dem__add_latitude(e, weight, z->middle + z->half * riddle_sin(s), m, cap);
-    }
-}
-
-static inline void dem__add_exposed(dem__exposed *e, const dem__exposed *of) {
-    e->zero += of->zero;
-    for (int p = 0; p < 3; p++) {
-        e->one[p] += of->one[p];
-        for (int q = 0; q < 3; q++) {
-            e->two[p][q] += of->two[p][q];
-            for (int s = 0; s < 3; s++) e->three[p][q][s] += of->three[p][q][s];
-        }
-    }
-}
-
-/* Integrates over a zone. Halves it if that changes its integrals, because a rim then ends just beyond it. */
-enum { DEM__HALVINGS = 12 };
-static inline void dem__expose_zone(dem__exposed *e, dem__zone z, int m, const dem__cover *cap) {
-    dem__zone left[DEM__HALVINGS + 1]; /* zones left, each half as wide as the one before */
-    int todo = 0;
-    left[todo++] = z;
-    while (todo > 0) {
-        dem__exposed whole, halves;
-        dem__zone low = left[--todo], high = low;
-        memset(&whole, 0, sizeof whole), memset(&halves, 0, sizeof halves);
-        low.to = high.from = 0.5 * (high.from + high.to);
-        dem__add_zone(&whole, &left[todo], m, cap);
-        dem__add_zone(&halves, &low, m, cap), dem__add_zone(&halves, &high, m, cap);
-        const double change = fabs(halves.zero - whole.zero) + fabs(halves.one[0] - whole.one[0]) +
-                              fabs(halves.one[1] - whole.one[1]) + fabs(halves.two[2][2] - whole.two[2][2]);
-        if (change > 1e-13 && todo + 2 <= DEM__HALVINGS) left[todo++] = high, left[todo++] = low;
-        else dem__add_exposed(e, &halves);
-    }
-}
-
-/* Integrates over the exposed part of a ball. */
-static inline void dem__expose(int m, const dem__cover *cap, dem__exposed *e) {
-    double t[DEM__LATITUDES];
-    const int count = dem__find_latitudes(m, cap, t);
-    memset(e, 0, sizeof *e);
-    for (int k = 1; k < count; k++) {
-        const dem__zone z = {0.5 * (t[k] + t[k - 1]), 0.5 * (t[k] - t[k - 1]), -1.0, 1.0};
-        if (z.half > 1e-16) dem__expose_zone(e, z, m, cap);
-    }
-}
-
-/* Adds the content that the exposed surface of a ball at c encloses with the origin. */
-static inline void dem__add_enclosed(dem__content *to, const dem__exposed *e, dem_vec c, double r) {
-    const double centre[3] = {c.x, c.y, c.z};
-    double zero = r * e->zero, one[3], first[3], second[3][3]; /* of (x n) times 1, n, n n; then of x, x x */
-    for (int p = 0; p < 3; p++) zero += centre[p] * e->one[p];
-    for (int p = 0; p < 3; p++) {
-        one[p] = r * e->one[p];
-        for (int s = 0; s < 3; s++) one[p] += centre[s] * e->two[p][s];
-        first[p] = centre[p] * zero + r * one[p];
-    }
-    for (int p = 0; p < 3; p++) {
-        for (int q = 0; q < 3; q++) {
-            double two = r * e->two[p][q];
-            for (int s = 0; s < 3; s++) two += centre[s] * e->three[p][q][s];
-            second[p][q] = centre[p] * centre[q] * zero + r * (centre[p] * one[q] + centre[q] * one[p] + r * two);
-        }
-    }
-    const double area = r * r;
-    to->volume += area / 3.0 * zero;
-    to->first = dem__plus(to->first, 0.25 * area, dem_vec3(first[0], first[1], first[2]));
-    for (int p = 0; p < 3; p++)
-        to->second[p] += 0.2 * area * second[p][p], to->second[3 + p] += 0.2 * area * second[p][(p + 1) % 3];
-}
-
-/* Adds a content that was computed about another origin. */
-static inline void dem__add_shifted(dem__content *to, const dem__content *of, dem_vec origin) {
-    const double o[3] = {origin.x, origin.y, origin.z}, f[3] = {of->first.x, of->first.y, of->first.z};
-    to->volume += of->volume;
-    to->first = dem__add(to->first, dem__plus(of->first, of->volume, origin));
-    for (int p = 0; p < 3; p++) {
-        const int q = (p + 1) % 3;
-        to->second[p] += of->second[p] + 2.0 * o[p] * f[p] + of->volume * o[p] * o[p];
-        to->second[3 + p] += of->second[3 + p] + o[p] * f[q] + o[q] * f[p] + of->volume * o[p] * o[q];
-    }
-}
-
-/* Adds the union of balls. Connected balls are integrated about one of them, so that no digits are lost however far
-   apart others are. */
-static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre, const double *radius) {
-    int of[DEM_CLUMP_MAX]; /* the first of the balls connected with it */
-    dem__cover cap[DEM__CAPS];
-    dem__exposed e;
-    dem__content own;
-    for (int k = 0; k < n; k++) of[k] = k;
-    for (int a = 0; a < n; a++) {
-        for (int b = 0; b < a; b++) {
-            const dem_vec d = dem__sub(centre[a], centre[b]);
-            const double sum = radius[a] + radius[b];
-            const int low = of[a] < of[b] ? of[a] : of[b], high = of[a] < of[b] ? of[b] : of[a];
-            if (!(dem__dot(d, d) < sum * sum)) continue;
-            for (int k = 0; k < n; k++) of[k] = of[k] == high ? low : of[k];
-        }
-    }
-    for (int first = 0; first < n; first++) {
-        memset(&own, 0, sizeof own);
-        for (int k = first; k < n; k++) {
-            if (of[k] != first) continue;
-            dem__expose(dem__find_caps(n, centre, radius, k, cap), cap, &e);
-            dem__add_enclosed(&own, &e, dem__sub(centre[k], centre[first]), radius[k]);
-        }
-        dem__add_shifted(c, &own, centre[first]);
-    }
 }
 
 /* ------------------------------------------------------------------------------------------ >>bodies/clump_shape.h */
@@ -14910,6 +15331,7 @@ DEM__STATIC const char *dem__bad_gas(const dem_gas *gas) {
     if (!gas) return "gas";
     if (!dem__positive(gas->density)) return "density";
     if (!dem__positive(gas->viscosity)) return "viscosity";
+    if (gas->bodies < DEM_DRAG_BY_ORIENTATION || gas->bodies > DEM_DRAG_SHARED) return "bodies";
     for (int k = 0; k < 3; k++) {
         if (!dem__not_negative(gas->shape[k])) return "shape";
         if (!(dem_axis(gas->high, k) > dem_axis(gas->low, k))) return "high";
@@ -17822,8 +18244,8 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
     return dem__from_near_faces(s, p, HUGE_VAL, n);
 }
 
-/* Returns the signed distance of a point, given in the frame of a core, from the core. n: the direction away from it, in
-   the world. Beyond `enough`, returns any larger value. */
+/* Returns the signed distance of a point, given in the frame of a core, from the core. n: the direction away from it,
+   in the world. Beyond `enough`, returns any larger value. */
 DEM_INLINE double dem__from_core_in(const dem_convex *s, const dem__placed *place, dem_vec x, double enough,
                                     dem_vec *n) {
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);
@@ -18846,10 +19268,10 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
 }
 
 /* --------------------------------------------------------------------------------------------- >>polyhedra/share.h */
-/* How the points of a pair share its law: a face that lands flat has the spring and the dashpot of the pair, however many
-   corners it is drawn with. Reads a pair's points and bodies; writes their parts and what the springs of the pair exert
-   beyond them. Promises: springs are the gradient of a potential (of a linear law and of Hertz's); a point that begins or
-   ends changes no force by a jump.
+/* How the points of a pair share its law: a face that lands flat has the spring and the dashpot of the pair, however
+   many corners it is drawn with. Reads a pair's points and bodies; writes their parts and what the springs of the pair
+   exert beyond them. Promises: springs are the gradient of a potential (of a linear law and of Hertz's); a point that
+   begins or ends changes no force by a jump.
 
    A point has the part w = 1/n of the spring, where n is the greatest number of corners of a face of its body
    (dem_convex.springs), and l what the ends of edges leave of it (1 for a corner). With D its overlap and t = D^2, the
@@ -18857,10 +19279,10 @@ static inline int dem__core_passes(const dem_wall *w, const dem_convex *s, const
 
        U = (k/p) sum w l D^p / N(c),     c = (sum w l t)^2 / sum w l t^2,     p = 2, Hertz 5/2.
 
-   c is the stiffness over k if all points are as deep as each other. N is 1 up to 2, which two equal faces on each other
-   have, and c/2 from 2.5 on: a tile that lies on a hundred wires is no stiffer than 2 k. Up to there nothing but the sum
-   of springs acts. It must be a sum: a body tips when the load is over its edge, and if an edge were as stiff as a face,
-   points about to part would have to pull for it.
+   c is the stiffness over k if all points are as deep as each other. N is 1 up to 2, which two equal faces on each
+   other have, and c/2 from 2.5 on: a tile that lies on a hundred wires is no stiffer than 2 k. Up to there nothing but
+   the sum of springs acts. It must be a sum: a body tips when the load is over its edge, and if an edge were as stiff
+   as a face, points about to part would have to pull for it.
 
    The dashpot acts on the mass that the resultant of the springs meets, with the stiffness that they have. So the
    restitution, at the point where the resultant acts, is that of the pair. */
@@ -19041,8 +19463,8 @@ static inline void dem__scale_shared(dem__shared *s, double by) {
 
 /* Adds to the n points of a pair the one at which two overlapping cores are pushed apart. With U, the energy of the
    other points over k/p, and V = (radii + depth)^p, that of the new one, the energy of the pair is (1 - s) U + s V,
-   where s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. There must be room for
-   one more. power: p. */
+   where s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. There must be room
+   for one more. power: p. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                          const dem__placed *pb, const dem__gap_of_cores *gap, double power,
                                          dem__shared *sums, dem__convex_point *out, int n) {

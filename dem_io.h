@@ -1,4 +1,5 @@
-/* dem_io.h: a dem_world in files and pictures: ParaView series of particles and moving walls, sections to scale, surfaces as triangles.
+/* dem_io.h: a dem_world in files and pictures: ParaView series of particles and moving walls, sections to scale,
+   surfaces as triangles.
 
    #include "dem_io.h"
 
@@ -16,19 +17,21 @@
        dem_free(&world);
    }
 
-   A series: dem_io_series s = dem_io_open("out", "drum"); then dem_io_add(&s, &world) at each frame, and dem_io_close(&s). It writes
-   out/drum.pvd (particles) and out/drum_walls.pvd (walls, wires and meshes where they are at that time); open both in ParaView, and show
-   the particles as spheres: filter Glyph, scale array diameter_m, factor 1; or Point Gaussian.
+   A series: dem_io_series s = dem_io_open("out", "drum"); then dem_io_add(&s, &world) at each frame, and
+   dem_io_close(&s). It writes out/drum.pvd (particles) and out/drum_walls.pvd (walls, wires and meshes where they are
+   at that time); open both in ParaView, and show the particles as spheres: filter Glyph, scale array diameter_m,
+   factor 1; or Point Gaussian.
 
-   Surfaces Walls without an end (planes, cylinders) are cut off at the box that holds particles and finite walls, and that is extended to
-            planes beside it, nearer than ten of its diagonals; a plane across a cylinder is drawn as its end. Exits are not drawn.
-   Units    SI; axes of sections in mm.
+   Surfaces Walls without an end (planes, cylinders) are cut off at the box that holds particles and finite walls, and
+            that is extended to planes beside it, nearer than ten of its diagonals; a plane across a cylinder is drawn
+            as its end. Exits are not drawn.
+   Units    SI; sections in mm.
    Memory   from the world's allocator, given back before the call returns; of a surface, by dem_io_free_surface.
    Errors   of files: riddle_io_status, with its line (riddle_io.h); else dem_status.
    Threads  a world is only read. Bits: nothing of the simulation depends on what is written.
-   Linking  with dem.h, riddle_io.h and riddle_plot.h beside it. Every function is static inline; for one shared copy #define
-            DEM_IO_API extern before every inclusion, and DEM_IO_IMPLEMENTATION as well in one file; those headers have their own
-            switches. */
+   Linking  with dem.h, riddle_io.h and riddle_plot.h beside it. Every function is static inline; for one shared copy
+            #define DEM_IO_API extern before every inclusion, and DEM_IO_IMPLEMENTATION as well in one file; those
+            headers have their own switches. */
 #ifndef DEM_IO_H
 #define DEM_IO_H
 
@@ -54,13 +57,14 @@
 extern "C" {
 #endif
 
-/* ====================================================== >>declarations ====================================================== */
+/* ================================================= >>declarations ================================================= */
 
 /* Walls as triangles. The corners of a wall follow each other; round walls have 64 sides. Made by dem_io_surface_of. */
 typedef struct dem_io_surface {
     int vertices, triangles;
     double *vertex;          /* shape [vertices][3] [m] */
-    int *triangle;           /* shape [triangles][3]: indices of vertices; counter-clockwise around the outward normal */
+    int *triangle;           /* shape [triangles][3]: indices of vertices; counter-clockwise around the
+                                outward normal */
     int *wall;               /* [vertices]: index of the wall */
     dem_allocator allocator; /* of block */
     void *block;             /* what dem_io_free_surface frees */
@@ -71,21 +75,23 @@ typedef struct dem_io_surface {
 DEM_IO_API void dem_io_bounds(const dem_world *world, dem_vec *low, dem_vec *high);
 /* Makes the surface of the enabled walls at their present places. DEM_OUT_OF_MEMORY leaves an empty surface. */
 DEM_IO_API dem_status dem_io_surface_of(const dem_world *world, dem_io_surface *surface);
-/* The same for the polyhedra that are present: their faces, with flat strips and corners instead of the round ones; wall: the particle. */
+/* The same for the polyhedra that are present: their faces, with flat strips and corners instead of the round ones;
+   wall: the particle. */
 DEM_IO_API dem_status dem_io_polyhedra_of(const dem_world *world, dem_io_surface *surface);
 DEM_IO_API void dem_io_free_surface(dem_io_surface *surface); /* safe on a zeroed or freed one */
 
-/* Write one .vtp file. dem_io_particles: the particles with diameter_m, velocity_m_s, spin_rad_s, group, material, id; where there are
-   clumps or polyhedra also body, the id of its first particle, and orientation_w, orientation_xyz, the quaternion of dem_orientation().
-   dem_io_walls: the walls, with their index as array "wall". dem_io_polyhedra: the polyhedra's surfaces, with the particle's index as array
-   "particle". */
+/* Write one .vtp file. dem_io_particles: the particles with diameter_m, velocity_m_s, spin_rad_s, group, material, id;
+   where there are clumps or polyhedra also body, the id of its first particle, and orientation_w, orientation_xyz, the
+   quaternion of dem_orientation(). dem_io_walls: the walls, with their index as array "wall". dem_io_polyhedra: the
+   polyhedra's surfaces, with the particle's index as array "particle". */
 DEM_IO_API riddle_io_status dem_io_particles(const dem_world *world, const char *folder, const char *name);
 DEM_IO_API riddle_io_status dem_io_walls(const dem_world *world, const char *folder, const char *name);
 DEM_IO_API riddle_io_status dem_io_polyhedra(const dem_world *world, const char *folder, const char *name);
 
-/* A series of all in time: NAME.pvd, NAME_walls.pvd and, from the first frame of a world that has shapes on, NAME_polyhedra.pvd. The caller
-   owns it; folder and name must live as long. A name of more than 990 bytes is refused: particles is then NULL. A frame of which a part
-   could not be written is told by its status; the index leaves that part out, and the parts after it. */
+/* A series of all in time: NAME.pvd, NAME_walls.pvd and, from the first frame of a world that has shapes on,
+   NAME_polyhedra.pvd. The caller owns it; folder and name must live as long. A name of more than 990 bytes is refused:
+   particles is then NULL. A frame of which a part could not be written is told by its status; the index leaves that
+   part out, and the parts after it. */
 typedef struct dem_io_series {
     const char *folder, *name;
     riddle_io_series *particles, *walls, *polyhedra;
@@ -94,19 +100,20 @@ DEM_IO_API dem_io_series dem_io_open(const char *folder, const char *name); /* n
 DEM_IO_API riddle_io_status dem_io_add(dem_io_series *series, const dem_world *world);
 DEM_IO_API riddle_io_status dem_io_close(dem_io_series *series);
 
-/* Draws a section into the chosen panel of a figure: the spheres cut by the plane through `point`, seen against `normal` with `right` to
-   the right, as discs of the size at which they are cut, coloured by group (its last three bits: 8 colours), and the walls as lines. Axes
-   in mm. names[n_names] label the groups 0 .. n_names-1 in the legend; NULL: no legend. DEM_BAD_ARGUMENT if normal and right are parallel,
-   or one of the three is not finite. */
-DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_plot *figure, dem_vec point, dem_vec normal, dem_vec right,
-                                     const char *const *names, int n_names);
+/* Draws a section into the chosen panel of a figure: the spheres cut by the plane through `point`, seen against
+   `normal` with `right` to the right, as discs of the size at which they are cut, coloured by group (its last three
+   bits: 8 colours), and the walls as lines, with a scale bar in mm (riddle_plot_scale_bar; with NULL after this call:
+   axes). names[n_names] label the groups 0 .. n_names-1 in the legend; NULL: no legend. DEM_BAD_ARGUMENT if normal and
+   right are parallel, or one of the three is not finite. */
+DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_plot *figure, dem_vec point, dem_vec normal,
+                                     dem_vec right, const char *const *names, int n_names);
 
 #ifdef DEM_IO__BODIES
 
 #include <limits.h>
 #include <string.h>
 
-/* ======================================================== >>surfaces ======================================================== */
+/* =================================================== >>surfaces =================================================== */
 
 static inline dem_vec dem_io__along(dem_vec from, double way, dem_vec direction) {
     return dem_vec3(from.x + way * direction.x, from.y + way * direction.y, from.z + way * direction.z);
@@ -135,7 +142,8 @@ static inline void dem_io__face(dem_io_surface *s, int a, int b, int c) {
     t[0] = a, t[1] = b, t[2] = c;
 }
 
-/* Returns a point of the circle around `centre` in the plane of two unit vectors: number `side` of `sides` evenly spaced ones. */
+/* Returns a point of the circle around `centre` in the plane of two unit vectors: number `side` of `sides` evenly
+   spaced ones. */
 static inline dem_vec dem_io__on_circle(dem_vec centre, dem_vec u, dem_vec v, double radius, int side, int sides) {
     const double angle = 2.0 * dem_io__pi() * side / sides;
     return dem_io__along(dem_io__along(centre, radius * cos(angle), u), radius * sin(angle), v);
@@ -166,14 +174,16 @@ static inline int dem_io__disc(dem_io_surface *s, const dem_world *world, int in
         const dem_vec centre = dem_io__along(c->position, way, c->axis[2]);
         const int first = s->vertices;
         for (int n = 0; n < DEM_IO__SIDES; n++)
-            dem_io__corner(s, index, dem_io__on_circle(centre, plane->axis[0], plane->axis[1], c->radius, n, DEM_IO__SIDES));
+            dem_io__corner(s, index,
+                           dem_io__on_circle(centre, plane->axis[0], plane->axis[1], c->radius, n, DEM_IO__SIDES));
         dem_io__fan(s, first, DEM_IO__SIDES);
         return 1;
     }
     return 0;
 }
 
-/* Adds the part of a plane inside a box: a large square, cut by the six sides one after the other (Sutherland & Hodgman 1974). */
+/* Adds the part of a plane inside a box: a large square, cut by the six sides one after the other (Sutherland &
+   Hodgman 1974). */
 static inline void dem_io__plane(dem_io_surface *s, const dem_world *world, int index, dem_vec low, dem_vec high) {
     const dem_wall *w = &world->wall[index];
     dem_vec polygon[16], cut[16];
@@ -184,8 +194,8 @@ static inline void dem_io__plane(dem_io_surface *s, const dem_world *world, int 
     const dem_vec centre = dem_io__along(middle, -dem_io__dot(to, w->axis[2]), w->axis[2]);
     const double reach = 2.0 * ((high.x - low.x) + (high.y - low.y) + (high.z - low.z));
     for (int k = 0; k < 4; k++) /* counter-clockwise about the normal */
-        polygon[k] =
-            dem_io__along(dem_io__along(centre, k == 0 || k == 3 ? reach : -reach, w->axis[0]), k < 2 ? reach : -reach, w->axis[1]);
+        polygon[k] = dem_io__along(dem_io__along(centre, k == 0 || k == 3 ? reach : -reach, w->axis[0]),
+                                   k < 2 ? reach : -reach, w->axis[1]);
     for (int side = 0; side < 6; side++) {
         const int axis = side / 2, m = n;
         const double sign = side % 2 ? -1.0 : 1.0, bound = sign * dem_axis(side % 2 ? high : low, axis);
@@ -203,14 +213,14 @@ static inline void dem_io__plane(dem_io_surface *s, const dem_world *world, int 
     dem_io__fan(s, first, n);
 }
 
-static inline void dem_io__tube(dem_io_surface *s, const dem_wall *w, int index, double from, double to, double from_radius,
-                                double to_radius) {
+static inline void dem_io__tube(dem_io_surface *s, const dem_wall *w, int index, double from, double to,
+                                double from_radius, double to_radius) {
     const int first = s->vertices;
     for (int end = 0; end < 2; end++)
         for (int k = 0; k < DEM_IO__SIDES; k++)
             dem_io__corner(s, index,
-                           dem_io__on_circle(dem_io__along(w->position, end ? to : from, w->axis[2]), w->axis[0], w->axis[1],
-                                             end ? to_radius : from_radius, k, DEM_IO__SIDES));
+                           dem_io__on_circle(dem_io__along(w->position, end ? to : from, w->axis[2]), w->axis[0],
+                                             w->axis[1], end ? to_radius : from_radius, k, DEM_IO__SIDES));
     dem_io__strip(s, first, DEM_IO__SIDES);
 }
 
@@ -232,8 +242,8 @@ static inline void dem_io__ball(dem_io_surface *s, const dem_wall *w, int index)
         const double angle = dem_io__pi() * ring / DEM_IO__RINGS;
         for (int k = 0; k < DEM_IO__SIDES; k++)
             dem_io__corner(s, index,
-                           dem_io__on_circle(dem_io__along(w->position, -w->radius * cos(angle), w->axis[2]), w->axis[0], w->axis[1],
-                                             w->radius * sin(angle), k, DEM_IO__SIDES));
+                           dem_io__on_circle(dem_io__along(w->position, -w->radius * cos(angle), w->axis[2]),
+                                             w->axis[0], w->axis[1], w->radius * sin(angle), k, DEM_IO__SIDES));
     }
     for (int ring = 0; ring < DEM_IO__RINGS; ring++) dem_io__strip(s, first + ring * DEM_IO__SIDES, DEM_IO__SIDES);
 }
@@ -242,7 +252,8 @@ static inline int dem_io__bars_beside(const dem_wall *w, int family) {
     return (int)((w->circular || family == 1 ? w->half_x : w->half_y) / (w->aperture + w->wire) + 0.5);
 }
 
-/* Bars along axis[family], a pitch apart, the first half a pitch from the centre; flat below where they are semicircles. */
+/* Bars along axis[family], a pitch apart, the first half a pitch from the centre; flat below where they are
+   semicircles. */
 static inline void dem_io__bars(dem_io_surface *s, const dem_wall *w, int index, int family) {
     const double pitch = w->aperture + w->wire, radius = 0.5 * w->wire;
     const dem_vec along = w->axis[family], across = w->axis[1 - family];
@@ -255,9 +266,11 @@ static inline void dem_io__bars(dem_io_surface *s, const dem_wall *w, int index,
         for (int end = 0; end < 2; end++)
             for (int k = 0; k < sides; k++) {
                 const dem_vec centre = dem_io__along(dem_io__along(w->position, at, across), end ? half : -half, along);
-                const double angle = (w->profile == DEM_ROUND ? 2.0 * k / sides : (double)k / (sides - 1)) * dem_io__pi();
-                dem_io__corner(s, index,
-                               dem_io__along(dem_io__along(centre, radius * cos(angle), across), radius * sin(angle), w->axis[2]));
+                const double angle =
+                    (w->profile == DEM_ROUND ? 2.0 * k / sides : (double)k / (sides - 1)) * dem_io__pi();
+                dem_io__corner(
+                    s, index,
+                    dem_io__along(dem_io__along(centre, radius * cos(angle), across), radius * sin(angle), w->axis[2]));
             }
         dem_io__strip(s, first, sides);
         dem_io__fan(s, first, sides);
@@ -270,7 +283,8 @@ static inline void dem_io__mesh(dem_io_surface *s, const dem_wall *w, int index)
     for (int k = 0; k < w->tree->vertices; k++) {
         const dem_vec v = w->tree->vertex[k];
         dem_io__corner(s, index,
-                       dem_io__along(dem_io__along(dem_io__along(w->position, v.x, w->axis[0]), v.y, w->axis[1]), v.z, w->axis[2]));
+                       dem_io__along(dem_io__along(dem_io__along(w->position, v.x, w->axis[0]), v.y, w->axis[1]), v.z,
+                                     w->axis[2]));
     }
     for (int k = 0; k < w->tree->triangles; k++) {
         const int32_t *c = &w->tree->corner[3 * k];
@@ -320,16 +334,19 @@ static inline void dem_io__grow_by_wall(dem_vec *low, dem_vec *high, const dem_w
     case DEM_DISC:
         for (int k = 0; k < 16; k++) {
             dem_io__grow(low, high, dem_io__on_circle(w->position, w->axis[0], w->axis[1], w->radius, k, 16), 0.0);
-            dem_io__grow(
-                low, high,
-                dem_io__on_circle(dem_io__along(w->position, w->length, w->axis[2]), w->axis[0], w->axis[1], w->high_radius, k, 16), 0.0);
+            dem_io__grow(low, high,
+                         dem_io__on_circle(dem_io__along(w->position, w->length, w->axis[2]), w->axis[0], w->axis[1],
+                                           w->high_radius, k, 16),
+                         0.0);
         }
         break;
     case DEM_MESH:
         for (int k = 0; k < w->tree->vertices; k++) {
             const dem_vec v = w->tree->vertex[k];
             dem_io__grow(low, high,
-                         dem_io__along(dem_io__along(dem_io__along(w->position, v.x, w->axis[0]), v.y, w->axis[1]), v.z, w->axis[2]), 0.0);
+                         dem_io__along(dem_io__along(dem_io__along(w->position, v.x, w->axis[0]), v.y, w->axis[1]), v.z,
+                                       w->axis[2]),
+                         0.0);
         }
         break;
     default: break;
@@ -349,7 +366,8 @@ DEM_IO_API void dem_io_bounds(const dem_world *world, dem_vec *low, dem_vec *hig
         const dem_wall *w = &world->wall[k];
         if (w->kind != DEM_CYLINDER || !w->enabled) continue;
         for (int c = 0; c < 3; c++) {
-            const double slope = dem_axis(w->axis[2], c), reach = w->radius * sqrt(slope * slope < 1.0 ? 1.0 - slope * slope : 0.0);
+            const double slope = dem_axis(w->axis[2], c),
+                         reach = w->radius * sqrt(slope * slope < 1.0 ? 1.0 - slope * slope : 0.0);
             const double at = dem_axis(w->position, c);
             if (fabs(slope) > 1e-3 || !(reach > 0.0)) continue;
             if (at - reach < dem_axis(*low, c)) *dem_axis_of(low, c) = at - reach;
@@ -394,7 +412,8 @@ static inline void dem_io__grow_to_planes(const dem_world *world, dem_vec *low, 
         if (!(fabs(way) > reach && fabs(way) < limit)) continue;
         for (int c = 0; c < 8; c++) {
             const dem_vec corner = dem_vec3(c & 1 ? to.x : from.x, c & 2 ? to.y : from.y, c & 4 ? to.z : from.z);
-            dem_io__grow(low, high, dem_io__along(corner, -dem_io__dot(dem_io__along(corner, -1.0, w->position), n), n), 0.0);
+            dem_io__grow(low, high, dem_io__along(corner, -dem_io__dot(dem_io__along(corner, -1.0, w->position), n), n),
+                         0.0);
         }
     }
 }
@@ -437,7 +456,8 @@ static inline int dem_io__place_in_face(const dem_convex *c, int f, int k) {
 
 /* Returns a vector of a body's frame in the world's, by the quaternion q. */
 static inline dem_vec dem_io__turned(dem_quaternion q, dem_vec v) {
-    const dem_vec u = dem_vec3(q.x, q.y, q.z), t = dem_io__along(dem_io__along(dem_vec3(0, 0, 0), q.w, v), 1.0, dem_io__cross(u, v));
+    const dem_vec u = dem_vec3(q.x, q.y, q.z),
+                  t = dem_io__along(dem_io__along(dem_vec3(0, 0, 0), q.w, v), 1.0, dem_io__cross(u, v));
     return dem_io__along(v, 2.0, dem_io__cross(u, t));
 }
 
@@ -478,7 +498,8 @@ static inline void dem_io__polyhedron(dem_io_surface *s, const dem_world *world,
             else if (turns > 1) dem_io__face(s, first + one, first + at, first + two);
             two = at;
             for (int e = 0; e < c->edges; e++) {
-                if (!((c->edge[e][0] == k && c->edge[e][1] == to) || (c->edge[e][1] == k && c->edge[e][0] == to))) continue;
+                if (!((c->edge[e][0] == k && c->edge[e][1] == to) || (c->edge[e][1] == k && c->edge[e][0] == to)))
+                    continue;
                 face = c->edge_face[e][0] == face ? c->edge_face[e][1] : c->edge_face[e][0];
                 break;
             }
@@ -511,7 +532,7 @@ DEM_IO_API void dem_io_free_surface(dem_io_surface *surface) {
     memset(surface, 0, sizeof *surface);
 }
 
-/* ======================================================== >>ParaView ======================================================== */
+/* =================================================== >>ParaView =================================================== */
 
 static inline void dem_io__store(double *at, dem_vec v) { at[0] = v.x, at[1] = v.y, at[2] = v.z; }
 
@@ -548,22 +569,24 @@ DEM_IO_API riddle_io_status dem_io_particles(const dem_world *world, const char 
                                       riddle_io_ints("body", body),
                                       riddle_io_scalar("orientation_w", cosine),
                                       riddle_io_vector("orientation_xyz", turn)};
-    const riddle_io_status status = riddle_io_points(folder, name, (int)m, riddle_io_vector("position", place), arrays, turned ? 9 : 6);
+    const riddle_io_status status =
+        riddle_io_points(folder, name, (int)m, riddle_io_vector("position", place), arrays, turned ? 9 : 6);
     a->fn(a->user, place, bytes, 0);
     return status;
 }
 
 /* Writes a surface that was made with a status, and frees it. */
-static inline riddle_io_status dem_io__write_surface(dem_io_surface *s, dem_status made, const char *folder, const char *name,
-                                                     const char *label) {
+static inline riddle_io_status dem_io__write_surface(dem_io_surface *s, dem_status made, const char *folder,
+                                                     const char *name, const char *label) {
     if (made != DEM_OK) return made == DEM_OUT_OF_MEMORY ? RIDDLE_IO_NO_MEMORY : RIDDLE_IO_BAD_ARGUMENT;
     const size_t bytes = (size_t)(s->triangles + 1) * sizeof(int);
     int *ends = (int *)s->allocator.fn(s->allocator.user, NULL, 0, bytes);
     for (int k = 0; ends && k < s->triangles; k++) ends[k] = 3 * (k + 1);
     const riddle_io_array owner = riddle_io_ints(label, s->wall);
-    const riddle_io_status status = ends ? riddle_io_polygons(folder, name, s->vertices, riddle_io_vector("position", s->vertex),
-                                                              s->triangles, ends, s->triangle, &owner, 1)
-                                         : RIDDLE_IO_NO_MEMORY;
+    const riddle_io_status status =
+        ends ? riddle_io_polygons(folder, name, s->vertices, riddle_io_vector("position", s->vertex), s->triangles,
+                                  ends, s->triangle, &owner, 1)
+             : RIDDLE_IO_NO_MEMORY;
     if (ends) s->allocator.fn(s->allocator.user, ends, bytes, 0);
     dem_io_free_surface(s);
     return status;
@@ -581,7 +604,8 @@ DEM_IO_API riddle_io_status dem_io_polyhedra(const dem_world *world, const char 
     return dem_io__write_surface(&s, made, folder, name, "particle");
 }
 
-/* Opens a part of a series. Of a name that is too long enough is left here for riddle_io_series_open to refuse it, with its line. */
+/* Opens a part of a series. Of a name that is too long enough is left here for riddle_io_series_open to refuse it,
+   with its line. */
 static inline riddle_io_series *dem_io__open_part(const char *folder, const char *name, const char *ending) {
     char whole[RIDDLE_IO_SERIES_BYTES + 100];
     snprintf(whole, sizeof whole, "%.1000s%s", name, ending);
@@ -600,17 +624,21 @@ DEM_IO_API dem_io_series dem_io_open(const char *folder, const char *name) {
 }
 
 /* Writes the next frame of a part, unless a part before it failed: then it is only named, so that all count alike. */
-static inline riddle_io_status dem_io__add_part(riddle_io_series *part, riddle_io_status before, const dem_world *world, const char *folder,
-                                                riddle_io_status (*write)(const dem_world *, const char *, const char *)) {
+static inline riddle_io_status
+dem_io__add_part(riddle_io_series *part, riddle_io_status before, const dem_world *world, const char *folder,
+                 riddle_io_status (*write)(const dem_world *, const char *, const char *)) {
     const char *name = riddle_io_series_name(part, world->time);
-    const riddle_io_status status = before != RIDDLE_IO_OK ? before : name ? write(world, folder, name) : RIDDLE_IO_NO_MEMORY;
+    const riddle_io_status status = before != RIDDLE_IO_OK ? before
+                                    : name                 ? write(world, folder, name)
+                                                           : RIDDLE_IO_NO_MEMORY;
     if (status != RIDDLE_IO_OK) riddle_io_series_drop(part); /* an older file of that name may be there */
     return status;
 }
 
 DEM_IO_API riddle_io_status dem_io_add(dem_io_series *series, const dem_world *world) {
     if (!series || !series->particles || !series->walls || !world) return RIDDLE_IO_BAD_ARGUMENT;
-    riddle_io_status status = dem_io__add_part(series->particles, RIDDLE_IO_OK, world, series->folder, dem_io_particles);
+    riddle_io_status status =
+        dem_io__add_part(series->particles, RIDDLE_IO_OK, world, series->folder, dem_io_particles);
     status = dem_io__add_part(series->walls, status, world, series->folder, dem_io_walls);
     if (!dem_get_shape(world, 0)) return status;
     if (!series->polyhedra) series->polyhedra = dem_io__open_part(series->folder, series->name, "_polyhedra");
@@ -620,13 +648,14 @@ DEM_IO_API riddle_io_status dem_io_add(dem_io_series *series, const dem_world *w
 
 DEM_IO_API riddle_io_status dem_io_close(dem_io_series *series) {
     if (!series) return RIDDLE_IO_BAD_ARGUMENT;
-    const riddle_io_status first = riddle_io_series_close(series->particles), second = riddle_io_series_close(series->walls);
+    const riddle_io_status first = riddle_io_series_close(series->particles),
+                           second = riddle_io_series_close(series->walls);
     const riddle_io_status third = series->polyhedra ? riddle_io_series_close(series->polyhedra) : RIDDLE_IO_OK;
     series->particles = series->walls = series->polyhedra = NULL;
     return first != RIDDLE_IO_OK ? first : second != RIDDLE_IO_OK ? second : third;
 }
 
-/* ======================================================== >>sections ======================================================== */
+/* =================================================== >>sections =================================================== */
 
 /* A plane with its own axes, in which things are drawn. */
 typedef struct dem_io__view {
@@ -648,10 +677,10 @@ static inline double dem_io__height(const dem_io__view *v, dem_vec at) {
     return dem_io__dot(dem_io__along(at, -1.0, v->origin), v->normal);
 }
 
-/* Lists the spheres that the plane cuts, as x, y, r [mm]: those of a named group or, for group n_names + c, those of all groups without a
-   name that have colour c. Returns their number. */
-static inline int dem_io__cut_spheres(const dem_world *world, const dem_io__view *v, int group, int n_names, double *x, double *y,
-                                      double *r) {
+/* Lists the spheres that the plane cuts, as x, y, r [mm]: those of a named group or, for group n_names + c, those of
+   all groups without a name that have colour c. Returns their number. */
+static inline int dem_io__cut_spheres(const dem_world *world, const dem_io__view *v, int group, int n_names, double *x,
+                                      double *y, double *r) {
     int n = 0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
         const int g = (int)world->group[i], drawn_as = g >= 0 && g < n_names ? g : n_names + (int)((unsigned)g & 7u);
@@ -659,13 +688,15 @@ static inline int dem_io__cut_spheres(const dem_world *world, const dem_io__view
         const dem_vec at = dem_position(world, i);
         const double h = dem_io__height(v, at), radius = dem_radius(world, i);
         if (!(fabs(h) < radius)) continue;
-        x[n] = 1e3 * dem_io__dot(at, v->right), y[n] = 1e3 * dem_io__dot(at, v->up), r[n] = 1e3 * sqrt(radius * radius - h * h);
+        x[n] = 1e3 * dem_io__dot(at, v->right), y[n] = 1e3 * dem_io__dot(at, v->up),
+        r[n] = 1e3 * sqrt(radius * radius - h * h);
         n++;
     }
     return n;
 }
 
-/* Computes the line in which the plane cuts a triangle, as two points and a gap after them; returns 3, or 0 where it is not cut. */
+/* Computes the line in which the plane cuts a triangle, as two points and a gap after them; returns 3, or 0 where
+   it is not cut. */
 static inline int dem_io__cut_triangle(const dem_io__view *v, const dem_vec corner[3], double *x, double *y) {
     int n = 0;
     for (int k = 0; k < 3 && n < 2; k++) {
@@ -704,16 +735,17 @@ static inline dem_status dem_io__section_of_walls(const dem_world *world, riddle
     return status;
 }
 
-DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_plot *figure, dem_vec point, dem_vec normal, dem_vec right,
-                                     const char *const *names, int n_names) {
+DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_plot *figure, dem_vec point, dem_vec normal,
+                                     dem_vec right, const char *const *names, int n_names) {
     dem_io__view v;
-    if (!world || !world->def.allocator.fn || !figure || !dem_io__make_view(&v, point, normal, right)) return DEM_BAD_ARGUMENT;
+    if (!world || !world->def.allocator.fn || !figure || !dem_io__make_view(&v, point, normal, right))
+        return DEM_BAD_ARGUMENT;
     const dem_allocator *a = &world->def.allocator;
     const size_t n = (size_t)world->count, bytes = 3 * (n + 1) * sizeof(double);
     double *x = (double *)a->fn(a->user, NULL, 0, bytes);
     if (!x) return DEM_OUT_OF_MEMORY;
     const int named = names && n_names > 0 ? n_names : 0;
-    riddle_plot_equal(figure);
+    riddle_plot_scale_bar(figure, "mm");
     for (int k = 0; k < named + 8; k++) { /* groups may have any numbers, and be many */
         const int found = dem_io__cut_spheres(world, &v, k, named, x, x + n, x + 2 * n);
         const char *name = k < named ? names[k] : NULL;

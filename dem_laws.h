@@ -1,8 +1,10 @@
-/* dem_laws.h: more contact laws for dem.h: rolling with a spring, adhesion, bonds. Each is a user law: copy one and change it.
+/* dem_laws.h: more contact laws for dem.h: rolling with a spring, adhesion, bonds. Each is a user law: copy one and
+   change it.
 
    #include "dem_laws.h"
 
-   DEM_KERNEL(kernel, contact_jkr, DEM_HERTZ | DEM_FRICTION)           // once, outside of functions: compiles the law's loop
+   // once, outside of functions: compiles the law's loop
+   DEM_KERNEL(kernel, contact_jkr, DEM_HERTZ | DEM_FRICTION)
 
    int main(void) {
        dem_def def = dem_default_def();
@@ -21,22 +23,25 @@
    }
 
    Models, with the features to name to DEM_KERNEL (and DEM_ENERGY for the ledger):
-   contact_epsd        linear, friction, rolling by an elastic-plastic spring and dashpot (Ai, Chen, Rotter & Ooi 2011, model C), and
-                       twisting by the same scheme; DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
+   contact_epsd        linear, friction, rolling by an elastic-plastic spring and dashpot (Ai, Chen, Rotter & Ooi 2011,
+                       model C), and twisting by the same scheme; DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
    contact_epsd_hertz  the same on Hertz-Mindlin; DEM_HERTZ | DEM_FRICTION | DEM_ROLLING
-   contact_dmt         Hertz-Mindlin with the pull of Derjaguin, Muller & Toporov (1975): stiff, small, weakly adhesive spheres;
+   contact_dmt         Hertz-Mindlin with the pull of Derjaguin, Muller & Toporov (1975): stiff, small, weakly adhesive
+                       spheres; DEM_HERTZ | DEM_FRICTION
+   contact_jkr         the contact of Johnson, Kendall & Roberts (1971): soft, large, strongly adhesive spheres;
                        DEM_HERTZ | DEM_FRICTION
-   contact_jkr         the contact of Johnson, Kendall & Roberts (1971): soft, large, strongly adhesive spheres; DEM_HERTZ | DEM_FRICTION
-   contact_bonds       parallel bonds of Potyondy & Cundall (2004) that bend, twist and break, and linear friction where there is none;
-                       DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
+   contact_bonds       parallel bonds of Potyondy & Cundall (2004) that bend, twist and break, and linear friction where
+                       there is none; DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
 
-   Pairs    restitution, friction and stiffness come from dem_pair(), the rest from contact_pair(). An instance of contact_laws must
-            outlive the runs. It is no part of dem_save(): set world.user again after dem_load().
+   Pairs    restitution, friction and stiffness come from dem_pair(), the rest from contact_pair(). An instance of
+            contact_laws must outlive the runs. It is no part of dem_save(): set world.user again after dem_load().
    Units    SI.
    Memory   none. Threads: those of dem.h. Bits: as dem.h.
-   Linking  with dem.h beside it. Every function is static inline; for one shared copy #define CONTACT_API extern before every inclusion,
-            and CONTACT_IMPLEMENTATION as well in one file; laws stay static inline, and dem.h has its own switch.
-   Not here polyhedra with torque about the normal, sintering, liquid (dem_wet.h). docs/contact_laws.md has equations and checks. */
+   Linking  with dem.h beside it. Every function is static inline; for one shared copy #define CONTACT_API extern before
+            every inclusion, and CONTACT_IMPLEMENTATION as well in one file; laws stay static inline, and dem.h has its
+            own switch.
+   Not here polyhedra with torque about the normal, sintering, liquid (dem_wet.h). docs/contact_laws.md has
+   equations and checks. */
 #ifndef RIDDLE_DEM_LAWS_H
 #define RIDDLE_DEM_LAWS_H
 
@@ -61,15 +66,16 @@
 extern "C" {
 #endif
 
-/* ====================================================== >>declarations ====================================================== */
+/* ================================================= >>declarations ================================================= */
 
 /* What the laws want of a pair of materials beside dem_pair_def. Zero: none of it. */
 typedef struct contact_pair_def {
     double rolling;         /* coefficient of rolling friction mu_r [-] >= 0: greatest torque mu_r R* F_n; default 0 */
     double rolling_damping; /* share of the critical rolling damping eta_r [-] >= 0; default 0.3 */
-    double twisting;        /* the same about the normal: greatest torque mu_t R* F_n [-] >= 0; 2/3 mu a/R* for a contact of radius a
-                               that slides (Marshall 2009); default 0 */
-    double surface_energy;  /* work of adhesion w, both surfaces together [J/m2] >= 0; contact_jkr, contact_dmt; default 0 */
+    double twisting;        /* the same about the normal: greatest torque mu_t R* F_n [-] >= 0; 2/3 mu a/R* for a
+                               contact of radius a that slides (Marshall 2009); default 0 */
+    double surface_energy;  /* work of adhesion w, both surfaces together [J/m2] >= 0; contact_jkr,
+                               contact_dmt; default 0 */
     double bond_modulus;    /* Young's modulus of a bond [Pa] >= 0; 0: this pair does not bond; default 0 */
     double bond_shear;      /* its shear stiffness over the normal one [-] >= 0; default 0.4 */
     double bond_radius;     /* its radius over the smaller sphere's [-] > 0; default 1 */
@@ -78,9 +84,10 @@ typedef struct contact_pair_def {
 } contact_pair_def;
 
 typedef struct contact_laws {
-    contact_pair_def pair[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX]; /* [smaller index][larger index]; contact_pair() finds it */
-    int bonding; /* 1: contacts that begin now become bonds (contact_bonds). Set it, run 0 s, set it back to 0; default 0. What touched
-                    before: contact_bond_touching() */
+    contact_pair_def pair[DEM_MATERIALS_MAX][DEM_MATERIALS_MAX]; /* [smaller index][larger index];
+                                                                    contact_pair() finds it */
+    int bonding; /* 1: contacts that begin now become bonds (contact_bonds). Set it, run 0 s, set it back to 0;
+                    default 0. What touched before: contact_bond_touching() */
 } contact_laws;
 
 CONTACT_API contact_laws contact_default_laws(void);
@@ -91,14 +98,16 @@ CONTACT_API contact_pair_def *contact_pair(contact_laws *laws, int a, int b);
 /* The first field outside its range, or NULL if all is well. */
 CONTACT_API const char *contact_bad_field(const contact_laws *laws);
 
-/* ---- pure laws of adhesion, NaN outside their domain. radius: R* = R_i R_j/(R_i + R_j), of a sphere on a plane its own [m] > 0;
+/* ---- pure laws of adhesion, NaN outside their domain. radius: R* = R_i R_j/(R_i + R_j), of a sphere on a plane its
+   own [m] > 0;
         modulus: E* [Pa] > 0; energy: w [J/m2] >= 0 ---- */
 
 CONTACT_API double contact_jkr_pull_off(double radius, double energy); /* [N], 1.5 pi w R */
 CONTACT_API double contact_dmt_pull_off(double radius, double energy); /* [N], 2 pi w R */
 
-/* Square root s of the contact radius: delta = a^2/R - sqrt(2 pi w a/E*) is s^4 - g s = x with x = R delta, g^2 = 2 pi w R^2/E*. Ferrari's
-   larger root, in an order in which nothing cancels; x >= -3/4 g (g/4)^(1/3), where the two roots meet. */
+/* Square root s of the contact radius: delta = a^2/R - sqrt(2 pi w a/E*) is s^4 - g s = x with x = R delta, g^2 = 2 pi
+   w R^2/E*. Ferrari's larger root, in an order in which nothing cancels; x >= -3/4 g (g/4)^(1/3), where the
+   two roots meet. */
 DEM_INLINE double contact__jkr_root(double g, double x) {
     const double third = x / 3.0, inside = g * g * g * g / 256.0 + third * third * third;
     const double u = riddle_cbrt(g * g / 16.0 + sqrt(inside > 0.0 ? inside : 0.0)), square = u * u;
@@ -114,23 +123,24 @@ CONTACT_API double contact_jkr_release(double radius, double modulus, double ene
 CONTACT_API double contact_jkr_radius(double radius, double modulus, double energy, double overlap);
 /* Force [N] at a contact radius a >= 0 [m]: 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3). */
 CONTACT_API double contact_jkr_law(double radius, double modulus, double energy, double a);
-/* Energy that an elastic JKR contact costs, from touching to release [J]: 7.09 (w^5 R^4/E*^2)^(1/3) (Thornton & Ning 1998). With
-   b = (2 pi w R^2/E*)^(1/3), the contact radius at zero overlap, the integral of the force is E* b^5/R^2 times
-   8/15 z^5 - 4/3 z^(7/2) + 1/2 z^2 between z = 1 and z = 4^(-2/3), which is 3/10 + 4^(-4/3)/5. */
+/* Energy that an elastic JKR contact costs, from touching to release [J]: 7.09 (w^5 R^4/E*^2)^(1/3) (Thornton & Ning
+   1998). With b = (2 pi w R^2/E*)^(1/3), the contact radius at zero overlap, the integral of the force is E* b^5/R^2
+   times 8/15 z^5 - 4/3 z^(7/2) + 1/2 z^2 between z = 1 and z = 4^(-2/3), which is 3/10 + 4^(-4/3)/5. */
 CONTACT_API double contact_jkr_work(double radius, double modulus, double energy);
 /* Slowest normal impact from which bodies of effective mass m [kg] > 0 come apart again [m/s]. */
 CONTACT_API double contact_jkr_sticking_speed(double radius, double modulus, double energy, double mass);
 
-/* ================================================= >>rolling and twisting =================================================== */
+/* ============================================ >>rolling and twisting ============================================== */
 
 /* These constants follow those of the shipped laws. */
 enum { CONTACT_ROLL = DEM_LINEAR_CONSTANTS, CONTACT_ROLL_DAMPING, CONTACT_TWIST, CONTACT_EPSD_CONSTANTS };
-enum { CONTACT_ANGLE = 3, CONTACT_TWISTED = 6, CONTACT_AREA, CONTACT_EPSD_STATES }; /* [rad], [rad], contact radius of Hertz [m] */
+/* [rad], [rad], contact radius of Hertz [m] */
+enum { CONTACT_ANGLE = 3, CONTACT_TWISTED = 6, CONTACT_AREA, CONTACT_EPSD_STATES };
 
-/* A spring of stiffness k [N m/rad] (before: in the last step) that yields at a torque `most`, and a dashpot while it does not. rate: of
-   turning [rad/s]; angle: of the spring. Adds to torque, energy and losses. */
-DEM_INLINE void contact__resist(const dem_contact *c, double k, double before, double most, double damping, const double *rate,
-                                double *angle, dem_response *r) {
+/* A spring of stiffness k [N m/rad] (before: in the last step) that yields at a torque `most`, and a dashpot while it
+   does not. rate: of turning [rad/s]; angle: of the spring. Adds to torque, energy and losses. */
+DEM_INLINE void contact__resist(const dem_contact *c, double k, double before, double most, double damping,
+                                const double *rate, double *angle, dem_response *r) {
     double turned[3], size = 0.0;
     for (int a = 0; a < 3; a++) {
         turned[a] = angle[a] + rate[a] * c->dt;
@@ -148,9 +158,10 @@ DEM_INLINE void contact__resist(const dem_contact *c, double k, double before, d
     }
 }
 
-/* Adds rolling and twisting resistance to an answer. stiffness: F_n over the overlap [N/m], now and before; angle, twisted: state. */
-DEM_INLINE void contact_resist_turning(const dem_contact *c, double stiffness, double before, double *angle, double *twisted,
-                                       dem_response *r) {
+/* Adds rolling and twisting resistance to an answer. stiffness: F_n over the overlap [N/m], now and before; angle,
+   twisted: state. */
+DEM_INLINE void contact_resist_turning(const dem_contact *c, double stiffness, double before, double *angle,
+                                       double *twisted, dem_response *r) {
     const double *p = c->constants, *n = c->normal, *w = c->spin, push = r->contact > 0.0 ? r->contact : 0.0;
     const double along = w[0] * n[0] + w[1] * n[1] + w[2] * n[2];
     const double roll = 2.25 * p[CONTACT_ROLL] * p[CONTACT_ROLL], twist = 2.25 * p[CONTACT_TWIST] * p[CONTACT_TWIST];
@@ -161,21 +172,23 @@ DEM_INLINE void contact_resist_turning(const dem_contact *c, double stiffness, d
         turn[a] = *twisted * n[a];
         r->rolling[a] = 0.0;
     }
-    contact__resist(c, roll * stiffness, roll * before, p[CONTACT_ROLL] * push, p[CONTACT_ROLL_DAMPING] * sqrt(roll * stiffness), across,
-                    angle, r);
-    contact__resist(c, twist * stiffness, twist * before, p[CONTACT_TWIST] * push, p[CONTACT_ROLL_DAMPING] * sqrt(twist * stiffness), about,
-                    turn, r);
+    contact__resist(c, roll * stiffness, roll * before, p[CONTACT_ROLL] * push,
+                    p[CONTACT_ROLL_DAMPING] * sqrt(roll * stiffness), across, angle, r);
+    contact__resist(c, twist * stiffness, twist * before, p[CONTACT_TWIST] * push,
+                    p[CONTACT_ROLL_DAMPING] * sqrt(twist * stiffness), about, turn, r);
     *twisted = turn[0] * n[0] + turn[1] * n[1] + turn[2] * n[2];
 }
 
 DEM_INLINE void contact_epsd_force(const dem_contact *c, double *state, dem_response *r) {
     dem_force_linear_friction(c, state, r);
-    contact_resist_turning(c, c->constants[DEM__K], c->constants[DEM__K], state + CONTACT_ANGLE, state + CONTACT_TWISTED, r);
+    contact_resist_turning(c, c->constants[DEM__K], c->constants[DEM__K], state + CONTACT_ANGLE,
+                           state + CONTACT_TWISTED, r);
 }
 
 DEM_INLINE void contact_epsd_hertz_force(const dem_contact *c, double *state, dem_response *r) {
     const double k = c->constants[DEM__HERTZ_K], before = state[CONTACT_AREA];
-    double mindlin[4] = {state[0], state[1], state[2], before}; /* the radius is no vector: here it stands behind the two that turn */
+    /* The radius is no vector: here it stands behind the two that turn. */
+    double mindlin[4] = {state[0], state[1], state[2], before};
     dem_force_hertz_friction(c, mindlin, r);
     for (int a = 0; a < 3; a++) state[a] = mindlin[a];
     state[CONTACT_AREA] = mindlin[3];
@@ -238,17 +251,24 @@ static const dem_law contact_epsd_hertz = {"Hertz-Mindlin, EPSD rolling, twistin
                                            NULL,
                                            NULL};
 
-/* ======================================================== >>cohesion ======================================================== */
+/* =================================================== >>cohesion =================================================== */
 
-enum { CONTACT_PULL = DEM_HERTZ_CONSTANTS, CONTACT_JKR_G, CONTACT_JKR_LEAST, CONTACT_JKR_TOUCHED, CONTACT_JKR_WORK, CONTACT_JKR_CONSTANTS };
+enum {
+    CONTACT_PULL = DEM_HERTZ_CONSTANTS,
+    CONTACT_JKR_G,
+    CONTACT_JKR_LEAST,
+    CONTACT_JKR_TOUCHED,
+    CONTACT_JKR_WORK,
+    CONTACT_JKR_CONSTANTS
+};
 
 /* Of friction that counts a push, what remains where a pull leaves nothing of that. */
 DEM_INLINE void contact__remain(dem_response *r, double pull, double push) {
     for (int a = 0; a < 3; a++) r->remaining[a] = push > pull ? r->tangential[a] * (pull / push) : r->tangential[a];
 }
 
-/* Hertz and a constant pull 2 pi w R* while surfaces overlap. The pull is a part of `contact`: it begins and ends with the overlap, and so
-   has a share in the cut first and last step. Friction counts the repulsion of the solids. */
+/* Hertz and a constant pull 2 pi w R* while surfaces overlap. The pull is a part of `contact`: it begins and ends with
+   the overlap, and so has a share in the cut first and last step. Friction counts the repulsion of the solids. */
 DEM_INLINE void contact_dmt_force(const dem_contact *c, double *state, dem_response *r) {
     const double pull = c->gap < 0.0 ? c->constants[CONTACT_PULL] : 0.0;
     dem_force_hertz_friction(c, state, r);
@@ -262,8 +282,9 @@ static inline double contact_prepare_dmt(const dem_birth *b, double *constants) 
     return dem_prepare_hertz(b, constants);
 }
 
-/* Hertz at the overlap a^2/R that has JKR's contact radius a, less the adhesion sqrt(8 pi w E* a^3): so damping and tangential stiffness
-   follow the true contact. Friction up to mu (F + 2 F_c) (Thornton 1991), F_c the pull-off force. Alive until the release, beyond gap 0. */
+/* Hertz at the overlap a^2/R that has JKR's contact radius a, less the adhesion sqrt(8 pi w E* a^3): so damping and
+   tangential stiffness follow the true contact. Friction up to mu (F + 2 F_c) (Thornton 1991), F_c the pull-off force.
+   Alive until the release, beyond gap 0. */
 DEM_INLINE void contact_jkr_force(const dem_contact *c, double *state, dem_response *r) {
     const double *p = c->constants, k = p[DEM__HERTZ_K], radius = p[DEM__HERTZ_RADIUS], x = -radius * c->gap;
     const double alive = x > p[CONTACT_JKR_LEAST] ? 1.0 : 0.0;
@@ -280,7 +301,8 @@ DEM_INLINE void contact_jkr_force(const dem_contact *c, double *state, dem_respo
     contact__remain(r, pull, r->contact);
     r->contact -= pull;
     r->normal -= pull;
-    r->elastic += alive * (energy * a * a - 2.0 / 3.0 * p[CONTACT_PULL] * a * a * a * s / radius + p[CONTACT_JKR_TOUCHED]);
+    r->elastic +=
+        alive * (energy * a * a - 2.0 / 3.0 * p[CONTACT_PULL] * a * a * a * s / radius + p[CONTACT_JKR_TOUCHED]);
     r->slide_loss += (1.0 - alive) * p[CONTACT_JKR_WORK]; /* the energy stored at the release */
     r->ended = 1.0 - alive;
 }
@@ -291,18 +313,21 @@ static inline double contact_prepare_jkr(const dem_birth *b, double *constants) 
     constants[CONTACT_JKR_G] = radius * sqrt(2.0 * RIDDLE_PI * energy / modulus);
     constants[CONTACT_JKR_LEAST] = contact__jkr_least(constants[CONTACT_JKR_G]);
     constants[CONTACT_JKR_WORK] = contact_jkr_work(radius, modulus, energy);
-    constants[CONTACT_JKR_TOUCHED] = 0.3 / (0.3 + 0.2 / riddle_cbrt(256.0)) * constants[CONTACT_JKR_WORK]; /* lost in touching */
+    /* Lost in touching. */
+    constants[CONTACT_JKR_TOUCHED] = 0.3 / (0.3 + 0.2 / riddle_cbrt(256.0)) * constants[CONTACT_JKR_WORK];
     return stiffness;
 }
 
-static const dem_law contact_dmt = {"Hertz-Mindlin, DMT", 1, 4, 4, 1, CONTACT_JKR_G, contact_prepare_dmt, contact_dmt_force, NULL, NULL};
-static const dem_law contact_jkr = {"JKR", 1, 4, 4, 1, CONTACT_JKR_CONSTANTS, contact_prepare_jkr, contact_jkr_force, NULL, NULL};
+static const dem_law contact_dmt = {"Hertz-Mindlin, DMT", 1,    4,   4, 1, CONTACT_JKR_G, contact_prepare_dmt,
+                                    contact_dmt_force,    NULL, NULL};
+static const dem_law contact_jkr = {"JKR", 1,   4, 4, 1, CONTACT_JKR_CONSTANTS, contact_prepare_jkr, contact_jkr_force,
+                                    NULL,  NULL};
 
-/* ========================================================= >>bonds ========================================================== */
+/* ==================================================== >>bonds ===================================================== */
 
-/* Constants: stiffness of stretching, shearing [N/m], bending, twisting [N m/rad]; damping time [s]; 1/area and 1/section modulus over the
-   strengths, so that a bond breaks at 1. State: friction history, way sheared [m], angles bent and twisted [rad], 1 whole (2 new, 0 none),
-   gap at birth [m]. */
+/* Constants: stiffness of stretching, shearing [N/m], bending, twisting [N m/rad]; damping time [s]; 1/area and
+   1/section modulus over the strengths, so that a bond breaks at 1. State: friction history, way sheared [m], angles
+   bent and twisted [rad], 1 whole (2 new, 0 none), gap at birth [m]. */
 enum {
     CONTACT_STRETCH = DEM_LINEAR_CONSTANTS,
     CONTACT_SHEAR,
@@ -396,8 +421,9 @@ static inline void contact_bonds_born(dem_world *world, const int32_t *numbers, 
 }
 /* Is contact k (0 .. dem_contact_count-1) a whole bond? */
 CONTACT_API int contact_is_bond(const dem_world *world, ptrdiff_t k);
-/* Makes bonds of what touches now: of all contacts with an overlap that are none, where the pair has a bond_modulus; the gap of now is the
-   rest length. world->user: a contact_laws. Between runs of contact_bonds (0 s finds the contacts). Returns the number of bonds made. */
+/* Makes bonds of what touches now: of all contacts with an overlap that are none, where the pair has a bond_modulus;
+   the gap of now is the rest length. world->user: a contact_laws. Between runs of contact_bonds (0 s finds the
+   contacts). Returns the number of bonds made. */
 CONTACT_API ptrdiff_t contact_bond_touching(dem_world *world);
 
 static const dem_law contact_bonds = {"bonds",
@@ -413,7 +439,7 @@ static const dem_law contact_bonds = {"bonds",
 
 #ifdef CONTACT__BODIES
 
-/* ========================================================= >>bodies ========================================================= */
+/* ==================================================== >>bodies ==================================================== */
 
 CONTACT_API contact_laws contact_default_laws(void) {
     contact_laws laws;
@@ -490,7 +516,9 @@ CONTACT_API double contact_jkr_sticking_speed(double radius, double modulus, dou
     return mass > 0.0 ? sqrt(2.0 * contact_jkr_work(radius, modulus, energy) / mass) : (double)NAN;
 }
 
-CONTACT_API int contact_is_bond(const dem_world *world, ptrdiff_t k) { return dem_get_contact(world, k).state[CONTACT_WHOLE] > 0.0; }
+CONTACT_API int contact_is_bond(const dem_world *world, ptrdiff_t k) {
+    return dem_get_contact(world, k).state[CONTACT_WHOLE] > 0.0;
+}
 
 CONTACT_API ptrdiff_t contact_bond_touching(dem_world *world) {
     ptrdiff_t made = 0;

@@ -1,9 +1,11 @@
-/* dem_wet.h: liquid bridges in a dem.h world: the dry linear law with friction and rolling, and the bridges of liquid_bridge.h.
+/* dem_wet.h: liquid bridges in a dem.h world: the dry linear law with friction and rolling, and the bridges of
+   liquid_bridge.h.
 
    #include "dem_wet.h"
 
    int main(void) {
-       double centre[] = {0, 0, 0.0025, 0.005, 0, 0.0025}, diameter[] = {0.005, 0.005}, size[WET_CLASSES] = {0.005, 0.005, 0.005};
+       double centre[] = {0, 0, 0.0025, 0.005, 0, 0.0025}, diameter[] = {0.005, 0.005};
+       double size[WET_CLASSES] = {0.005, 0.005, 0.005};
        int group[] = {0, 0}, bridges;                                           // size class of each sphere, by id
        dem_def def = dem_default_def();
        const int glass = dem_add_material(&def, 2500.0, 5e6, 0.3);
@@ -12,7 +14,8 @@
        if (dem_init(&world, &def, NULL) != DEM_OK) return 1;
        const int floor_wall = dem_add_plane(&world, glass, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
        dem_add_spheres(&world, 2, centre, diameter, glass, 0);
-       if (wet_init(&water, 2, group, diameter, size, 0.01, 3.3e-4, floor_wall, &world, 0, WET_STEEL) != BRIDGE_OK) return 1;
+       if (wet_init(&water, 2, group, diameter, size, 0.01, 3.3e-4, floor_wall, &world, 0, WET_STEEL) != BRIDGE_OK)
+           return 1;
        world.user = &water;
        const dem_status status = wet_run(&world, 1e-3, 0);
        const double volume = wet_total(&water, &world, &bridges);               // in films and bridges [m3]
@@ -21,19 +24,20 @@
        return status != DEM_OK || !(volume > 0.0);
    }
 
-   Model    Spheres and walls carry films. A bridge forms when two bodies touch and lives until its gap is beyond dynamic rupture. It is a
-            link of dem.h: capillary force and viscous resistance change little in WET_INTERVAL, so that links are evaluated once in many
-            steps. The resistance below the gap WET_NEAR grows as 1/gap; it belongs to the contact. Equations: liquid_bridge.h.
-   Films    of a particle by its id; of walls by patches: 5 mm squares of a side wall, a pitch of a wire. The sum of films and bridges is
-            exact: all volumes are multiples of one quantum.
+   Model    Spheres and walls carry films. A bridge forms when two bodies touch and lives until its gap is beyond
+            dynamic rupture. It is a link of dem.h: capillary force and viscous resistance change little in
+            WET_INTERVAL, so that links are evaluated once in many steps. The resistance below the gap WET_NEAR grows as
+            1/gap; it belongs to the contact. Equations: liquid_bridge.h.
+   Films    of a particle by its id; of walls by patches: 5 mm squares of a side wall, a pitch of a wire. The sum of
+            films and bridges is exact: all volumes are multiples of one quantum.
    Units    SI; angles in rad.
-   Memory   from the world's allocator; wet_free gives it back. The arrays group and class_diameter stay the caller's; group must live as
-            long as the scene.
+   Memory   from the world's allocator; wet_free gives it back. The arrays group and class_diameter stay the caller's;
+            group must live as long as the scene.
    Errors   bridge_status. What goes wrong within a run stands in scene.status, and wet_run returns DEM_BAD_ARGUMENT.
    Threads  those of dem.h. Bits: as dem.h.
-   Linking  with dem.h and liquid_bridge.h beside it. Every function is static inline; for one shared copy #define WET_API extern before
-            every inclusion, and WET_IMPLEMENTATION as well in one file, which has the bodies of dem.h, too: kernels are compiled there.
-            The other two have their own switches.
+   Linking  with dem.h and liquid_bridge.h beside it. Every function is static inline; for one shared copy #define
+            WET_API extern before every inclusion, and WET_IMPLEMENTATION as well in one file, which has the bodies of
+            dem.h, too: kernels are compiled there. The other two have their own switches.
    Not here more than three size classes, liquid that flows along a wall, polyhedra. */
 #ifndef RIDDLE_DEM_WET_H
 #define RIDDLE_DEM_WET_H
@@ -61,7 +65,7 @@
 extern "C" {
 #endif
 
-/* ====================================================== >>declarations ====================================================== */
+/* ================================================= >>declarations ================================================= */
 
 /* State of a contact behind its friction history: the bridge's width and radius (0: dry). */
 enum { WET_WIDTH = 3, WET_RADIUS, WET_STATES };
@@ -102,11 +106,12 @@ typedef struct wet_scene {
 /* Contact angles of water on walls [rad] (E&K 2019, Table 2). */
 static const double WET_STEEL = 45.0 / 180.0 * RIDDLE_PI, WET_PVC = 50.0 / 180.0 * RIDDLE_PI;
 
-/* Dry books for at most n >= 0 particles with ids from 0 and dry walls. group: size class 0..2 by id, shape [n], to be set before a
-   particle touches anything. class_diameter: of the three classes [m] > 0, shape [WET_CLASSES]. volume: about all the liquid that there
-   will be [m3] >= 0. `decks` walls from wall `deck` on are screens or what stands in their place. No wall has
-   more than 1000 patches across.
-   printed: the laws of Elskamp & Kruggel-Emden (2019), eqs 12-18, as printed. side_angle: contact angle of the other walls [rad].
+/* Dry books for at most n >= 0 particles with ids from 0 and dry walls. group: size class 0..2 by id, shape [n], to be
+   set before a particle touches anything. class_diameter: of the three classes [m] > 0, shape [WET_CLASSES]. volume:
+   about all the liquid that there will be [m3] >= 0. `decks` walls from wall `deck` on are screens or what stands in
+   their place. No wall has more than 1000 patches across.
+   printed: the laws of Elskamp & Kruggel-Emden (2019), eqs 12-18, as printed. side_angle: contact angle of the other
+   walls [rad].
    BRIDGE_INVALID: an argument, or no memory; nothing is held then. */
 WET_API bridge_status wet_prepare(wet_scene *s, int n, const int *group, const double *class_diameter, double volume,
                                   int deck, int decks, dem_world *w, bool printed, double side_angle);
@@ -119,8 +124,8 @@ WET_API bridge_status wet_init(wet_scene *s, int n, const int *group, const doub
 
 WET_API void wet_free(wet_scene *s); /* safe on a zeroed or freed one */
 
-/* dem_run_law with bridges; world->user is the wet_scene. features: DEM_ENERGY for the ledger, with the corrected laws only; the rest is
-   always on. */
+/* dem_run_law with bridges; world->user is the wet_scene. features: DEM_ENERGY for the ledger, with the corrected laws
+   only; the rest is always on. */
 WET_API dem_status wet_run(dem_world *w, double duration, int features);
 
 /* Liquid in films and bridges [m3]. bridges: how many there are; may be NULL. */
@@ -130,7 +135,7 @@ WET_API double wet_total(const wet_scene *s, const dem_world *w, int *bridges);
    changed. */
 WET_API bridge_status wet_prepare_kinds(wet_scene *s, const double *class_diameter);
 
-/* ========================================================== >>laws ========================================================== */
+/* ===================================================== >>laws ===================================================== */
 
 /* What the kernels inline: without branches, so that their loops vectorise. */
 
@@ -200,7 +205,7 @@ DEM_INLINE void wet__link_force_printed(const dem_contact *c, double *state, dem
     wet__bridge_force(c, state, r, true);
 }
 
-/* ========================================================== >>books ========================================================= */
+/* ===================================================== >>books ==================================================== */
 
 static inline bool wet__is_deck(const wet_scene *s, ptrdiff_t j) {
     return -1 - j >= s->deck && -1 - j < s->deck + s->decks;
@@ -214,7 +219,8 @@ static inline double wet__larger(double a, double b) { return a > b ? a : b; }
 /* Rounds towards zero, as (int) does within its range. */
 static inline int wet__whole(double x) { return x > -1e9 ? x < 1e9 ? (int)x : 1000000000 : -1000000000; }
 
-/* Which film patch of the walls a contact draws from: 5 mm squares of the side wall and of a deck without wires, one pitch of a bar. */
+/* Which film patch of the walls a contact draws from: 5 mm squares of the side wall and of a deck without wires, one
+   pitch of a bar. */
 static inline size_t wet__patch(const wet_scene *s, const dem_world *w, const dem_contact_info *c) {
     const int wall = (int)(-1 - c->j);
     const dem_vec at = dem_position(w, c->i), origin = w->wall[wall].position;
@@ -373,7 +379,7 @@ static const dem_law wet_bridges_printed = {"liquid bridges, eqs 12-18 as printe
 
 #ifdef WET__BODIES
 
-/* ========================================================= >>bodies ========================================================= */
+/* ==================================================== >>bodies ==================================================== */
 
 DEM_KERNEL(wet_kernel, wet_law, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING)
 DEM_KERNEL(wet_kernel_energy, wet_law, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)

@@ -14,32 +14,37 @@
        return status;
    }
 
-   Models. State of a granule, film, consolidation, breakage, critical size: Gantt and Gatzke (discrete element granulation, "the paper",
-   equations (1) to (41)); coalescence: Liu, Tapia and Litster (2000), Liu and Litster (2002); viscous Stokes number: Ennis (1991);
-   strength: Rumpf (1962), Hertz; rebound of a yielding sphere: Johnson (1985); saturation kernel: Pouw et al. (2002); population
-   balance: fixed pivot, Kumar and Ramkrishna (1996), cell average, Kumar et al. (2006); constant-number Monte Carlo: Smith and
-   Matsoukas (1998). The paper mixes two conventions of reduced mass and diameter and has misprints: GRANULATION_CONSISTENT is the
-   corrected set, GRANULATION_PRINTED the printed prefactors. docs/granulation.md lists every difference.
+   Models. State of a granule, film, consolidation, breakage, critical size: Gantt and Gatzke (discrete element
+   granulation, "the paper", equations (1) to (41)); coalescence: Liu, Tapia and Litster (2000), Liu and Litster (2002);
+   viscous Stokes number: Ennis (1991); strength: Rumpf (1962), Hertz; rebound of a yielding sphere: Johnson (1985);
+   saturation kernel: Pouw et al. (2002); population balance: fixed pivot, Kumar and Ramkrishna (1996), cell average,
+   Kumar et al. (2006); constant-number Monte Carlo: Smith and Matsoukas (1998). The paper mixes two conventions of
+   reduced mass and diameter and has misprints: GRANULATION_CONSISTENT is the corrected set, GRANULATION_PRINTED the
+   printed prefactors. docs/granulation.md lists every difference.
 
-   Find your way: >>laws (pure functions), >>simulation, >>balance (population balance), >>montecarlo; bodies have the same tags.
+   Find your way: >>laws (pure functions), >>simulation, >>balance (population balance), >>montecarlo; bodies have the
+   same tags.
 
    Units: SI. Angles [rad]. Fractions and numbers without unit [-].
 
-   Memory: through def.memory; nothing is allocated in a step unless the number of granules or of contacts grows. A call that runs
-   out of memory returns GRANULATION_NO_MEMORY; the object can be used on and must be freed as ever.
+   Memory: through def.memory; nothing is allocated in a step unless the number of granules or of contacts grows. A call
+   that runs out of memory returns GRANULATION_NO_MEMORY; the object can be used on and must be freed as ever.
 
    Threads: no object is shared; use one a thread. There is no thread inside.
 
-   Determinism: same def, same calls, same bits on every machine and compiler (without fused multiply-add: -ffp-contract=off).
+   Determinism: same def, same calls, same bits on every machine and compiler (without fused multiply-add:
+   -ffp-contract=off).
 
    Validity: the material's constants are a fit. granulation_sim_outside() tells what lies outside its data.
 
    Which order: a step consolidates, breaks, stirs, moves and collides. Indices of granules hold until the next step.
 
-   What it does not do: no contact forces and no rotation (collisions are instantaneous), no attrition, no layering, no drying, no flow
-   field: velocities come from distributions. A granule is a sphere with a mean composition; its film has one thickness.
+   What it does not do: no contact forces and no rotation (collisions are instantaneous), no attrition, no layering, no
+   drying, no flow field: velocities come from distributions. A granule is a sphere with a mean composition; its film
+   has one thickness.
 
-   Shared copy instead of static inline: #define GRANULATION_API extern everywhere and GRANULATION_IMPLEMENTATION in one file. */
+   Shared copy instead of static inline: #define GRANULATION_API extern everywhere and GRANULATION_IMPLEMENTATION
+   in one file. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "granulation.h needs NaN and signed zero: compile without -ffast-math"
 #endif
@@ -113,20 +118,27 @@ typedef struct granulation_granule {
 } granulation_granule;
 
 static inline double granulation_volume(const granulation_granule *g);          /* (2) V = s + l + a [m3] */
-static inline double granulation_diameter(double volume);                       /* D = (6 V / pi)^(1/3) [m]; volume >= 0 [m3] */
-static inline double granulation_sphere(double diameter);                       /* volume of a sphere [m3]; diameter >= 0 [m] */
+/* D = (6 V / pi)^(1/3) [m]; volume >= 0 [m3]. */
+static inline double granulation_diameter(double volume);
+/* volume of a sphere [m3]; diameter >= 0 [m] */
+static inline double granulation_sphere(double diameter);
 static inline double granulation_porosity(const granulation_granule *g);        /* (3) (l + a) / V [-], 0 .. 1 */
-static inline double granulation_saturation(const granulation_granule *g);      /* (3) l / (l + a) [-]; 1 without pores */
+/* (3) l / (l + a) [-]; 1 without pores */
+static inline double granulation_saturation(const granulation_granule *g);
 static inline double granulation_liquid_fraction(const granulation_granule *g); /* (3) l / V [-] */
-static inline double granulation_moisture(const granulation_granule *g);        /* (3) l / s, by volume as printed [-] */
-static inline double granulation_least_porosity(const granulation_granule *g);  /* porosity with all air gone, l / (s + l) [-] */
+/* (3) l / s, by volume as printed [-] */
+static inline double granulation_moisture(const granulation_granule *g);
+/* porosity with all air gone, l / (s + l) [-] */
+static inline double granulation_least_porosity(const granulation_granule *g);
 /* Returns the mass (4) [kg]; densities of solid, liquid and air [kg/m3] */
 static inline double granulation_mass(const granulation_granule *g, double solid, double liquid, double air);
-/* Returns the thickness of the binder film (5) [m], 0 for a dry surface; critical saturation 0 < s_crit <= 1. Written as
-   (l (1 - s_crit) - s_crit a) / (pi D^2), which is D (L - eps s_crit) / 6 without its cancellation. */
+/* Returns the thickness of the binder film (5) [m], 0 for a dry surface; critical saturation 0 < s_crit <= 1. Written
+   as (l (1 - s_crit) - s_crit a) / (pi D^2), which is D (L - eps s_crit) / 6 without its cancellation. */
 static inline double granulation_film(const granulation_granule *g, double s_crit);
-static inline double granulation_film_unclipped(const granulation_granule *g, double s_crit); /* negative before the film appears */
-static inline double granulation_asperity(double factor, double grain_diameter); /* (34) height of asperities A Dp [m]; both > 0 */
+/* negative before the film appears */
+static inline double granulation_film_unclipped(const granulation_granule *g, double s_crit);
+/* (34) height of asperities A Dp [m]; both > 0 */
+static inline double granulation_asperity(double factor, double grain_diameter);
 
 /* ==== consolidation (26), (27) ==== */
 /* Returns the rate of (27), da/dt [m3/s]; rate constant [1/s]. */
@@ -137,80 +149,97 @@ static inline double granulation_consolidate(const granulation_granule *g, doubl
 static inline double granulation_film_time(const granulation_granule *g, double s_crit);
 
 /* ==== strength (13) to (17) ==== */
-/* Returns the largest contact pressure (13) [Pa] by Hertz, of a force [N], effective modulus [Pa], reduced diameter [m]. */
+/* Returns the largest contact pressure (13) [Pa] by Hertz, of a force [N], effective modulus [Pa], reduced
+   diameter [m]. */
 static inline double granulation_hertz_pressure(double force, double modulus, double diameter);
-/* Returns the effective modulus (14) [Pa], mended: 1 / E* = (1 - nu1^2) / E1 + (1 - nu2^2) / E2; moduli > 0, Poisson ratios -1 .. 0.5. */
+/* Returns the effective modulus (14) [Pa], mended: 1 / E* = (1 - nu1^2) / E1 + (1 - nu2^2) / E2; moduli > 0, Poisson
+   ratios -1 .. 0.5. */
 static inline double granulation_effective_modulus(double e1, double nu1, double e2, double nu2);
 /* Returns (14) as printed: the same sum, which is a compliance [1/Pa]. */
 static inline double granulation_contact_compliance(double e1, double nu1, double e2, double nu2);
-static inline double granulation_edge_tension(double pressure, double poisson); /* (15) tensile stress at the contact's edge [Pa] */
-/* Returns the static tensile strength (16) [Pa] by Rumpf; 0 < porosity < 1, saturation 0 .. 1, shape factor (6 for spheres), surface
-   tension [N/m], contact angle [rad], grain diameter [m]. */
-static inline double granulation_rumpf_strength(double porosity, double saturation, double shape, double tension, double angle,
-                                                double grain);
-static inline double granulation_yield_stress(double strength, double poisson); /* (17) 2 sigma / (3 - 6 nu) [Pa]; nu < 0.5 */
+/* (15) tensile stress at the contact's edge [Pa] */
+static inline double granulation_edge_tension(double pressure, double poisson);
+/* Returns the static tensile strength (16) [Pa] by Rumpf; 0 < porosity < 1, saturation 0 .. 1, shape factor (6 for
+   spheres), surface tension [N/m], contact angle [rad], grain diameter [m]. */
+static inline double granulation_rumpf_strength(double porosity, double saturation, double shape, double tension,
+                                                double angle, double grain);
+/* (17) 2 sigma / (3 - 6 nu) [Pa]; nu < 0.5 */
+static inline double granulation_yield_stress(double strength, double poisson);
 
 /* ==== a collision: Liu, Tapia and Litster ==== */
-/* Prefactors. CONSISTENT: those that belong to the reduced m, D of (9), (10), with the total approach of the centres. PRINTED: those of
-   the paper's (8), (20), (40), which belong to harmonic means of twice the size. u0 and viscosity, missing in (18) and
-   (20), are restored in both. */
+/* Prefactors. CONSISTENT: those that belong to the reduced m, D of (9), (10), with the total approach of the centres.
+   PRINTED: those of the paper's (8), (20), (40), which belong to harmonic means of twice the size. u0 and viscosity,
+   missing in (18) and (20), are restored in both. */
 typedef enum granulation_convention { GRANULATION_CONSISTENT, GRANULATION_PRINTED } granulation_convention;
 #define GRANULATION_JOHNSON 2.46              /* of (18) as printed; Johnson's restitution exactly: 2.427218 */
 #define GRANULATION_RECOVERY 7.36423562897306 /* (9 pi / 4) (3 pi / 8)^(1/4): the 7.36 of (24) */
 #define GRANULATION_FIRST_YIELD 1.65625       /* first yield at St_def / (Y/E*)^4 = 53/32 */
 
-/* Returns the reduced mass or diameter (9), (10): a b / (a + b); b infinite (a wall, the impeller) gives a. Both > 0. */
+/* Returns the reduced mass or diameter (9), (10): a b / (a + b); b infinite (a wall, the impeller) gives
+   a. Both > 0. */
 static inline double granulation_reduced(double a, double b);
-/* Returns the viscous Stokes number (8) [-]: reduced mass [kg], u0 = half the relative speed [m/s], viscosity > 0 [Pa s], reduced
-   diameter [m]. */
-static inline double granulation_viscous_stokes(granulation_convention c, double m, double u0, double viscosity, double d);
+/* Returns the viscous Stokes number (8) [-]: reduced mass [kg], u0 = half the relative speed [m/s], viscosity > 0 [Pa
+   s], reduced diameter [m]. */
+static inline double granulation_viscous_stokes(granulation_convention c, double m, double u0, double viscosity,
+                                                double d);
 /* Returns the Stokes deformation number (22) [-]; yield stress > 0 [Pa]. */
 static inline double granulation_deformation_stokes(double m, double u0, double d, double yield);
-/* Returns ln(h0 / ha), and 0 for a film no thicker than the asperities: a film never accelerates. h0 >= 0, ha > 0 [m]. */
+/* Returns ln(h0 / ha), and 0 for a film no thicker than the asperities: a film never accelerates.
+   h0 >= 0, ha > 0 [m]. */
 static inline double granulation_film_logarithm(double h0, double ha);
-/* Returns half the relative speed (7) [m/s] when the asperities meet, may be negative; log_film from granulation_film_logarithm */
+/* Returns half the relative speed (7) [m/s] when the asperities meet, may be negative; log_film from
+   granulation_film_logarithm */
 static inline double granulation_approach_speed(double u0, double st_v, double log_film);
 static inline bool granulation_is_type_one(double st_v, double log_film); /* (11); false without a film */
 /* Returns the largest contact area (12) [m2] at u1 >= 0 [m/s]; reduced mass, diameter; yield stress. */
 static inline double granulation_contact_area(double u1, double m, double d, double yield);
-/* Returns the permanent deformation (19) [m] of a contact area; negative: the contact stayed elastic. yield_ratio = Y / E* >= 0 [-]. */
+/* Returns the permanent deformation (19) [m] of a contact area; negative: the contact stayed elastic.
+   yield_ratio = Y / E* >= 0 [-]. */
 static inline double granulation_deformation(double area, double d, double yield_ratio);
 /* Returns the same over d (19), (24), of St_def and B = u1 / u0 >= 0 [-]. */
 static inline double granulation_relative_deformation(double st_def, double b, double yield_ratio);
 /* Returns half the relative speed (18) [m/s] when the surfaces part, never above u1 = B u0. */
 static inline double granulation_rebound_speed(double u0, double b, double yield_ratio, double st_def);
-/* Returns half the relative speed (20) [m/s] when the bridge would break; not above 0: it holds. deformation >= 0 [m], h0 >= ha [m], or
-   equal to the deformation for dry granules. Only the sign has a meaning below -u0. */
-static inline double granulation_separation_speed(granulation_convention c, double u2, double u0, double st_v, double deformation,
-                                                  double h0, double ha);
+/* Returns half the relative speed (20) [m/s] when the bridge would break; not above 0: it holds. deformation >= 0 [m],
+   h0 >= ha [m], or equal to the deformation for dry granules. Only the sign has a meaning below -u0. */
+static inline double granulation_separation_speed(granulation_convention c, double u2, double u0, double st_v,
+                                                  double deformation, double h0, double ha);
 /* Returns the same (25), made consistent, for dry surfaces, whose film is the deformation. */
-static inline double granulation_dry_separation_speed(granulation_convention c, double u2, double u0, double st_v, double deformation,
-                                                      double ha);
+static inline double granulation_dry_separation_speed(granulation_convention c, double u2, double u0, double st_v,
+                                                      double deformation, double ha);
 static inline bool granulation_is_elastic_type_two(double st_v, double log_film); /* (23) St_v < 2 ln(h0 / ha) */
-/* Return both sides of (21) as printed; left < right: Type II. It reports Type II also for a negative deformation (its square hides the
-   sign), so nothing here decides by it. b = u1 / u0 > 0 [-]; d, deformation (not 0), h0 >= ha [m]. */
+/* Return both sides of (21) as printed; left < right: Type II. It reports Type II also for a negative deformation (its
+   square hides the sign), so nothing here decides by it. b = u1 / u0 > 0 [-]; d, deformation (not 0), h0 >= ha [m]. */
 static inline double granulation_printed_left(double yield_ratio, double st_def);
-static inline double granulation_printed_right(double st_v, double st_def, double yield_ratio, double b, double d, double deformation,
-                                               double h0, double ha);
+static inline double granulation_printed_right(double st_v, double st_def, double yield_ratio, double b, double d,
+                                               double deformation, double h0, double ha);
 
 /* ==== critical size (39) to (41), velocities (33), breakage (28) to (36) ==== */
 /* Returns the force of the film (40) [N] at u [m/s] (half the relative speed) and gap 2h [m]. */
 static inline double granulation_film_force(granulation_convention c, double d, double viscosity, double u, double gap);
 static inline double granulation_bond_area(double d, double deformation); /* (41) pi D delta [m2] */
-/* Returns the critical diameter (39) [m], A1 (K^(3/2) sigma)^a1; K = area / force [1/Pa] >= 0, strength sigma [Pa]; A1 in
-   [m Pa^(a1/2)]. */
+/* Returns the critical diameter (39) [m], A1 (K^(3/2) sigma)^a1; K = area / force [1/Pa] >= 0, strength sigma [Pa]; A1
+   in [m Pa^(a1/2)]. */
 static inline double granulation_critical_diameter(double a1_factor, double exponent, double k, double strength);
-/* Returns the tip speed (33) [m/s] of an impeller, turns [1/s], diameter [m]: pi n D. The paper's 120 rpm -> 1 m/s is n D / 2: PRINTED. */
+/* Returns the tip speed (33) [m/s] of an impeller, turns [1/s], diameter [m]: pi n D. The paper's 120 rpm -> 1 m/s is n
+   D / 2: PRINTED. */
 static inline double granulation_tip_speed(granulation_convention c, double turns, double diameter);
-/* Returns (22), (28) for one granule, its own m and D: pi rho u^2 / (12 Y) [-], independent of size; density [kg/m3], speed [m/s]. */
+/* Returns (22), (28) for one granule, its own m and D: pi rho u^2 / (12 Y) [-], independent of size; density [kg/m3],
+   speed [m/s]. */
 static inline double granulation_breakage_stokes(double density, double speed, double yield);
-/* Returns the Herschel-Bulkley stress (30), Y + k gamma^n [Pa]; consistency [Pa s^n], shear rate [1/s], index n [-]; all >= 0. */
+/* Returns the Herschel-Bulkley stress (30), Y + k gamma^n [Pa]; consistency [Pa s^n], shear rate [1/s], index
+   n [-]; all >= 0. */
 static inline double granulation_herschel_bulkley(double yield, double consistency, double shear_rate, double index);
-/* Returns the strain (31) of Kenningley, of the Kozeny-Carman equation [-]; d32: Sauter mean of the constituent grains [m]. */
-static inline double granulation_kozeny_strain(double porosity, double density, double speed, double d32, double viscosity);
-static inline granulation_granule granulation_half(const granulation_granule *g);                              /* (36) */
-static inline granulation_granule granulation_sum(const granulation_granule *a, const granulation_granule *b); /* (38) */
-/* Returns the viscosity by Arrhenius [Pa s]: mu0 exp(E/R (1/T - 1/T0)); mu0 > 0, activation E/R >= 0 [K], temperatures > 0 [K]. */
+/* Returns the strain (31) of Kenningley, of the Kozeny-Carman equation [-]; d32: Sauter mean of the
+   constituent grains [m]. */
+static inline double granulation_kozeny_strain(double porosity, double density, double speed, double d32,
+                                               double viscosity);
+/* (36) */
+static inline granulation_granule granulation_half(const granulation_granule *g);
+/* (38) */
+static inline granulation_granule granulation_sum(const granulation_granule *a, const granulation_granule *b);
+/* Returns the viscosity by Arrhenius [Pa s]: mu0 exp(E/R (1/T - 1/T0)); mu0 > 0, activation E/R >= 0 [K],
+   temperatures > 0 [K]. */
 static inline double granulation_arrhenius(double viscosity, double activation, double temperature, double reference);
 
 /* ==== the outcome of a collision as one pure function ==== */
@@ -219,8 +248,13 @@ static inline double granulation_arrhenius(double viscosity, double activation, 
 typedef enum granulation_pair_yield { GRANULATION_YIELD_MEAN, GRANULATION_YIELD_WEAKER } granulation_pair_yield;
 /* Y / E* fixed (yield_ratio), or E* fixed (modulus). */
 typedef enum granulation_stiffness { GRANULATION_FIXED_RATIO, GRANULATION_FIXED_MODULUS } granulation_stiffness;
-/* The critical diameter: none; limit_diameter (w / limit_moisture)^(1/4); (39) to (41) with A1 = limit_diameter as it stands. */
-typedef enum granulation_limit { GRANULATION_NO_LIMIT, GRANULATION_LIMIT_MOISTURE, GRANULATION_LIMIT_PRINTED } granulation_limit;
+/* The critical diameter: none; limit_diameter (w / limit_moisture)^(1/4); (39) to (41) with A1 = limit_diameter
+   as it stands. */
+typedef enum granulation_limit {
+    GRANULATION_NO_LIMIT,
+    GRANULATION_LIMIT_MOISTURE,
+    GRANULATION_LIMIT_PRINTED
+} granulation_limit;
 
 /* Material and rules of a collision. Defaults: the documented set G1 of docs/granulation.md. */
 typedef struct granulation_laws {
@@ -240,12 +274,16 @@ typedef struct granulation_laws {
     double yield_ratio;                /* Y / E* [-], >= 0; 0.04 (fitted) */
     double modulus;                    /* E* [Pa], > 0; 1e7; used with FIXED_MODULUS */
     granulation_pair_yield pair_yield; /* default MEAN */
-    bool elastic_rule;                 /* an elastic contact (deformation <= 0) may be held by (23); false: it rebounds; default false */
+    bool elastic_rule;                 /* an elastic contact (deformation <= 0) may be held by (23); false: it rebounds;
+                                          default false */
     bool dry_rule;                     /* dry surfaces may be held by (25); false: they rebound; default false */
-    bool deep_film;                    /* separation from a film max(h0, deformation): with dry_rule no jump at h0 = ha; default false */
+    bool deep_film;                    /* separation from a film max(h0, deformation): with dry_rule no jump at h0 = ha;
+                                          default false */
     granulation_limit limit;           /* default LIMIT_MOISTURE */
-    double limit_diameter;             /* [m] with LIMIT_MOISTURE, A1 [m Pa^(a1/2)] with LIMIT_PRINTED, > 0; 2.30e-4 (fitted) */
-    double limit_moisture;   /* moisture l / s of limit_diameter [-], > 0; 33/52; with LIMIT_PRINTED: A1 (w / limit_moisture)^(1/4) */
+    double limit_diameter;             /* [m] with LIMIT_MOISTURE, A1 [m Pa^(a1/2)] with
+                                          LIMIT_PRINTED, > 0; 2.30e-4 (fitted) */
+    double limit_moisture;   /* moisture l / s of limit_diameter [-], > 0; 33/52; with LIMIT_PRINTED: A1
+                                (w / limit_moisture)^(1/4) */
     double limit_exponent;   /* a1 of (39) [-], > 0; 0.5; used with LIMIT_PRINTED */
     bool limit_type_one;     /* the limit also holds for Type I; default false */
     double breakage_stokes;  /* St_def* of (28) [-], > 0; 0.2; HUGE_VAL: nothing breaks */
@@ -254,7 +292,8 @@ typedef struct granulation_laws {
     double shear_rate;       /* (30) [1/s], >= 0; 0 */
 } granulation_laws;
 
-/* Properties of a granule for the laws; computed once by granulation_body_of. For a wall or the impeller: granulation_wall. */
+/* Properties of a granule for the laws; computed once by granulation_body_of. For a wall or the impeller:
+   granulation_wall. */
 typedef struct granulation_body {
     granulation_granule volumes;
     double diameter; /* [m]; infinite for a wall */
@@ -268,7 +307,8 @@ typedef struct granulation_body {
 typedef struct granulation_collision {
     granulation_reason reason;
     bool coalesces;
-    bool both;       /* Type I, and (21) as printed would hold a contact at full speed (B = 1) too: the "both" of the paper's figure 10 */
+    bool both;       /* Type I, and (21) as printed would hold a contact at full speed (B = 1) too: the "both" of the
+                        paper's figure 10 */
     double st_v;     /* [-] */
     double st_def;   /* [-] */
     double log_film; /* ln(h0 / ha) [-], 0 for dry surfaces */
@@ -279,22 +319,23 @@ typedef struct granulation_collision {
 } granulation_collision;
 
 GRANULATION_API granulation_laws granulation_default_laws(void);
-/* Returns GRANULATION_BAD_DEF and the name of the first bad field (field may be NULL), otherwise ok and NULL; BAD_ARGUMENT and "laws" for
-   NULL. The other check functions do the same ("def"). */
+/* Returns GRANULATION_BAD_DEF and the name of the first bad field (field may be NULL), otherwise ok and NULL;
+   BAD_ARGUMENT and "laws" for NULL. The other check functions do the same ("def"). */
 GRANULATION_API granulation_status granulation_check_laws(const granulation_laws *laws, const char **field);
 /* Computes the properties of a granule; every derived one is NaN if the volumes are outside their ranges. */
 static inline granulation_body granulation_body_of(const granulation_laws *laws, const granulation_granule *g);
 /* Returns a wall with a film [m] of its own: infinitely heavy, flat and strong. */
 static inline granulation_body granulation_wall(double film);
-/* Returns the outcome of a collision. speed: full relative speed |v1 - v2| [m/s]; not above 0: GRANULATION_NONE. The laws must be checked.
-   If a number is NaN the reason is GRANULATION_NONE. */
-static inline granulation_collision granulation_collide(const granulation_laws *laws, const granulation_body *i, const granulation_body *j,
-                                                        double speed);
+/* Returns the outcome of a collision. speed: full relative speed |v1 - v2| [m/s]; not above 0: GRANULATION_NONE. The
+   laws must be checked. If a number is NaN the reason is GRANULATION_NONE. */
+static inline granulation_collision granulation_collide(const granulation_laws *laws, const granulation_body *i,
+                                                        const granulation_body *j, double speed);
 
-/* Returns the reason from dimensionless numbers: the axes of a coalescence boundary map. Reason only; the size limit is left out. st_v,
-   st_def > 0; yield_ratio = Y/E* >= 0; film_ratio = h0 / ha >= 0 (not above 1: dry); width = D / ha > 0 with the reduced D. */
-static inline granulation_reason granulation_classify(const granulation_laws *laws, double st_v, double st_def, double yield_ratio,
-                                                      double film_ratio, double width);
+/* Returns the reason from dimensionless numbers: the axes of a coalescence boundary map. Reason only; the size limit is
+   left out. st_v, st_def > 0; yield_ratio = Y/E* >= 0; film_ratio = h0 / ha >= 0 (not above 1: dry); width = D / ha > 0
+   with the reduced D. */
+static inline granulation_reason granulation_classify(const granulation_laws *laws, double st_v, double st_def,
+                                                      double yield_ratio, double film_ratio, double width);
 /* Returns whether a granule breaks (28) at this speed [m/s]. */
 static inline bool granulation_breaks(const granulation_laws *laws, const granulation_body *body, double speed);
 
@@ -310,19 +351,27 @@ static inline double granulation_random_normal(granulation_random *r);  /* mean 
 
 /* ==== >>simulation: granules in a periodic box ==== */
 
-/* Distance of centres at which two granules meet: the sum of the radii, or (readings of the paper's "the radius of one particle encounters
-   another") the larger or the smaller of them. */
-typedef enum granulation_contact { GRANULATION_CONTACT_SUM, GRANULATION_CONTACT_LARGER, GRANULATION_CONTACT_SMALLER } granulation_contact;
-/* SWEPT: every contact within a step, in the order of time. END_OF_STEP: the paper's rule, pairs that overlap after a step, by index, one
-   event a granule and step. */
+/* Distance of centres at which two granules meet: the sum of the radii, or (readings of the paper's "the radius of one
+   particle encounters another") the larger or the smaller of them. */
+typedef enum granulation_contact {
+    GRANULATION_CONTACT_SUM,
+    GRANULATION_CONTACT_LARGER,
+    GRANULATION_CONTACT_SMALLER
+} granulation_contact;
+/* SWEPT: every contact within a step, in the order of time. END_OF_STEP: the paper's rule, pairs that overlap after a
+   step, by index, one event a granule and step. */
 typedef enum granulation_detection { GRANULATION_SWEPT, GRANULATION_END_OF_STEP } granulation_detection;
-/* CONSERVING: impulse along the line of centres with a coefficient of restitution. REVERSAL: the paper's v -> -v of both; swept, it may
-   leave overlaps where granules lock. */
+/* CONSERVING: impulse along the line of centres with a coefficient of restitution. REVERSAL: the paper's v -> -v of
+   both; swept, it may leave overlaps where granules lock. */
 typedef enum granulation_bounce { GRANULATION_CONSERVING, GRANULATION_REVERSAL } granulation_bounce;
 
-/* Signs of the mean velocity of a granule: as given; + or - by chance in each component; + or - for all three at once, two opposed streams
-   (which is what REVERSAL makes of one). */
-typedef enum granulation_signs { GRANULATION_SAME_SIGNS, GRANULATION_RANDOM_SIGNS, GRANULATION_TWO_STREAMS } granulation_signs;
+/* Signs of the mean velocity of a granule: as given; + or - by chance in each component; + or - for all three at once,
+   two opposed streams (which is what REVERSAL makes of one). */
+typedef enum granulation_signs {
+    GRANULATION_SAME_SIGNS,
+    GRANULATION_RANDOM_SIGNS,
+    GRANULATION_TWO_STREAMS
+} granulation_signs;
 
 typedef struct granulation_event {
     double time;                   /* [s] of the simulation */
@@ -336,7 +385,8 @@ typedef struct granulation_def {
     granulation_laws laws;
     double box;                      /* edge [m], > 0; 2e-3 */
     double step;                     /* [s], > 0; 1 */
-    double dilation;                 /* path of a step = velocity step / dilation [-], > 0; 1e4: 1 s of process is 0.1 ms of flight */
+    double dilation;                 /* path of a step = velocity step / dilation [-], > 0; 1e4: 1 s of process is 0.1
+                                        ms of flight */
     double velocity_mean[3];         /* of new granules [m/s]; 3, 3, 3 */
     double velocity_deviation[3];    /* [m/s], >= 0; 1, 1, 1 */
     granulation_signs signs;         /* default SAME_SIGNS */
@@ -371,11 +421,13 @@ typedef struct granulation_tally {
     double kinetic_loss;       /* by coalescence and restitution [J]; negative never */
 } granulation_tally;
 
-/* Amounts that crossed the boundary of the system since the start: sum over granules = placed + ledger, to round-off. */
+/* Amounts that crossed the boundary of the system since the start: sum over granules = placed + ledger,
+   to round-off. */
 typedef struct granulation_ledger {
     double solid, liquid, air; /* in [m3] */
     double air_released;       /* by consolidation and by liquid that took its place [m3] */
-    double momentum[3];        /* brought in: placed, stirred, with liquid and air, and the defect of GRANULATION_REVERSAL [kg m/s] */
+    double momentum[3];        /* brought in: placed, stirred, with liquid and air, and the defect of
+                                  GRANULATION_REVERSAL [kg m/s] */
     double reversal_defect[3]; /* that defect alone [kg m/s] */
 } granulation_ledger;
 
@@ -384,9 +436,10 @@ typedef struct granulation_sim {
     int n;               /* granules */
     int64_t steps;
     double time;            /* [s] */
-    double owed;            /* after a run that was stopped: the rest of the motion in the last step [s of path], which the next run does
-                               first; 0: none. That step has consolidated and counts in time; it counts in steps when it is whole (with
-                               END_OF_STEP collisions may be left; time is then a step ahead of steps) */
+    double owed;            /* after a run that was stopped: the rest of the motion in the last step [s of path], which
+                               the next run does first; 0: none. That step has consolidated and counts in time; it
+                               counts in steps when it is whole (with END_OF_STEP collisions may be left; time is then a
+                               step ahead of steps) */
     double *x, *y, *z;      /* centres [m], 0 <= x < box; [n] */
     double *vx, *vy, *vz;   /* [m/s]; [n] */
     granulation_body *body; /* [n] */
@@ -404,62 +457,67 @@ typedef struct granulation_sim {
 
 /* Returns the paper's set-up with physically sound collisions: swept, momentum conserved, sum of radii. */
 GRANULATION_API granulation_def granulation_default_def(void);
-/* Returns the readings under which the paper's Tables 2 and 3 come out (set G1): end of step, larger radius, reversal. */
+/* Returns the readings under which the paper's Tables 2 and 3 come out (set G1): end of step, larger
+   radius, reversal. */
 GRANULATION_API granulation_def granulation_paper_def(void);
 GRANULATION_API granulation_status granulation_check_def(const granulation_def *def, const char **field);
 
-/* Makes a simulation without granules; nothing is allocated yet. One in use must be freed first. BAD_DEF. After an error *sim is empty and
-   may be freed. */
+/* Makes a simulation without granules; nothing is allocated yet. One in use must be freed first. BAD_DEF. After an
+   error *sim is empty and may be freed. */
 GRANULATION_API granulation_status granulation_sim_init(granulation_sim *sim, const granulation_def *def);
 GRANULATION_API void granulation_sim_free(granulation_sim *sim); /* safe to call twice */
 
-/* Places `count` granules without overlap, velocities from the distribution. BAD_ARGUMENT, TOO_LARGE, NO_ROOM, NO_MEMORY:
-   those placed before it stay. */
+/* Places `count` granules without overlap, velocities from the distribution. BAD_ARGUMENT, TOO_LARGE, NO_ROOM,
+   NO_MEMORY: those placed before it stay. */
 GRANULATION_API granulation_status granulation_sim_add(granulation_sim *sim, const granulation_granule *g, int count);
 /* Does the same for an array [n] of granules, in its order; faster than one by one. */
-GRANULATION_API granulation_status granulation_sim_add_many(granulation_sim *sim, const granulation_granule *granules, int n);
+GRANULATION_API granulation_status granulation_sim_add_many(granulation_sim *sim, const granulation_granule *granules,
+                                                            int n);
 /* Adds one granule at a centre [m] (wrapped into the box) with a velocity [m/s], overlap or not. */
-GRANULATION_API granulation_status granulation_sim_put(granulation_sim *sim, const granulation_granule *g, const double centre[3],
-                                                       const double velocity[3]);
+GRANULATION_API granulation_status granulation_sim_put(granulation_sim *sim, const granulation_granule *g,
+                                                       const double centre[3], const double velocity[3]);
 
-/* Runs `steps` steps. Stops at the first status that is not ok: TOO_LARGE, POPULATION, EVENTS, NO_MEMORY. The state is then whole (volumes,
-   momentum) and of the time sim->time; only the motion sim->owed is left of the last step. A later run does that first, then its own steps:
-   nothing is done twice. */
+/* Runs `steps` steps. Stops at the first status that is not ok: TOO_LARGE, POPULATION, EVENTS, NO_MEMORY. The state is
+   then whole (volumes, momentum) and of the time sim->time; only the motion sim->owed is left of the last step. A later
+   run does that first, then its own steps: nothing is done twice. */
 GRANULATION_API granulation_status granulation_sim_run(granulation_sim *sim, int steps);
 
 /* Changes in mid-run. All check their arguments and change nothing if they refuse. */
-GRANULATION_API granulation_status granulation_sim_set(granulation_sim *sim, const granulation_def *def); /* all but box, seed and memory */
-/* Changes the impeller: new mean and deviation [m/s]; every granule keeps its deviate, v' = mean' + (v - mean) deviation' / deviation (a
-   new draw where the deviation was 0), or with redraw a new velocity. */
-GRANULATION_API granulation_status granulation_sim_impeller(granulation_sim *sim, const double mean[3], const double deviation[3],
-                                                            bool redraw);
-/* Sprays binder: volume [m3] >= 0 in all, distributed by granule surface; displaced 0 .. 1: share of it that enters pores and drives out
-   air. BAD_ARGUMENT, TOO_LARGE. */
+/* all but box, seed and memory */
+GRANULATION_API granulation_status granulation_sim_set(granulation_sim *sim, const granulation_def *def);
+/* Changes the impeller: new mean and deviation [m/s]; every granule keeps its deviate, v' = mean' + (v - mean)
+   deviation' / deviation (a new draw where the deviation was 0), or with redraw a new velocity. */
+GRANULATION_API granulation_status granulation_sim_impeller(granulation_sim *sim, const double mean[3],
+                                                            const double deviation[3], bool redraw);
+/* Sprays binder: volume [m3] >= 0 in all, distributed by granule surface; displaced 0 .. 1: share of it that enters
+   pores and drives out air. BAD_ARGUMENT, TOO_LARGE. */
 GRANULATION_API granulation_status granulation_sim_spray(granulation_sim *sim, double volume, double displaced);
 
-/* Returns the mean diameter (sum D^p / sum D^q)^(1/(p-q)) [m]: (4,3) volume weighted, (1,0) number, (3,2) Sauter. 0 <= q < p <= 6, else
-   NaN; NaN when empty. */
+/* Returns the mean diameter (sum D^p / sum D^q)^(1/(p-q)) [m]: (4,3) volume weighted, (1,0) number, (3,2)
+   Sauter. 0 <= q < p <= 6, else NaN; NaN when empty. */
 GRANULATION_API double granulation_sim_mean(const granulation_sim *sim, int p, int q);
 /* Returns the diameter [m] up to which granules contain a share, in (0, 1], of the total volume: the diameter of the
    granule that reaches it. Median size: 0.5. NaN when empty. */
 GRANULATION_API double granulation_sim_percentile(const granulation_sim *sim, double share);
-/* Sums by class of volume: class k contains edges[k] <= V < edges[k+1] [m3], edges [classes+1] increasing; count, q_s, q_l, q_a [classes]
-   may be NULL. Returns the number of granules outside, which are left out. */
-GRANULATION_API int granulation_sim_classes(const granulation_sim *sim, const double *edges, int classes, double *count, double *q_s,
-                                            double *q_l, double *q_a);
-GRANULATION_API void granulation_sim_totals(const granulation_sim *sim, granulation_granule *volumes, double momentum[3],
-                                            double *kinetic); /* any NULL */
-/* Computes the coalescence boundary map of the present population: the outcome of a collision of two mean granules (film, diameter, yield
-   stress) at each pair of Stokes numbers; st_v [rows], st_def [columns], all > 0; reasons [rows][columns]. The size limit is left out.
+/* Sums by class of volume: class k contains edges[k] <= V < edges[k+1] [m3], edges [classes+1] increasing; count, q_s,
+   q_l, q_a [classes] may be NULL. Returns the number of granules outside, which are left out. */
+GRANULATION_API int granulation_sim_classes(const granulation_sim *sim, const double *edges, int classes, double *count,
+                                            double *q_s, double *q_l, double *q_a);
+GRANULATION_API void granulation_sim_totals(const granulation_sim *sim, granulation_granule *volumes,
+                                            double momentum[3], double *kinetic); /* any NULL */
+/* Computes the coalescence boundary map of the present population: the outcome of a collision of two mean granules
+   (film, diameter, yield stress) at each pair of Stokes numbers; st_v [rows], st_def [columns], all > 0;
+   reasons [rows][columns]. The size limit is left out.
    BAD_ARGUMENT: no granules. */
-GRANULATION_API granulation_status granulation_sim_map(const granulation_sim *sim, const double *st_v, int rows, const double *st_def,
-                                                       int columns, granulation_reason *reasons);
+GRANULATION_API granulation_status granulation_sim_map(const granulation_sim *sim, const double *st_v, int rows,
+                                                       const double *st_def, int columns, granulation_reason *reasons);
 /* Finds the deepest overlap of a pair over the sum of its radii [-]; 0: none. */
 GRANULATION_API granulation_status granulation_sim_overlap(granulation_sim *sim, double *deepest);
 
 /* ---- the range of the fit ---- */
 /* clang-format off */
-/* Material and rules of granulation_paper_def were fitted to the paper's Tables 2 and 3. Elsewhere a result is an extrapolation, in: */
+/* Material and rules of granulation_paper_def were fitted to the paper's Tables 2 and 3. Elsewhere a result is an
+   extrapolation, in: */
 #define GRANULATION_OUTSIDES(X)                                                                       \
     X(GRANULATION_OUTSIDE_SPEED, 1, "mean velocity outside the fitted 1 .. 7 m/s, 120 .. 840 1/min")  \
     X(GRANULATION_OUTSIDE_BINDER, 2, "binder outside the fitted 15 .. 33 % of the feed")              \
@@ -493,8 +551,8 @@ typedef struct granulation_replicate {
 } granulation_replicate;
 #define GRANULATION_REPLICATE_FIELDS 15 /* doubles in it, in this order */
 static inline granulation_replicate granulation_replicate_of(const granulation_sim *sim);
-/* Mean, standard deviation and half width of the 95 % confidence interval (Student) of n >= 1 numbers, `stride` apart; the latter
-   two are 0 for n = 1. */
+/* Mean, standard deviation and half width of the 95 % confidence interval (Student) of n >= 1 numbers, `stride` apart;
+   the latter two are 0 for n = 1. */
 typedef struct granulation_estimate {
     double mean, deviation, confidence;
 } granulation_estimate;
@@ -502,53 +560,73 @@ static inline granulation_estimate granulation_estimate_of(const double *values,
 
 /* ==== >>balance: population balances ==== */
 
-/* Rate constant of coalescence of two granules [m3/s]; symmetric, >= 0. The granules are the means of their cells. Kernels and rates of
-   breakage must not change the balance. */
+/* Rate constant of coalescence of two granules [m3/s]; symmetric, >= 0. The granules are the means of their cells.
+   Kernels and rates of breakage must not change the balance. */
 typedef double (*granulation_kernel)(const granulation_granule *i, const granulation_granule *j, const void *user);
 
-/* Data of the kernels below, passed as `data` (def.kernel_user of a balance). Made by granulation_default_kernel_data(). A kernel that
-   lacks a number is NaN; a run then returns GRANULATION_KERNEL. */
+/* Data of the kernels below, passed as `data` (def.kernel_user of a balance). Made by
+   granulation_default_kernel_data(). A kernel that lacks a number is NaN; a run then returns GRANULATION_KERNEL. */
 typedef struct granulation_kernel_data {
     double rate;                  /* factor of every kernel, >= 0; its unit makes the kernel [m3/s]; default 1 */
-    double a, b;                  /* exponents of Kapur [-]. Class: factors b1, b2 [-], >= 0. Default NaN: must be set for these two */
-    double limit;                 /* cutoff, saturation: no coalescence above this diameter of the granule formed [m]; default infinite */
-    double speed;                 /* class, collision: relative speed [m/s], >= 0; default NaN: must be set for these two */
-    const granulation_laws *laws; /* class; saturation (critical_saturation); default NULL: must be set for these two; not owned */
-    granulation_kernel inner;     /* class, cutoff, saturation: times this kernel of the same data; default NULL: the rate alone */
+    double a, b;                  /* exponents of Kapur [-]. Class: factors b1, b2 [-], >= 0. Default NaN: must be set
+                                     for these two */
+    double limit;                 /* cutoff, saturation: no coalescence above this diameter of the granule formed [m];
+                                     default infinite */
+    double speed;                 /* class, collision: relative speed [m/s], >= 0; default NaN: must be set
+                                     for these two */
+    const granulation_laws *laws; /* class; saturation (critical_saturation); default NULL: must be set for these
+                                     two; not owned */
+    granulation_kernel inner;     /* class, cutoff, saturation: times this kernel of the same data; default NULL:
+                                     the rate alone */
 } granulation_kernel_data;
 
 GRANULATION_API granulation_kernel_data granulation_default_kernel_data(void);
 
 /* u, v: whole volumes of the two [m3]; D1, D2: their diameters [m]. */
-static inline double granulation_constant_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
-static inline double granulation_sum_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);     /* u + v */
-static inline double granulation_product_kernel(const granulation_granule *i, const granulation_granule *j, const void *data); /* u v */
+static inline double granulation_constant_kernel(const granulation_granule *i, const granulation_granule *j,
+                                                 const void *data);
+/* u + v */
+static inline double granulation_sum_kernel(const granulation_granule *i, const granulation_granule *j,
+                                            const void *data);
+/* u v */
+static inline double granulation_product_kernel(const granulation_granule *i, const granulation_granule *j,
+                                                const void *data);
+/* (u^1/3 + v^1/3)^3 */
 static inline double granulation_shear_kernel(const granulation_granule *i, const granulation_granule *j,
-                                              const void *data); /* (u^1/3 + v^1/3)^3 */
+                                              const void *data);
 /* Equipartition of kinetic energy, Hounslow (1998): (u^1/3 + v^1/3)^2 (1/u + 1/v)^1/2 */
-static inline double granulation_eke_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
+static inline double granulation_eke_kernel(const granulation_granule *i, const granulation_granule *j,
+                                            const void *data);
 /* Brownian: (u^1/3 + v^1/3)(u^-1/3 + v^-1/3) */
-static inline double granulation_brownian_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
+static inline double granulation_brownian_kernel(const granulation_granule *i, const granulation_granule *j,
+                                                 const void *data);
+/* (u + v)^a / (u v)^b */
 static inline double granulation_kapur_kernel(const granulation_granule *i, const granulation_granule *j,
-                                              const void *data); /* (u + v)^a / (u v)^b */
+                                              const void *data);
 /* Hard spheres at one relative speed: (pi / 4) (D1 + D2)^2 speed [m3/s] */
-static inline double granulation_collision_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
+static inline double granulation_collision_kernel(const granulation_granule *i, const granulation_granule *j,
+                                                  const void *data);
 /* Adetayo and Ennis (1997): inner, 0 above the limit */
-static inline double granulation_cutoff_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
+static inline double granulation_cutoff_kernel(const granulation_granule *i, const granulation_granule *j,
+                                               const void *data);
 /* Pouw et al. (2002): inner where both saturations have reached the critical one, 0 above the limit */
-static inline double granulation_saturation_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
-/* Liu and Litster (2002): a inner for Type I and elastic Type II, b inner for plastic and dry Type II, 0 for rebound; their b1, b2 */
-static inline double granulation_class_kernel(const granulation_granule *i, const granulation_granule *j, const void *data);
+static inline double granulation_saturation_kernel(const granulation_granule *i, const granulation_granule *j,
+                                                   const void *data);
+/* Liu and Litster (2002): a inner for Type I and elastic Type II, b inner for plastic and dry Type II, 0 for rebound;
+   their b1, b2 */
+static inline double granulation_class_kernel(const granulation_granule *i, const granulation_granule *j,
+                                              const void *data);
 
 typedef enum granulation_scheme { GRANULATION_CELL_AVERAGE, GRANULATION_FIXED_PIVOT } granulation_scheme;
 /* Daughters: two halves (36); two, one with a volume uniform on 0 .. u (b(v|u) = 2/u); or those of a function of your
    own. The last two: one-component grids only. */
 typedef enum granulation_daughters { GRANULATION_HALVES, GRANULATION_UNIFORM, GRANULATION_OWN } granulation_daughters;
-/* Returns the share of a mother's volume in daughters with less than z of hers, 0 <= z <= 1: it does not fall, and is 1 at z = 1.
-   mother: volume without air [m3]. A function that breaks this makes a run return KERNEL. */
+/* Returns the share of a mother's volume in daughters with less than z of hers, 0 <= z <= 1: it does not fall, and is 1
+   at z = 1. mother: volume without air [m3]. A function that breaks this makes a run return KERNEL. */
 typedef double (*granulation_breakage)(double z, double mother, const void *user);
-/* Austin and Luckie (1972): phi r^gamma + (1 - phi) r^beta, r = z^(1/3) the ratio of the diameters. data: granulation_austin. Its moments
-   of order p exist for gamma, beta > 3 (1 - p): with less than 3 the number of fines has no bound but the first pivot. */
+/* Austin and Luckie (1972): phi r^gamma + (1 - phi) r^beta, r = z^(1/3) the ratio of the diameters. data:
+   granulation_austin. Its moments of order p exist for gamma, beta > 3 (1 - p): with less than 3 the number of fines
+   has no bound but the first pivot. */
 typedef struct granulation_austin {
     double phi;         /* share of the fines, 0 .. 1 */
     double gamma, beta; /* exponents of fines and of large fragments, > 0 */
@@ -558,25 +636,29 @@ static inline double granulation_austin_breakage(double z, double mother, const 
 typedef struct granulation_balance_def {
     granulation_scheme scheme; /* default CELL_AVERAGE; breakage is fixed pivot in both */
     granulation_kernel kernel; /* NULL: no coalescence; default constant */
-    const void *kernel_user;   /* data of the kernel; default NULL: rate 1, for the kernels above that need no more. Not owned */
+    const void *kernel_user;   /* data of the kernel; default NULL: rate 1, for the kernels above that need no
+                                  more. Not owned */
     bool kernel_changes;       /* it depends on the composition, so it is evaluated again before each step; default
                                   false */
-    double (*selection)(const granulation_granule *g, const void *user); /* rate of breakage [1/s]; NULL: none; default NULL */
+    double (*selection)(const granulation_granule *g, const void *user); /* rate of breakage [1/s]; NULL: none;
+                                                                            default NULL */
     const void *selection_user;
     granulation_daughters daughters; /* default HALVES */
-    granulation_breakage breakage;   /* OWN: needed; default NULL. Evaluated with the kernel, 32 times between two pivots */
+    granulation_breakage breakage;   /* OWN: needed; default NULL. Evaluated with the kernel, 32 times
+                                        between two pivots */
     const void *breakage_user;       /* its data; not owned */
     double consolidation;            /* k_c [1/s], >= 0; 0 */
     double tolerance;                /* of a step, of the moments 0, 1, 2 of its error [-], > 0; 1e-6 */
     double longest_step;             /* [s], > 0; infinite */
-    double most_lost;                /* share of the solid volume above the last pivot at which it stops with GEL, 0 .. 1; 1e-3 */
+    double most_lost;                /* share of the solid volume above the last pivot at which it stops with
+                                        GEL, 0 .. 1; 1e-3 */
     int most_steps;                  /* in a run, >= 1; 1000000 */
     granulation_memory memory;
     uint64_t cookie;
 } granulation_balance_def;
 
-/* One component: the key of a granule is its volume without air, s + l; liquid and air are carried as totals of the cell, so
-   consolidation does not move granules. Two components: the keys are s and l; air is carried. */
+/* One component: the key of a granule is its volume without air, s + l; liquid and air are carried as totals of the
+   cell, so consolidation does not move granules. Two components: the keys are s and l; air is carried. */
 typedef struct granulation_balance {
     granulation_balance_def def;
     int components;         /* 1 or 2 */
@@ -585,7 +667,8 @@ typedef struct granulation_balance {
     double *edge[2];        /* [size+1] [m3] */
     double *pivot[2];       /* [size] [m3] */
     double *number;         /* granules in a cell [1/m3 of the vessel, or any unit that the kernel matches]; [n] */
-    double *liquid;         /* total liquid of the cell, in number times m3; [n]; NULL with two components: see granulation_balance_cell */
+    double *liquid;         /* total liquid of the cell, in number times m3; [n]; NULL with two components: see
+                               granulation_balance_cell */
     double *air;            /* total air; [n] */
     double time;            /* [s] */
     int64_t steps, refused; /* of the integrator */
@@ -602,23 +685,26 @@ typedef struct granulation_balance {
 } granulation_balance;
 
 GRANULATION_API granulation_balance_def granulation_balance_default_def(void);
-GRANULATION_API granulation_status granulation_balance_check_def(const granulation_balance_def *def, const char **field);
-/* Makes an empty balance. edges: increasing, >= 0 [m3], [cells+1], cells >= 2. pivots: inside their cells, increasing, > 0 (the first of
-   the liquid may be 0), [cells]; NULL: the middle of each cell. l_cells 0 (l_edges NULL): one component. At most 100000 cells in all.
-   Copies all. A balance in use must be freed first. After an error *b is empty and may be freed. Needs 12 bytes a pair of cells (20 or 28
-   with the fixed pivot). */
-GRANULATION_API granulation_status granulation_balance_init(granulation_balance *b, const granulation_balance_def *def, int cells,
-                                                            const double *edges, const double *pivots, int l_cells, const double *l_edges,
-                                                            const double *l_pivots);
+GRANULATION_API granulation_status granulation_balance_check_def(const granulation_balance_def *def,
+                                                                 const char **field);
+/* Makes an empty balance. edges: increasing, >= 0 [m3], [cells+1], cells >= 2. pivots: inside their cells,
+   increasing, > 0 (the first of the liquid may be 0), [cells]; NULL: the middle of each cell. l_cells 0 (l_edges NULL):
+   one component. At most 100000 cells in all. Copies all. A balance in use must be freed first. After an error *b is
+   empty and may be freed. Needs 12 bytes a pair of cells (20 or 28 with the fixed pivot). */
+GRANULATION_API granulation_status granulation_balance_init(granulation_balance *b, const granulation_balance_def *def,
+                                                            int cells, const double *edges, const double *pivots,
+                                                            int l_cells, const double *l_edges, const double *l_pivots);
 GRANULATION_API void granulation_balance_free(granulation_balance *b);
-/* Adds `number` >= 0 granules; they are shared between neighbouring pivots so that number and every volume is kept. A granule on a pivot
-   goes to that cell alone. Outside the pivots: BAD_ARGUMENT. */
-GRANULATION_API granulation_status granulation_balance_add(granulation_balance *b, const granulation_granule *g, double number);
+/* Adds `number` >= 0 granules; they are shared between neighbouring pivots so that number and every volume is kept. A
+   granule on a pivot goes to that cell alone. Outside the pivots: BAD_ARGUMENT. */
+GRANULATION_API granulation_status granulation_balance_add(granulation_balance *b, const granulation_granule *g,
+                                                           double number);
 /* Runs to the time b->time + duration [s], duration >= 0. GEL, STEP, KERNEL: it stopped at b->time with a complete
    state. However late the time, the whole duration is run. */
 GRANULATION_API granulation_status granulation_balance_run(granulation_balance *b, double duration);
 GRANULATION_API granulation_status granulation_balance_set(granulation_balance *b,
-                                                           const granulation_balance_def *def); /* a change in mid-run; not the memory */
+                                                           /* a change in mid-run; not the memory */
+                                                           const granulation_balance_def *def);
 /* Returns the mean granule of a cell; of an empty one its keys (and no liquid with one component). */
 static inline granulation_granule granulation_balance_cell(const granulation_balance *b, int cell);
 /* Returns the number of granules in a cell, in the unit in which they were added; NaN for one that is not there. */
@@ -626,17 +712,19 @@ GRANULATION_API double granulation_balance_number(const granulation_balance *b, 
 /* Returns the sum number key0^p key1^q, 0^0 = 1; p, q >= 0. With one component q must be 0. Else NaN. */
 GRANULATION_API double granulation_balance_moment(const granulation_balance *b, double p, double q);
 GRANULATION_API granulation_granule granulation_balance_totals(const granulation_balance *b);
-GRANULATION_API double granulation_balance_mean(const granulation_balance *b, int p, int q); /* mean diameter [m] as granulation_sim_mean */
+/* mean diameter [m] as granulation_sim_mean */
+GRANULATION_API double granulation_balance_mean(const granulation_balance *b, int p, int q);
 
 /* ==== >>montecarlo: constant-number Monte Carlo ==== */
-/* n sample granules in a volume; after each coalescence one of them is doubled and the volume grows by n / (n - 1). Volumes are kept in the
-   mean only. */
+/* n sample granules in a volume; after each coalescence one of them is doubled and the volume grows by n / (n - 1).
+   Volumes are kept in the mean only. */
 typedef struct granulation_montecarlo {
     int n;
     granulation_granule *granules; /* [n] */
     double volume;                 /* that the sample stands for [m3] */
     double time;                   /* [s] */
-    int64_t events, raised;        /* coalescences; times the bound of the kernel was found too small (a bias, if often) */
+    int64_t events, raised;        /* coalescences; times the bound of the kernel was found too small (a
+                                      bias, if often) */
     granulation_kernel kernel;
     const void *user;
     granulation_random random;
@@ -645,11 +733,12 @@ typedef struct granulation_montecarlo {
     granulation_granule smallest, largest; /* ever drawn or made: the bound is computed from pairs with these */
 } granulation_montecarlo;
 
-/* Starts a run. One in use must be freed first. sample [n] is copied, n >= 2; volume > 0; memory may be NULL. BAD_ARGUMENT, NO_MEMORY,
-   KERNEL. */
-GRANULATION_API granulation_status granulation_montecarlo_init(granulation_montecarlo *mc, const granulation_granule *sample, int n,
-                                                               double volume, granulation_kernel kernel, const void *user, uint64_t seed,
-                                                               const granulation_memory *memory);
+/* Starts a run. One in use must be freed first. sample [n] is copied, n >= 2; volume > 0; memory may be NULL.
+   BAD_ARGUMENT, NO_MEMORY, KERNEL. */
+GRANULATION_API granulation_status granulation_montecarlo_init(granulation_montecarlo *mc,
+                                                               const granulation_granule *sample, int n, double volume,
+                                                               granulation_kernel kernel, const void *user,
+                                                               uint64_t seed, const granulation_memory *memory);
 GRANULATION_API void granulation_montecarlo_free(granulation_montecarlo *mc);
 /* Runs to the time mc->time + duration [s], duration >= 0. BAD_ARGUMENT, KERNEL, STEP: more than 1e9 pairs would have
    to be drawn (reported before drawing). However late the time, the whole duration is run. */
@@ -657,16 +746,18 @@ GRANULATION_API granulation_status granulation_montecarlo_run(granulation_montec
 /* Returns the moment sum V^p / volume [m3^p per m3]; V: whole volumes. */
 GRANULATION_API double granulation_montecarlo_moment(const granulation_montecarlo *mc, double p);
 
-/* Computes mean and 95 % range (Student) of a result of n >= 2 runs that differ in their seeds: a moment, a mean diameter, a percentile
-   of a sample, or of the discrete simulation. One run alone has no range: its granules are not independent of each other. The range holds
-   what random numbers do; that of a population balance is its mesh (run it with twice the cells), that of its rates is not known here.
-   mean, low, high: NaN unless GRANULATION_OK; BAD_ARGUMENT for n < 2 or a value that is not finite. */
-GRANULATION_API granulation_status granulation_range(const double *values, int n, double *mean, double *low, double *high);
+/* Computes mean and 95 % range (Student) of a result of n >= 2 runs that differ in their seeds: a moment, a mean
+   diameter, a percentile of a sample, or of the discrete simulation. One run alone has no range: its granules are not
+   independent of each other. The range holds what random numbers do; that of a population balance is its mesh (run it
+   with twice the cells), that of its rates is not known here. mean, low, high: NaN unless GRANULATION_OK; BAD_ARGUMENT
+   for n < 2 or a value that is not finite. */
+GRANULATION_API granulation_status granulation_range(const double *values, int n, double *mean, double *low,
+                                                     double *high);
 
 /* clang-format off */
-/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
-   stated; NaN outside the domain. */
+/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ.
+   Identical in every Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the
+   copies). Within 5 ulp unless stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
 #define RIDDLE_PORTABLE_MATH
@@ -730,7 +821,9 @@ static inline double riddle_log(double x) {
     return e * RIDDLE_LN2_HI + (riddle__log1p_small(m - 1.0) + e * RIDDLE_LN2_LO);
 }
 
-static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
+static inline double riddle_log1p(double x) {
+    return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x);
+}
 
 /* Returns x^y for x >= 0; relative error about (2 + |y log x|) ulp. */
 static inline double riddle_pow(double x, double y) {
@@ -830,16 +923,18 @@ static inline double riddle_asin(double x) {
 #endif /* RIDDLE_PORTABLE_MATH */
 /* clang-format on */
 /* <<portable-math */
-/* >>student-t: Student's t by the incomplete beta function. Identical in every Riddle header that needs it (base/student.h is the master,
-   tests/check_headers compares the copies). */
+/* >>student-t: Student's t by the incomplete beta function. Identical in every Riddle header that needs it
+   (base/student.h is the master, tests/check_headers compares the copies). */
 /* clang-format off */
 #ifndef RIDDLE_STUDENT
 #define RIDDLE_STUDENT
-/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20 on. */
+/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20
+   on. */
 static inline double riddle__log_beta_half(double a) {
     double ratio = 1.0;
     for (; a < 20.0; a += 1.0) ratio *= (a + 0.5) / a;
-    const double z = 1.0 / (a * a), series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
+    const double z = 1.0 / (a * a);
+    const double series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
     return 0.57236494292470008707 - 0.5 * riddle_log(a) + series + riddle_log(ratio);
 }
 
@@ -876,8 +971,8 @@ static inline double riddle__student_tail(double freedom, double t, double *dens
     return 1.0 - front * riddle__beta_fraction(b, a, rest) / b;
 }
 
-/* Returns the half-width, in standard errors, of a range that holds the share `confidence` of Student's t. NaN outside of confidence in
-   (0, 1), freedom > 0. Student 1908. */
+/* Returns the half-width, in standard errors, of a range that holds the share `confidence` of Student's t. NaN outside
+   of confidence in (0, 1), freedom > 0. Student 1908. */
 static inline double riddle_student(double confidence, double freedom) {
     if (!(confidence > 0.0 && confidence < 1.0 && freedom > 0.0)) return (double)NAN;
     if (freedom > 1e8) freedom = 1e8; /* the normal distribution, to 1e-8 */
@@ -903,7 +998,9 @@ static inline double riddle_student(double confidence, double freedom) {
 /* ---- >>laws, bodies: inline in every mode ---- */
 
 static inline double granulation_volume(const granulation_granule *g) { return g->s + g->l + g->a; }
-static inline double granulation_diameter(double volume) { return volume >= 0.0 ? riddle_cbrt(volume * (6.0 / RIDDLE_PI)) : (double)NAN; }
+static inline double granulation_diameter(double volume) {
+    return volume >= 0.0 ? riddle_cbrt(volume * (6.0 / RIDDLE_PI)) : (double)NAN;
+}
 static inline double granulation_sphere(double diameter) {
     return diameter >= 0.0 ? RIDDLE_PI / 6.0 * (diameter * diameter * diameter) : (double)NAN;
 }
@@ -922,13 +1019,16 @@ static inline double granulation_saturation(const granulation_granule *g) {
 static inline double granulation_liquid_fraction(const granulation_granule *g) {
     return granulation__is_granule(g) ? g->l / granulation_volume(g) : (double)NAN;
 }
-static inline double granulation_moisture(const granulation_granule *g) { return granulation__is_granule(g) ? g->l / g->s : (double)NAN; }
+static inline double granulation_moisture(const granulation_granule *g) {
+    return granulation__is_granule(g) ? g->l / g->s : (double)NAN;
+}
 static inline double granulation_least_porosity(const granulation_granule *g) {
     return granulation__is_granule(g) ? g->l / (g->s + g->l) : (double)NAN;
 }
 static inline double granulation_mass(const granulation_granule *g, double solid, double liquid, double air) {
-    return granulation__is_granule(g) && solid >= 0.0 && liquid >= 0.0 && air >= 0.0 ? solid * g->s + liquid * g->l + air * g->a
-                                                                                     : (double)NAN;
+    return granulation__is_granule(g) && solid >= 0.0 && liquid >= 0.0 && air >= 0.0
+               ? solid * g->s + liquid * g->l + air * g->a
+               : (double)NAN;
 }
 
 static inline double granulation_film_unclipped(const granulation_granule *g, double s_crit) {
@@ -950,7 +1050,8 @@ static inline double granulation_consolidation_rate(const granulation_granule *g
     return -rate_constant * ((g->l + g->a) * v / g->s - granulation_least_porosity(g) * v * v / g->s);
 }
 
-/* Returns the air volume a decay w / (w + a (1 - decay)), w = s + l: the solution of (27) without a difference of nearly equal numbers. */
+/* Returns the air volume a decay w / (w + a (1 - decay)), w = s + l: the solution of (27) without a difference of
+   nearly equal numbers. */
 static inline double granulation__consolidated(double wet, double air, double decay) {
     return air * decay * (wet / (wet + air * (1.0 - decay)));
 }
@@ -983,10 +1084,10 @@ static inline double granulation_effective_modulus(double e1, double nu1, double
 static inline double granulation_edge_tension(double pressure, double poisson) {
     return pressure >= 0.0 && poisson >= -1.0 && poisson <= 0.5 ? (1.0 - 2.0 * poisson) * pressure / 3.0 : (double)NAN;
 }
-static inline double granulation_rumpf_strength(double porosity, double saturation, double shape, double tension, double angle,
-                                                double grain) {
-    if (!(porosity > 0.0 && porosity < 1.0 && saturation >= 0.0 && saturation <= 1.0 && shape > 0.0 && tension >= 0.0 && grain > 0.0 &&
-          angle >= 0.0 && angle <= 0.5 * RIDDLE_PI))
+static inline double granulation_rumpf_strength(double porosity, double saturation, double shape, double tension,
+                                                double angle, double grain) {
+    if (!(porosity > 0.0 && porosity < 1.0 && saturation >= 0.0 && saturation <= 1.0 && shape > 0.0 && tension >= 0.0 &&
+          grain > 0.0 && angle >= 0.0 && angle <= 0.5 * RIDDLE_PI))
         return (double)NAN;
     return (1.0 - porosity) / porosity * (saturation * shape * tension / grain) * riddle_cos(angle);
 }
@@ -998,7 +1099,8 @@ static inline double granulation_reduced(double a, double b) {
     if (!(a > 0.0 && b > 0.0)) return (double)NAN;
     return a < b ? a / (1.0 + a / b) : b < HUGE_VAL ? b / (1.0 + b / a) : HUGE_VAL;
 }
-static inline double granulation_viscous_stokes(granulation_convention c, double m, double u0, double viscosity, double d) {
+static inline double granulation_viscous_stokes(granulation_convention c, double m, double u0, double viscosity,
+                                                double d) {
     if (!(m > 0.0 && u0 >= 0.0 && viscosity > 0.0 && d > 0.0)) return (double)NAN;
     return (c == GRANULATION_PRINTED ? 8.0 : 4.0) * m * u0 / (3.0 * RIDDLE_PI * viscosity * d * d);
 }
@@ -1033,37 +1135,43 @@ static inline double granulation_rebound_speed(double u0, double b, double yield
     double u2 = GRANULATION_JOHNSON * u0 * sqrt(yield_ratio) / sqrt(sqrt(sqrt(st_def))) * (b_half * sqrt(b_half));
     return u2 < u1 ? u2 : u1;
 }
-static inline double granulation_separation_speed(granulation_convention c, double u2, double u0, double st_v, double deformation,
-                                                  double h0, double ha) {
+static inline double granulation_separation_speed(granulation_convention c, double u2, double u0, double st_v,
+                                                  double deformation, double h0, double ha) {
     if (!(st_v > 0.0 && deformation >= 0.0 && ha > 0.0 && h0 >= ha)) return (double)NAN;
     double one = c == GRANULATION_PRINTED ? 0.5 : 0.125, two = c == GRANULATION_PRINTED ? 1.0 : 0.5;
     double near_end = deformation / ha, far_end = deformation / h0;
-    double loss = one * (near_end - far_end) * (near_end + far_end) + two * (near_end - far_end) + granulation_film_logarithm(h0, ha);
+    double loss = one * (near_end - far_end) * (near_end + far_end) + two * (near_end - far_end) +
+                  granulation_film_logarithm(h0, ha);
     return u2 - u0 / st_v * loss;
 }
-static inline double granulation_dry_separation_speed(granulation_convention c, double u2, double u0, double st_v, double deformation,
-                                                      double ha) {
+static inline double granulation_dry_separation_speed(granulation_convention c, double u2, double u0, double st_v,
+                                                      double deformation, double ha) {
     if (!(st_v > 0.0 && ha > 0.0) || deformation != deformation) return (double)NAN;
     double ratio = deformation / ha;
     if (ratio <= 1.0) return u2;
     return u2 - u0 / st_v * (c == GRANULATION_PRINTED ? 0.5 : 0.125) * (ratio - 1.0) * (ratio + 1.0);
 }
-static inline bool granulation_is_elastic_type_two(double st_v, double log_film) { return log_film > 0.0 && st_v < 2.0 * log_film; }
+static inline bool granulation_is_elastic_type_two(double st_v, double log_film) {
+    return log_film > 0.0 && st_v < 2.0 * log_film;
+}
 
 static inline double granulation_printed_left(double yield_ratio, double st_def) {
     if (!(yield_ratio >= 0.0 && st_def > 0.0)) return (double)NAN;
     return sqrt(yield_ratio) / (st_def * sqrt(sqrt(sqrt(st_def))));
 }
-static inline double granulation_printed_right(double st_v, double st_def, double yield_ratio, double b, double d, double deformation,
-                                               double h0, double ha) {
+static inline double granulation_printed_right(double st_v, double st_def, double yield_ratio, double b, double d,
+                                               double deformation, double h0, double ha) {
     double log_film = granulation_film_logarithm(h0, ha);
-    if (!(st_v > 0.0 && b > 0.0 && st_def > 0.0 && yield_ratio >= 0.0 && d > 0.0 && h0 >= ha) || deformation == 0.0) return (double)NAN;
+    if (!(st_v > 0.0 && b > 0.0 && st_def > 0.0 && yield_ratio >= 0.0 && d > 0.0 && h0 >= ha) || deformation == 0.0)
+        return (double)NAN;
     double q = h0 / ha, p = h0 / deformation, w = d / h0;
     double held = 1.0 - 7.36 * yield_ratio / sqrt(sqrt(st_def)) / sqrt(b);
-    return 0.172 / st_v * w * w * (b * sqrt(sqrt(b))) * (q * q - 1.0 + 2.0 * p * (q - 1.0) + 2.0 * p * p * log_film) * held * held;
+    return 0.172 / st_v * w * w * (b * sqrt(sqrt(b))) * (q * q - 1.0 + 2.0 * p * (q - 1.0) + 2.0 * p * p * log_film) *
+           held * held;
 }
 
-static inline double granulation_film_force(granulation_convention c, double d, double viscosity, double u, double gap) {
+static inline double granulation_film_force(granulation_convention c, double d, double viscosity, double u,
+                                            double gap) {
     if (!(d > 0.0 && viscosity >= 0.0 && u >= 0.0 && gap >= 0.0)) return (double)NAN;
     return (c == GRANULATION_PRINTED ? 0.75 : 3.0) * RIDDLE_PI * d * d * viscosity * u / gap;
 }
@@ -1085,9 +1193,12 @@ static inline double granulation_herschel_bulkley(double yield, double consisten
     if (!(yield >= 0.0 && consistency >= 0.0 && shear_rate >= 0.0 && index >= 0.0)) return (double)NAN;
     return consistency > 0.0 ? yield + consistency * riddle_pow(shear_rate, index) : yield;
 }
-static inline double granulation_kozeny_strain(double porosity, double density, double speed, double d32, double viscosity) {
-    if (!(porosity >= 0.0 && porosity < 1.0 && density > 0.0 && speed >= 0.0 && d32 > 0.0 && viscosity > 0.0)) return (double)NAN;
-    return sqrt(porosity * porosity * porosity / (540.0 * (1.0 - porosity) * (1.0 - porosity)) * (density * speed * d32 / viscosity));
+static inline double granulation_kozeny_strain(double porosity, double density, double speed, double d32,
+                                               double viscosity) {
+    if (!(porosity >= 0.0 && porosity < 1.0 && density > 0.0 && speed >= 0.0 && d32 > 0.0 && viscosity > 0.0))
+        return (double)NAN;
+    return sqrt(porosity * porosity * porosity / (540.0 * (1.0 - porosity) * (1.0 - porosity)) *
+                (density * speed * d32 / viscosity));
 }
 static inline granulation_granule granulation_half(const granulation_granule *g) {
     granulation_granule h;
@@ -1113,7 +1224,8 @@ static inline double granulation__capillary(const granulation_laws *laws) {
     return laws->shape_factor * laws->surface_tension / laws->grain_diameter * riddle_cos(laws->contact_angle);
 }
 
-static inline granulation_body granulation__body(const granulation_laws *laws, const granulation_granule *g, double capillary) {
+static inline granulation_body granulation__body(const granulation_laws *laws, const granulation_granule *g,
+                                                 double capillary) {
     granulation_body b;
     double pores = g->l + g->a, volume = g->s + pores, critical = laws->critical_saturation;
     b.volumes = *g;
@@ -1121,7 +1233,8 @@ static inline granulation_body granulation__body(const granulation_laws *laws, c
     b.mass = laws->solid_density * g->s + laws->liquid_density * g->l + laws->air_density * g->a;
     double free_liquid = g->l * (1.0 - critical) - critical * g->a;
     b.film = free_liquid > 0.0 ? free_liquid / (RIDDLE_PI * b.diameter * b.diameter) : 0.0;
-    b.strength = pores > 0.0 ? (g->s / pores) * (g->l / pores) * capillary : HUGE_VAL; /* (1 - eps) / eps S = s l / (l + a)^2 */
+    /* (1 - eps) / eps S = s l / (l + a)^2 */
+    b.strength = pores > 0.0 ? (g->s / pores) * (g->l / pores) * capillary : HUGE_VAL;
     b.yield = 2.0 * b.strength / (3.0 - 6.0 * laws->poisson);
     return b;
 }
@@ -1145,10 +1258,10 @@ static inline double granulation__pair_yield(granulation_pair_yield rule, double
     return 0.5 * (a + b);
 }
 
-/* Decides whether a film would hold granules that meet at B = u1 / u0. Sets u2, u3, deformation and reason. All inputs have been
-   checked. */
-static inline void granulation__contact(const granulation_laws *laws, double b, double ratio, double d, double h0, double ha, bool liquid,
-                                        granulation_collision *c) {
+/* Decides whether a film would hold granules that meet at B = u1 / u0. Sets u2, u3, deformation and reason. All inputs
+   have been checked. */
+static inline void granulation__contact(const granulation_laws *laws, double b, double ratio, double d, double h0,
+                                        double ha, bool liquid, granulation_collision *c) {
     bool wet = h0 > ha;
     double relative = granulation_relative_deformation(c->st_def, b, ratio);
     c->deformation = relative * d;
@@ -1156,14 +1269,18 @@ static inline void granulation__contact(const granulation_laws *laws, double b, 
         c->u2 = b * c->u0;
         c->u3 = c->u0 * (1.0 - 2.0 * c->log_film / c->st_v);
         c->coalesces = wet && laws->elastic_rule && granulation_is_elastic_type_two(c->st_v, c->log_film);
-        c->reason = c->coalesces ? GRANULATION_TYPE_II_ELASTIC : wet ? GRANULATION_REBOUND_ELASTIC : GRANULATION_REBOUND_DRY;
+        c->reason = c->coalesces ? GRANULATION_TYPE_II_ELASTIC
+                    : wet        ? GRANULATION_REBOUND_ELASTIC
+                                 : GRANULATION_REBOUND_DRY;
         return;
     }
     c->u2 = granulation_rebound_speed(c->u0, b, ratio, c->st_def);
     double film = laws->deep_film && c->deformation > h0 ? c->deformation : h0;
     if (!wet && !(laws->dry_rule && liquid)) c->u3 = c->u2;
     else if (wet || laws->deep_film)
-        c->u3 = film > ha ? granulation_separation_speed(laws->convention, c->u2, c->u0, c->st_v, c->deformation, film, ha) : c->u2;
+        c->u3 = film > ha
+                    ? granulation_separation_speed(laws->convention, c->u2, c->u0, c->st_v, c->deformation, film, ha)
+                    : c->u2;
     else c->u3 = granulation_dry_separation_speed(laws->convention, c->u2, c->u0, c->st_v, c->deformation, ha);
     c->coalesces = c->u3 <= 0.0 && (wet || (laws->dry_rule && liquid));
     c->reason = wet ? (c->coalesces ? GRANULATION_TYPE_II_PLASTIC : GRANULATION_REBOUND_PLASTIC)
@@ -1171,16 +1288,16 @@ static inline void granulation__contact(const granulation_laws *laws, double b, 
 }
 
 /* Decides the outcome of a collision; u0, st_v and st_def of c are set. */
-static inline void granulation__decide(const granulation_laws *laws, double ratio, double d, double h0, double ha, bool liquid,
-                                       granulation_collision *c) {
+static inline void granulation__decide(const granulation_laws *laws, double ratio, double d, double h0, double ha,
+                                       bool liquid, granulation_collision *c) {
     c->reason = GRANULATION_NONE;
     if (!(c->st_v > 0.0 && c->st_def >= 0.0 && ratio >= 0.0 && h0 >= 0.0 && d > 0.0)) return;
     c->log_film = granulation_film_logarithm(h0, ha);
     c->u1 = granulation_approach_speed(c->u0, c->st_v, c->log_film);
     if (granulation_is_type_one(c->st_v, c->log_film)) { /* before B, whose powers do not exist here */
         double deformation = d * granulation_relative_deformation(c->st_def, 1.0, ratio);
-        c->both =
-            granulation_printed_left(ratio, c->st_def) < granulation_printed_right(c->st_v, c->st_def, ratio, 1.0, d, deformation, h0, ha);
+        c->both = granulation_printed_left(ratio, c->st_def) <
+                  granulation_printed_right(c->st_v, c->st_def, ratio, 1.0, d, deformation, h0, ha);
         c->coalesces = true;
         c->reason = GRANULATION_TYPE_I;
         return;
@@ -1188,18 +1305,20 @@ static inline void granulation__decide(const granulation_laws *laws, double rati
     granulation__contact(laws, 1.0 - c->log_film / c->st_v, ratio, d, h0, ha, liquid, c);
 }
 
-static inline double granulation__limit(const granulation_laws *laws, const granulation_body *i, const granulation_body *j, double d,
-                                        double h0, const granulation_collision *c) {
+static inline double granulation__limit(const granulation_laws *laws, const granulation_body *i,
+                                        const granulation_body *j, double d, double h0,
+                                        const granulation_collision *c) {
     double moisture = (i->volumes.l + j->volumes.l) / (i->volumes.s + j->volumes.s);
     double factor = laws->limit_diameter * sqrt(sqrt(moisture / laws->limit_moisture));
     if (laws->limit == GRANULATION_LIMIT_MOISTURE) return factor;
     if (!(c->deformation > 0.0 && h0 > 0.0)) return 0.0; /* no bond area, or an infinite force */
-    double k = granulation_bond_area(d, c->deformation) / granulation_film_force(laws->convention, d, laws->viscosity, c->u0, 2.0 * h0);
+    double k = granulation_bond_area(d, c->deformation) /
+               granulation_film_force(laws->convention, d, laws->viscosity, c->u0, 2.0 * h0);
     return granulation_critical_diameter(factor, laws->limit_exponent, k, 0.5 * (i->strength + j->strength));
 }
 
-static inline granulation_collision granulation_collide(const granulation_laws *laws, const granulation_body *i, const granulation_body *j,
-                                                        double speed) {
+static inline granulation_collision granulation_collide(const granulation_laws *laws, const granulation_body *i,
+                                                        const granulation_body *j, double speed) {
     granulation_collision c;
     memset(&c, 0, sizeof c);
     c.limit = HUGE_VAL;
@@ -1212,8 +1331,8 @@ static inline granulation_collision granulation_collide(const granulation_laws *
     c.u0 = 0.5 * speed;
     c.st_v = granulation_viscous_stokes(laws->convention, m, c.u0, laws->viscosity, d);
     c.st_def = yield > 0.0 ? granulation_deformation_stokes(m, c.u0, d, yield) : yield == 0.0 ? HUGE_VAL : (double)NAN;
-    granulation__decide(laws, laws->stiffness == GRANULATION_FIXED_RATIO ? laws->yield_ratio : yield / laws->modulus, d, h0, ha, liquid,
-                        &c);
+    granulation__decide(laws, laws->stiffness == GRANULATION_FIXED_RATIO ? laws->yield_ratio : yield / laws->modulus, d,
+                        h0, ha, liquid, &c);
     if (c.coalesces && laws->limit != GRANULATION_NO_LIMIT && i->mass < HUGE_VAL && j->mass < HUGE_VAL &&
         (laws->limit_type_one || c.reason != GRANULATION_TYPE_I)) {
         c.limit = granulation__limit(laws, i, j, d, h0, &c);
@@ -1226,8 +1345,8 @@ static inline granulation_collision granulation_collide(const granulation_laws *
     return c;
 }
 
-static inline granulation_reason granulation_classify(const granulation_laws *laws, double st_v, double st_def, double yield_ratio,
-                                                      double film_ratio, double width) {
+static inline granulation_reason granulation_classify(const granulation_laws *laws, double st_v, double st_def,
+                                                      double yield_ratio, double film_ratio, double width) {
     granulation_collision c;
     memset(&c, 0, sizeof c);
     c.u0 = 1.0;
@@ -1238,8 +1357,10 @@ static inline granulation_reason granulation_classify(const granulation_laws *la
 }
 
 static inline bool granulation_breaks(const granulation_laws *laws, const granulation_body *body, double speed) {
-    double stress = granulation_herschel_bulkley(body->yield, laws->flow_consistency, laws->shear_rate, laws->flow_index);
-    return granulation_breakage_stokes(body->mass / granulation_volume(&body->volumes), speed, stress) > laws->breakage_stokes;
+    double stress =
+        granulation_herschel_bulkley(body->yield, laws->flow_consistency, laws->shear_rate, laws->flow_index);
+    return granulation_breakage_stokes(body->mass / granulation_volume(&body->volumes), speed, stress) >
+           laws->breakage_stokes;
 }
 
 /* ---- random numbers ---- */
@@ -1257,7 +1378,8 @@ static inline granulation_random granulation_random_seed(uint64_t seed) {
     return r;
 }
 static inline uint64_t granulation_random_bits(granulation_random *r) {
-    if (!(r->state[0] | r->state[1] | r->state[2] | r->state[3])) *r = granulation_random_seed(0); /* of zeros come zeros only */
+    /* of zeros come zeros only */
+    if (!(r->state[0] | r->state[1] | r->state[2] | r->state[3])) *r = granulation_random_seed(0);
     uint64_t *s = r->state, result = granulation__rotate(s[1] * 5, 7) * 9, t = s[1] << 17;
     s[2] ^= s[0];
     s[3] ^= s[1];
@@ -1283,7 +1405,8 @@ static inline double granulation_random_normal(granulation_random *r) { /* polar
 /* ---- ensembles ---- */
 
 static inline granulation_estimate granulation_estimate_of(const double *values, int n, int stride) {
-    const double few[5] = {0.0, 12.706204736, 4.302652730, 3.182446305, 2.776445105}; /* Student 97.5 % for 1 .. 4 degrees of freedom */
+    /* Student 97.5 % for 1 .. 4 degrees of freedom. */
+    const double few[5] = {0.0, 12.706204736, 4.302652730, 3.182446305, 2.776445105};
     granulation_estimate e = {(double)NAN, 0.0, 0.0};
     if (!values || n < 1 || stride < 1) return e;
     double sum = 0.0, squares = 0.0;
@@ -1295,7 +1418,8 @@ static inline granulation_estimate granulation_estimate_of(const double *values,
         squares += d * d;
     }
     e.deviation = sqrt(squares / (n - 1));
-    double z = 1.959963984540054, f = n - 1, student; /* expansion of Fisher and Cornish (1960), within 3e-3 from 5 on */
+    /* Expansion of Fisher and Cornish (1960), within 3e-3 from 5 on. */
+    double z = 1.959963984540054, f = n - 1, student;
     student = z + 2.372271230298562 / f + 2.822498615739611 / (f * f) + 2.555849679507722 / (f * f * f);
     if (n <= 5) student = few[n - 1];
     e.confidence = student * e.deviation / sqrt((double)n);
@@ -1307,14 +1431,16 @@ static inline granulation_replicate granulation_replicate_of(const granulation_s
     const int64_t *n = sim->tally.by_reason;
     double percent = sim->tally.interactions > 0 ? 100.0 / (double)sim->tally.interactions : 0.0;
     r.type1 = percent * (double)n[GRANULATION_TYPE_I];
-    r.type2 = percent * (double)(n[GRANULATION_TYPE_II_PLASTIC] + n[GRANULATION_TYPE_II_ELASTIC] + n[GRANULATION_TYPE_II_DRY]);
+    r.type2 = percent *
+              (double)(n[GRANULATION_TYPE_II_PLASTIC] + n[GRANULATION_TYPE_II_ELASTIC] + n[GRANULATION_TYPE_II_DRY]);
     r.rebound = percent * (double)sim->tally.interactions - r.type1 - r.type2;
     r.both = percent * (double)sim->tally.both;
     r.mean_size = granulation_sim_mean(sim, 4, 3);
     r.interactions = (double)sim->tally.interactions;
     r.breakages = (double)sim->tally.breakages;
     r.granules = sim->n;
-    r.d10 = granulation_sim_mean(sim, 1, 0), r.d30 = granulation_sim_mean(sim, 3, 0), r.d32 = granulation_sim_mean(sim, 3, 2);
+    r.d10 = granulation_sim_mean(sim, 1, 0), r.d30 = granulation_sim_mean(sim, 3, 0),
+    r.d32 = granulation_sim_mean(sim, 3, 2);
     r.x10 = granulation_sim_percentile(sim, 0.1), r.x50 = granulation_sim_percentile(sim, 0.5);
     r.x90 = granulation_sim_percentile(sim, 0.9);
     r.span = (r.x90 - r.x10) / r.x50;
@@ -1322,58 +1448,72 @@ static inline granulation_replicate granulation_replicate_of(const granulation_s
 }
 
 /* ---- kernels ---- */
-static inline double granulation__rate_of(const void *data) { return data ? ((const granulation_kernel_data *)data)->rate : 1.0; }
-static inline double granulation__inner(const granulation_granule *i, const granulation_granule *j, const granulation_kernel_data *data) {
+static inline double granulation__rate_of(const void *data) {
+    return data ? ((const granulation_kernel_data *)data)->rate : 1.0;
+}
+static inline double granulation__inner(const granulation_granule *i, const granulation_granule *j,
+                                        const granulation_kernel_data *data) {
     return data->inner ? data->inner(i, j, data) : data->rate;
 }
 static inline bool granulation__beyond(const granulation_granule *i, const granulation_granule *j, double limit) {
     return granulation_diameter(granulation_volume(i) + granulation_volume(j)) > limit;
 }
-static inline double granulation_constant_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+static inline double granulation_constant_kernel(const granulation_granule *i, const granulation_granule *j,
+                                                 const void *data) {
     (void)i;
     (void)j;
     return granulation__rate_of(data);
 }
-static inline double granulation_sum_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+static inline double granulation_sum_kernel(const granulation_granule *i, const granulation_granule *j,
+                                            const void *data) {
     return granulation__rate_of(data) * (granulation_volume(i) + granulation_volume(j));
 }
-static inline double granulation_product_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+static inline double granulation_product_kernel(const granulation_granule *i, const granulation_granule *j,
+                                                const void *data) {
     return granulation__rate_of(data) * granulation_volume(i) * granulation_volume(j);
 }
-static inline double granulation_shear_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+static inline double granulation_shear_kernel(const granulation_granule *i, const granulation_granule *j,
+                                              const void *data) {
     double r = riddle_cbrt(granulation_volume(i)) + riddle_cbrt(granulation_volume(j));
     return granulation__rate_of(data) * (r * r * r);
 }
-static inline double granulation_eke_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+static inline double granulation_eke_kernel(const granulation_granule *i, const granulation_granule *j,
+                                            const void *data) {
     double u = granulation_volume(i), v = granulation_volume(j), r = riddle_cbrt(u) + riddle_cbrt(v);
     return granulation__rate_of(data) * (r * r) * sqrt(1.0 / u + 1.0 / v);
 }
-static inline double granulation_brownian_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+static inline double granulation_brownian_kernel(const granulation_granule *i, const granulation_granule *j,
+                                                 const void *data) {
     double u = riddle_cbrt(granulation_volume(i)), v = riddle_cbrt(granulation_volume(j));
     return granulation__rate_of(data) * (u + v) * (1.0 / u + 1.0 / v);
 }
-static inline double granulation_kapur_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+static inline double granulation_kapur_kernel(const granulation_granule *i, const granulation_granule *j,
+                                              const void *data) {
     const granulation_kernel_data *k = (const granulation_kernel_data *)data;
     if (!k) return (double)NAN;
     double u = granulation_volume(i), v = granulation_volume(j);
     return k->rate * (riddle_pow(u + v, k->a) / riddle_pow(u * v, k->b));
 }
-static inline double granulation_collision_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+static inline double granulation_collision_kernel(const granulation_granule *i, const granulation_granule *j,
+                                                  const void *data) {
     const granulation_kernel_data *k = (const granulation_kernel_data *)data;
     if (!k) return (double)NAN;
     double d = granulation_diameter(granulation_volume(i)) + granulation_diameter(granulation_volume(j));
     return k->rate * (0.25 * RIDDLE_PI) * (d * d) * k->speed;
 }
-static inline double granulation_cutoff_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+static inline double granulation_cutoff_kernel(const granulation_granule *i, const granulation_granule *j,
+                                               const void *data) {
     const granulation_kernel_data *k = (const granulation_kernel_data *)data;
     if (!k) return (double)NAN;
     return granulation__beyond(i, j, k->limit) ? 0.0 : granulation__inner(i, j, k);
 }
-static inline double granulation_saturation_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+static inline double granulation_saturation_kernel(const granulation_granule *i, const granulation_granule *j,
+                                                   const void *data) {
     const granulation_kernel_data *k = (const granulation_kernel_data *)data;
     if (!(k && k->laws)) return (double)NAN;
     double critical = k->laws->critical_saturation;
-    if (!(granulation_saturation(i) >= critical && granulation_saturation(j) >= critical) || granulation__beyond(i, j, k->limit))
+    if (!(granulation_saturation(i) >= critical && granulation_saturation(j) >= critical) ||
+        granulation__beyond(i, j, k->limit))
         return 0.0;
     return granulation__inner(i, j, k);
 }
@@ -1384,13 +1524,15 @@ static inline double granulation_austin_breakage(double z, double mother, const 
     if (!(z > 0.0)) return z == 0.0 ? 0.0 : (double)NAN;
     return a->phi * riddle_pow(z, a->gamma / 3.0) + (1.0 - a->phi) * riddle_pow(z, a->beta / 3.0);
 }
-static inline double granulation_class_kernel(const granulation_granule *i, const granulation_granule *j, const void *data) {
+static inline double granulation_class_kernel(const granulation_granule *i, const granulation_granule *j,
+                                              const void *data) {
     const granulation_kernel_data *k = (const granulation_kernel_data *)data;
     if (!(k && k->laws && k->speed >= 0.0)) return (double)NAN;
     granulation_body p = granulation_body_of(k->laws, i), q = granulation_body_of(k->laws, j);
     granulation_collision c = granulation_collide(k->laws, &p, &q, k->speed);
     if (!c.coalesces) return 0.0;
-    return (c.reason == GRANULATION_TYPE_I || c.reason == GRANULATION_TYPE_II_ELASTIC ? k->a : k->b) * granulation__inner(i, j, k);
+    return (c.reason == GRANULATION_TYPE_I || c.reason == GRANULATION_TYPE_II_ELASTIC ? k->a : k->b) *
+           granulation__inner(i, j, k);
 }
 
 /* Returns the mean granule of a cell; an empty one-component cell has the composition of everything ever added. */
@@ -1415,7 +1557,7 @@ static inline granulation_granule granulation_balance_cell(const granulation_bal
 #ifdef GRANULATION__BODIES
 
 /* ---- status, memory ---- */
-#define GRANULATION__TEXT(name, text)                                                                                                      \
+#define GRANULATION__TEXT(name, text)                                                                                  \
     case name: return text;
 GRANULATION_API const char *granulation_status_text(granulation_status status) {
     switch (status) {
@@ -1438,7 +1580,8 @@ static inline void *granulation__memory(const granulation_memory *m, void *old, 
 }
 
 /* Grows *block from *capacity to at least `needed` elements. Returns false when out of memory. */
-static inline bool granulation__grow(const granulation_memory *m, void **block, int *capacity, int64_t needed, size_t element) {
+static inline bool granulation__grow(const granulation_memory *m, void **block, int *capacity, int64_t needed,
+                                     size_t element) {
     if (needed <= *capacity) return true;
     int64_t fresh = *capacity + (int64_t)(*capacity) / 2 + 64;
     if (fresh < needed) fresh = needed;
@@ -1454,7 +1597,7 @@ static inline bool granulation__refuse(const char **field, const char *name) {
     if (field) *field = name;
     return true;
 }
-#define GRANULATION__NEED(condition, name)                                                                                                 \
+#define GRANULATION__NEED(condition, name)                                                                             \
     if (!(condition) && granulation__refuse(field, name)) return GRANULATION_BAD_DEF
 
 static inline bool granulation__finite(double x) { return fabs(x) < HUGE_VAL; }
@@ -1502,10 +1645,12 @@ GRANULATION_API granulation_status granulation_check_laws(const granulation_laws
     GRANULATION__NEED(w->asperity_factor > 0.0 && granulation__finite(w->asperity_factor), "asperity_factor");
     GRANULATION__NEED(w->poisson >= -1.0 && w->poisson < 0.5, "poisson");
     GRANULATION__NEED(w->critical_saturation > 0.0 && w->critical_saturation <= 1.0, "critical_saturation");
-    GRANULATION__NEED(w->stiffness == GRANULATION_FIXED_RATIO || w->stiffness == GRANULATION_FIXED_MODULUS, "stiffness");
+    GRANULATION__NEED(w->stiffness == GRANULATION_FIXED_RATIO || w->stiffness == GRANULATION_FIXED_MODULUS,
+                      "stiffness");
     GRANULATION__NEED(w->yield_ratio >= 0.0 && granulation__finite(w->yield_ratio), "yield_ratio");
     GRANULATION__NEED(w->modulus > 0.0, "modulus");
-    GRANULATION__NEED(w->pair_yield == GRANULATION_YIELD_MEAN || w->pair_yield == GRANULATION_YIELD_WEAKER, "pair_yield");
+    GRANULATION__NEED(w->pair_yield == GRANULATION_YIELD_MEAN || w->pair_yield == GRANULATION_YIELD_WEAKER,
+                      "pair_yield");
     GRANULATION__NEED(w->limit >= GRANULATION_NO_LIMIT && w->limit <= GRANULATION_LIMIT_PRINTED, "limit");
     GRANULATION__NEED(w->limit_diameter > 0.0, "limit_diameter");
     GRANULATION__NEED(w->limit_moisture > 0.0 && granulation__finite(w->limit_moisture), "limit_moisture");
@@ -1590,8 +1735,8 @@ typedef struct granulation__item {
     int id;
 } granulation__item;
 
-/* Within a sweep: the path time to which the position belongs, the sum of its jumps away from its item, the item, how often the path has
-   changed, and whether the granule is gone */
+/* Within a sweep: the path time to which the position belongs, the sum of its jumps away from its item, the item, how
+   often the path has changed, and whether the granule is gone */
 typedef struct granulation__motion {
     double time, jump;
     int item;
@@ -1630,7 +1775,8 @@ GRANULATION_API void granulation_sim_free(granulation_sim *sim) {
     memset(sim, 0, sizeof *sim);
 }
 
-/* Grows all arrays of granules together. All new blocks are allocated first, so that a failure leaves everything as it was. */
+/* Grows all arrays of granules together. All new blocks are allocated first, so that a failure leaves
+   everything as it was. */
 static inline granulation_status granulation__reserve(granulation_sim *sim, int64_t needed) {
     if (needed <= sim->capacity) return GRANULATION_OK;
     int64_t fresh = sim->capacity + (int64_t)sim->capacity / 2 + 64;
@@ -1640,7 +1786,10 @@ static inline granulation_status granulation__reserve(granulation_sim *sim, int6
     void *made[9];
     size_t size[9], old = (size_t)sim->capacity;
     for (int k = 0; k < 9; k++) {
-        size[k] = k < 6 ? sizeof(double) : k == 6 ? sizeof(granulation_body) : k == 7 ? sizeof(int64_t) : sizeof(granulation__motion);
+        size[k] = k < 6    ? sizeof(double)
+                  : k == 6 ? sizeof(granulation_body)
+                  : k == 7 ? sizeof(int64_t)
+                           : sizeof(granulation__motion);
         made[k] = granulation__memory(&sim->def.memory, NULL, 0, (size_t)fresh * size[k]);
         if (made[k]) continue;
         while (k-- > 0) granulation__memory(&sim->def.memory, made[k], (size_t)fresh * size[k], 0);
@@ -1683,7 +1832,8 @@ static inline void granulation__draw_velocity(granulation_sim *sim, double veloc
     bool back = def->signs == GRANULATION_TWO_STREAMS && granulation_random_bits(&sim->random) >> 63;
     for (int k = 0; k < 3; k++) {
         if (def->signs == GRANULATION_RANDOM_SIGNS) back = granulation_random_bits(&sim->random) >> 63;
-        velocity[k] = (back ? -1.0 : 1.0) * def->velocity_mean[k] + def->velocity_deviation[k] * granulation_random_normal(&sim->random);
+        velocity[k] = (back ? -1.0 : 1.0) * def->velocity_mean[k] +
+                      def->velocity_deviation[k] * granulation_random_normal(&sim->random);
     }
 }
 static inline void granulation__note_momentum(granulation_sim *sim, int i, double mass, double sign) {
@@ -1692,9 +1842,10 @@ static inline void granulation__note_momentum(granulation_sim *sim, int i, doubl
     sim->ledger.momentum[2] += sign * mass * sim->vz[i];
 }
 
-GRANULATION_API granulation_status granulation_sim_put(granulation_sim *sim, const granulation_granule *g, const double centre[3],
-                                                       const double velocity[3]) {
-    if (!sim || !g || !centre || !velocity || !(sim->def.box > 0.0) || !granulation__is_granule(g)) return GRANULATION_BAD_ARGUMENT;
+GRANULATION_API granulation_status granulation_sim_put(granulation_sim *sim, const granulation_granule *g,
+                                                       const double centre[3], const double velocity[3]) {
+    if (!sim || !g || !centre || !velocity || !(sim->def.box > 0.0) || !granulation__is_granule(g))
+        return GRANULATION_BAD_ARGUMENT;
     for (int k = 0; k < 3; k++)
         if (!(fabs(centre[k]) < 1e100 && fabs(velocity[k]) < 1e100)) return GRANULATION_BAD_ARGUMENT;
     granulation_body body = granulation_body_of(&sim->def.laws, g);
@@ -1724,11 +1875,13 @@ typedef struct granulation__span {
     int lo, count;
 } granulation__span;
 
-/* Returns the cells along an axis within `reach` of a centre, 0 <= centre < box; all cells once where the reach extends around the box. */
+/* Returns the cells along an axis within `reach` of a centre, 0 <= centre < box; all cells once where the reach extends
+   around the box. */
 static inline granulation__span granulation__span_of(double centre, double reach, double per_cell, int cells) {
     granulation__span s = {0, cells};
     if (!(2.0 * reach * per_cell + 2.0 < cells)) return s;
-    int lo = (int)((centre - reach) * per_cell + cells), hi = (int)((centre + reach) * per_cell + cells); /* shifted: truncation is floor */
+    /* Shifted: truncation is floor. */
+    int lo = (int)((centre - reach) * per_cell + cells), hi = (int)((centre + reach) * per_cell + cells);
     s.count = hi - lo + 1;
     s.lo = lo < cells ? lo : lo < 2 * cells ? lo - cells : 0;
     return s;
@@ -1741,7 +1894,8 @@ typedef struct granulation__walk {
     int from, to; /* items of the present run */
 } granulation__walk;
 
-static inline granulation__walk granulation__near(const granulation_sim *sim, int cells, double x, double y, double z, double reach) {
+static inline granulation__walk granulation__near(const granulation_sim *sim, int cells, double x, double y, double z,
+                                                  double reach) {
     granulation__walk w;
     double per_cell = cells / sim->def.box;
     w.start = sim->cell_start;
@@ -1753,7 +1907,8 @@ static inline granulation__walk granulation__near(const granulation_sim *sim, in
     w.from = w.to = 0;
     return w;
 }
-/* Sets w to the next run of items: a row of cells along x, in two parts where it wraps around. Returns false at the end. */
+/* Sets w to the next run of items: a row of cells along x, in two parts where it wraps around. Returns
+   false at the end. */
 static inline bool granulation__next(granulation__walk *w) {
     while (w->iz < w->z.count) {
         int iz = w->z.lo + w->iz, iy = w->y.lo + w->iy;
@@ -1783,7 +1938,8 @@ static inline int granulation__cells_for(int n) {
     return cells < 1 ? 1 : cells > 512 ? 512 : cells;
 }
 
-/* Returns the cell of a place in the box along one axis. Rounding may give the box's length, which is in the last cell. */
+/* Returns the cell of a place in the box along one axis. Rounding may give the box's length, which is in
+   the last cell. */
 static inline int granulation__cell_of(double x, double box, int cells) {
     int cell = (int)(x * (cells / box));
     return cell < cells ? cell : cells - 1;
@@ -1795,7 +1951,8 @@ static inline bool granulation__sort(granulation_sim *sim, int *cells_used) {
     void *start = sim->cell_start;
     if (!granulation__grow(&sim->def.memory, &start, &sim->cells, (int64_t)total + 1, sizeof(int))) return false;
     sim->cell_start = (int *)start;
-    if (!granulation__grow(&sim->def.memory, &sim->items, &sim->item_capacity, n, sizeof(granulation__item))) return false;
+    if (!granulation__grow(&sim->def.memory, &sim->items, &sim->item_capacity, n, sizeof(granulation__item)))
+        return false;
     if (!granulation__grow(&sim->def.memory, &sim->hits, &sim->hit_capacity, n, sizeof(int))) return false;
     int *first = sim->cell_start, *cell = (int *)sim->hits;
     granulation__item *items = (granulation__item *)sim->items;
@@ -1808,7 +1965,8 @@ static inline bool granulation__sort(granulation_sim *sim, int *cells_used) {
         first[cell[i] + 1]++;
     }
     for (int c = 0; c < total; c++) first[c + 1] += first[c];
-    for (int i = n - 1; i >= 0; i--) { /* backwards: equal cells keep the order of the indices once the counts have run down */
+    /* Backwards: equal cells keep the order of the indices once the counts have run down. */
+    for (int i = n - 1; i >= 0; i--) {
         granulation__item *it = items + --first[cell[i] + 1];
         it->x = sim->x[i];
         it->y = sim->y[i];
@@ -1828,13 +1986,14 @@ static inline bool granulation__sort(granulation_sim *sim, int *cells_used) {
 
 /* ---- placement ---- */
 
-/* Chains of granules by cell. Cells are no smaller than the largest diameter, so that 27 of them hold every neighbour; fewer than 3 an axis
-   become one. */
+/* Chains of granules by cell. Cells are no smaller than the largest diameter, so that 27 of them hold every neighbour;
+   fewer than 3 an axis become one. */
 typedef struct granulation__chains {
     int cells, *head, *next; /* cells along an axis; first granule of a cell, next granule of a chain, or -1 */
 } granulation__chains;
 
-static inline granulation_status granulation__make_chains(granulation_sim *sim, int64_t all, double largest, granulation__chains *chains) {
+static inline granulation_status granulation__make_chains(granulation_sim *sim, int64_t all, double largest,
+                                                          granulation__chains *chains) {
     double most = floor(sim->def.box / largest);
     int cells = granulation__cells_for((int)all);
     if (most < cells) cells = (int)most;
@@ -1843,7 +2002,8 @@ static inline granulation_status granulation__make_chains(granulation_sim *sim, 
     void *block = sim->cell_start;
     if (!granulation__grow(&sim->def.memory, &block, &sim->cells, total, sizeof(int))) return GRANULATION_NO_MEMORY;
     sim->cell_start = (int *)block;
-    if (!granulation__grow(&sim->def.memory, &sim->hits, &sim->hit_capacity, all, sizeof(int))) return GRANULATION_NO_MEMORY;
+    if (!granulation__grow(&sim->def.memory, &sim->hits, &sim->hit_capacity, all, sizeof(int)))
+        return GRANULATION_NO_MEMORY;
     chains->cells = cells;
     chains->head = sim->cell_start;
     chains->next = (int *)sim->hits;
@@ -1854,15 +2014,16 @@ static inline granulation_status granulation__make_chains(granulation_sim *sim, 
 /* Puts granule i into the chain of its cell. */
 static inline void granulation__link(const granulation_sim *sim, const granulation__chains *chains, int i) {
     double box = sim->def.box;
-    int cells = chains->cells, x = granulation__cell_of(sim->x[i], box, cells), y = granulation__cell_of(sim->y[i], box, cells),
-        z = granulation__cell_of(sim->z[i], box, cells), c = (z * cells + y) * cells + x;
+    int cells = chains->cells, x = granulation__cell_of(sim->x[i], box, cells),
+        y = granulation__cell_of(sim->y[i], box, cells), z = granulation__cell_of(sim->z[i], box, cells),
+        c = (z * cells + y) * cells + x;
     chains->next[i] = chains->head[c];
     chains->head[c] = i;
 }
 
 /* Returns whether a sphere at a centre within the box overlaps no granule of the chains. */
-static inline bool granulation__is_free(const granulation_sim *sim, const granulation__chains *chains, const double *centre,
-                                        double diameter) {
+static inline bool granulation__is_free(const granulation_sim *sim, const granulation__chains *chains,
+                                        const double *centre, double diameter) {
     double box = sim->def.box;
     int cells = chains->cells, at[3], width = cells < 3 ? 1 : 27;
     for (int k = 0; k < 3; k++) at[k] = granulation__cell_of(centre[k], box, cells);
@@ -1870,8 +2031,10 @@ static inline bool granulation__is_free(const granulation_sim *sim, const granul
         int cx = (at[0] + c % 3 - 1 + cells) % cells, cy = (at[1] + c / 3 % 3 - 1 + cells) % cells,
             cz = (at[2] + c / 9 - 1 + cells) % cells;
         for (int j = chains->head[(cz * cells + cy) * cells + cx]; j >= 0; j = chains->next[j]) {
-            double dx = granulation__nearest(sim->x[j] - centre[0], box), dy = granulation__nearest(sim->y[j] - centre[1], box),
-                   dz = granulation__nearest(sim->z[j] - centre[2], box), touch = 0.5 * (diameter + sim->body[j].diameter);
+            double dx = granulation__nearest(sim->x[j] - centre[0], box),
+                   dy = granulation__nearest(sim->y[j] - centre[1], box),
+                   dz = granulation__nearest(sim->z[j] - centre[2], box),
+                   touch = 0.5 * (diameter + sim->body[j].diameter);
             if (!(dx * dx + dy * dy + dz * dz > touch * touch)) return false;
         }
     }
@@ -1892,7 +2055,8 @@ static inline granulation_status granulation__place_one(granulation_sim *sim, co
 }
 
 /* Places n granules, all like the first one if `same`. */
-static inline granulation_status granulation__place(granulation_sim *sim, const granulation_granule *granules, int n, bool same) {
+static inline granulation_status granulation__place(granulation_sim *sim, const granulation_granule *granules, int n,
+                                                    bool same) {
     if (!sim || !granules || n < 0 || !(sim->def.box > 0.0)) return GRANULATION_BAD_ARGUMENT;
     double largest = 0.0;
     for (int i = 0; i < (same ? 1 : n); i++) {
@@ -1920,18 +2084,22 @@ static inline granulation_status granulation__place(granulation_sim *sim, const 
 GRANULATION_API granulation_status granulation_sim_add(granulation_sim *sim, const granulation_granule *g, int count) {
     return granulation__place(sim, g, count, true);
 }
-GRANULATION_API granulation_status granulation_sim_add_many(granulation_sim *sim, const granulation_granule *granules, int n) {
+GRANULATION_API granulation_status granulation_sim_add_many(granulation_sim *sim, const granulation_granule *granules,
+                                                            int n) {
     return granulation__place(sim, granules, n, false);
 }
 
-/* ---- a heap of contacts: earliest first, then by index, so that the order never depends on how they were found ---- */
+/* ---- a heap of contacts: earliest first, then by index, so that the order never depends on how they
+   were found ---- */
 
 static inline bool granulation__before(const granulation__hit *a, const granulation__hit *b) {
     if (a->time != b->time) return a->time < b->time;
     return a->i != b->i ? a->i < b->i : a->j < b->j;
 }
 static inline bool granulation__push(granulation_sim *sim, granulation__hit hit) {
-    if (!granulation__grow(&sim->def.memory, &sim->heap, &sim->event_capacity, sim->events + 1, sizeof(granulation__hit))) return false;
+    if (!granulation__grow(&sim->def.memory, &sim->heap, &sim->event_capacity, sim->events + 1,
+                           sizeof(granulation__hit)))
+        return false;
     granulation__hit *heap = (granulation__hit *)sim->heap;
     int64_t k = sim->events++;
     for (; k > 0 && granulation__before(&hit, heap + (k - 1) / 2); k = (k - 1) / 2) heap[k] = heap[(k - 1) / 2];
@@ -1951,10 +2119,11 @@ static inline granulation__hit granulation__pop(granulation_sim *sim) {
     return top;
 }
 
-/* Returns the time from now to the contact of two spheres whose difference of places, dx, changes with dv; negative if there is none.
-   Overlapping pairs that approach meet now. An approach at less than 1e-12 rad to the tangent does not count: after a contact the
-   velocities are parallel to it up to round-off. */
-static inline double granulation__contact_time(double dx, double dy, double dz, double dvx, double dvy, double dvz, double touch) {
+/* Returns the time from now to the contact of two spheres whose difference of places, dx, changes with dv; negative if
+   there is none. Overlapping pairs that approach meet now. An approach at less than 1e-12 rad to the tangent does not
+   count: after a contact the velocities are parallel to it up to round-off. */
+static inline double granulation__contact_time(double dx, double dy, double dz, double dvx, double dvy, double dvz,
+                                               double touch) {
     double b = dx * dvx + dy * dvy + dz * dvz;
     if (!(b < 0.0)) return -1.0;
     double distance2 = dx * dx + dy * dy + dz * dz, speed2 = dvx * dvx + dvy * dvy + dvz * dvz;
@@ -1989,7 +2158,8 @@ static inline void granulation__bounce(granulation_sim *sim, int i, int j, doubl
                                        const granulation_collision *c) {
     double mi = sim->body[i].mass, mj = sim->body[j].mass;
     if (sim->def.bounce == GRANULATION_REVERSAL) {
-        const double defect[3] = {-2.0 * (mi * sim->vx[i] + mj * sim->vx[j]), -2.0 * (mi * sim->vy[i] + mj * sim->vy[j]),
+        const double defect[3] = {-2.0 * (mi * sim->vx[i] + mj * sim->vx[j]),
+                                  -2.0 * (mi * sim->vy[i] + mj * sim->vy[j]),
                                   -2.0 * (mi * sim->vz[i] + mj * sim->vz[j])};
         for (int k = 0; k < 3; k++) {
             sim->ledger.momentum[k] += defect[k];
@@ -2024,7 +2194,8 @@ static inline void granulation__bounce(granulation_sim *sim, int i, int j, doubl
 /* Makes i and j meet; both positions are at the present time. Returns true if they have become one granule. */
 static inline bool granulation__meet(granulation_sim *sim, int i, int j, double time) {
     granulation_event event;
-    double box = sim->def.box, dvx = sim->vx[i] - sim->vx[j], dvy = sim->vy[i] - sim->vy[j], dvz = sim->vz[i] - sim->vz[j];
+    double box = sim->def.box, dvx = sim->vx[i] - sim->vx[j], dvy = sim->vy[i] - sim->vy[j],
+           dvz = sim->vz[i] - sim->vz[j];
     event.time = time;
     event.i = i;
     event.j = j;
@@ -2038,7 +2209,8 @@ static inline bool granulation__meet(granulation_sim *sim, int i, int j, double 
     sim->tally.both += event.collision.both;
     if (event.collision.coalesces) granulation__merge(sim, i, j);
     else
-        granulation__bounce(sim, i, j, granulation__nearest(sim->x[i] - sim->x[j], box), granulation__nearest(sim->y[i] - sim->y[j], box),
+        granulation__bounce(sim, i, j, granulation__nearest(sim->x[i] - sim->x[j], box),
+                            granulation__nearest(sim->y[i] - sim->y[j], box),
                             granulation__nearest(sim->z[i] - sim->z[j], box), &event.collision);
     if (sim->def.on_collision) sim->def.on_collision(sim->def.collision_user, &event);
     return event.collision.coalesces;
@@ -2091,7 +2263,8 @@ static inline granulation_status granulation__end_of_step(granulation_sim *sim, 
     sim->events = 0;
     for (int a = 0; a < sim->n; a++) {
         const granulation__item p = items[a];
-        granulation__walk walk = granulation__near(sim, cells, p.x, p.y, p.z, granulation__reach(contact, p.radius, widest));
+        granulation__walk walk =
+            granulation__near(sim, cells, p.x, p.y, p.z, granulation__reach(contact, p.radius, widest));
         while (granulation__next(&walk))
             for (int b = walk.from > a ? walk.from : a + 1; b < walk.to; b++) {
                 const granulation__item *q = items + b;
@@ -2099,7 +2272,9 @@ static inline granulation_status granulation__end_of_step(granulation_sim *sim, 
                        dz = granulation__nearest(p.z - q->z, box);
                 double touch = granulation__reach(contact, p.radius, q->radius);
                 if (!(dx * dx + dy * dy + dz * dz < touch * touch)) continue;
-                if (sim->def.approaching_only && !(dx * (p.vx - q->vx) + dy * (p.vy - q->vy) + dz * (p.vz - q->vz) < 0.0)) continue;
+                if (sim->def.approaching_only &&
+                    !(dx * (p.vx - q->vx) + dy * (p.vy - q->vy) + dz * (p.vz - q->vz) < 0.0))
+                    continue;
                 granulation__hit hit = {0.0, p.id < q->id ? p.id : q->id, p.id < q->id ? q->id : p.id, 0, 0};
                 if (!granulation__push(sim, hit)) return GRANULATION_NO_MEMORY;
             }
@@ -2116,12 +2291,13 @@ static inline granulation_status granulation__end_of_step(granulation_sim *sim, 
 }
 
 /* ---- swept: every contact in the order of time ----
-   A step is cut into sweeps so short that a granule meets only those in the cells around it. Within a sweep each granule keeps the place of
-   its last event; `fastest` bounds the speed of all relative to the mean, `shift` how far any was pushed or moved to a centre of mass, so
-   that a search finds every granule whose place in the cells is out of date. */
+   A step is cut into sweeps so short that a granule meets only those in the cells around it. Within a sweep each
+   granule keeps the place of its last event; `fastest` bounds the speed of all relative to the mean, `shift` how far
+   any was pushed or moved to a centre of mass, so that a search finds every granule whose place in the cells is
+   out of date. */
 
-/* Most contacts of a granule in one sweep; after these it meets no other until the next sweep. The paper's reversal can lock three touching
-   granules in an endless exchange of signs; ordinary granules have two contacts at most. */
+/* Most contacts of a granule in one sweep; after these it meets no other until the next sweep. The paper's reversal can
+   lock three touching granules in an endless exchange of signs; ordinary granules have two contacts at most. */
 #define GRANULATION__LOCKED 8
 
 typedef struct granulation__sweep {
@@ -2138,17 +2314,20 @@ static inline double granulation__frame_speed(const granulation_sim *sim, const 
     return sqrt(x * x + y * y + z * z);
 }
 
-/* Adds every contact of i within the rest of the sweep to the heap; the place of i is that at `now`. Also raises the bounds. */
+/* Adds every contact of i within the rest of the sweep to the heap; the place of i is that at `now`. Also
+   raises the bounds. */
 static inline bool granulation__predict(granulation_sim *sim, granulation__sweep *w, int i, double now) {
     const granulation__motion *motion = (const granulation__motion *)sim->motion;
     const granulation__item *items = (const granulation__item *)sim->items;
-    double box = sim->def.box, radius = 0.5 * sim->body[i].diameter, speed = granulation__frame_speed(sim, w, i), left = w->end - now;
+    double box = sim->def.box, radius = 0.5 * sim->body[i].diameter, speed = granulation__frame_speed(sim, w, i),
+           left = w->end - now;
     double x = sim->x[i], y = sim->y[i], z = sim->z[i];
-    double reach = granulation__reach(sim->def.contact, radius, w->widest) + speed * left + w->fastest * w->end + w->shift;
+    double reach =
+        granulation__reach(sim->def.contact, radius, w->widest) + speed * left + w->fastest * w->end + w->shift;
     reach *= 1.0 + 1e-12;
-    granulation__walk walk =
-        granulation__near(sim, w->cells, granulation__wrap(x - w->mean[0] * now, box), granulation__wrap(y - w->mean[1] * now, box),
-                          granulation__wrap(z - w->mean[2] * now, box), reach);
+    granulation__walk walk = granulation__near(sim, w->cells, granulation__wrap(x - w->mean[0] * now, box),
+                                               granulation__wrap(y - w->mean[1] * now, box),
+                                               granulation__wrap(z - w->mean[2] * now, box), reach);
     while (granulation__next(&walk))
         for (int b = walk.from; b < walk.to; b++) {
             int j = items[b].id;
@@ -2157,8 +2336,9 @@ static inline bool granulation__predict(granulation_sim *sim, granulation__sweep
             double dx = granulation__nearest(x - granulation__wrap(sim->x[j] + late * sim->vx[j], box), box);
             double dy = granulation__nearest(y - granulation__wrap(sim->y[j] + late * sim->vy[j], box), box);
             double dz = granulation__nearest(z - granulation__wrap(sim->z[j] + late * sim->vz[j], box), box);
-            double t = granulation__contact_time(dx, dy, dz, sim->vx[i] - sim->vx[j], sim->vy[i] - sim->vy[j], sim->vz[i] - sim->vz[j],
-                                                 granulation__reach(sim->def.contact, radius, 0.5 * sim->body[j].diameter));
+            double t = granulation__contact_time(
+                dx, dy, dz, sim->vx[i] - sim->vx[j], sim->vy[i] - sim->vy[j], sim->vz[i] - sim->vz[j],
+                granulation__reach(sim->def.contact, radius, 0.5 * sim->body[j].diameter));
             if (!(t >= 0.0 && t <= left)) continue;
             int a = i < j ? i : j, c = i < j ? j : i;
             granulation__hit hit = {now + t, a, c, motion[a].stamp, motion[c].stamp};
@@ -2183,8 +2363,8 @@ static inline void granulation__jump(granulation_sim *sim, granulation__sweep *w
     w->shift = m->jump > w->shift ? m->jump : w->shift;
 }
 
-/* Makes room for a granule that has grown: pushes the granules that it now overlaps along the line of centres until they touch it; these
-   push others in turn. Gives up after 64 pushes; any overlap left can only shrink. */
+/* Makes room for a granule that has grown: pushes the granules that it now overlaps along the line of centres until
+   they touch it; these push others in turn. Gives up after 64 pushes; any overlap left can only shrink. */
 static inline bool granulation__make_room(granulation_sim *sim, granulation__sweep *w, int first, double now) {
     granulation__motion *motion = (granulation__motion *)sim->motion;
     const granulation__item *items = (const granulation__item *)sim->items;
@@ -2195,17 +2375,21 @@ static inline bool granulation__make_room(granulation_sim *sim, granulation__swe
         int i = queue[k];
         double radius = 0.5 * sim->body[i].diameter;
         double reach = granulation__reach(sim->def.contact, radius, w->widest) + w->fastest * w->end + w->shift;
-        granulation__walk walk = granulation__near(sim, w->cells, granulation__wrap(sim->x[i] - w->mean[0] * now, box),
-                                                   granulation__wrap(sim->y[i] - w->mean[1] * now, box),
-                                                   granulation__wrap(sim->z[i] - w->mean[2] * now, box), reach * (1.0 + 1e-12));
+        granulation__walk walk =
+            granulation__near(sim, w->cells, granulation__wrap(sim->x[i] - w->mean[0] * now, box),
+                              granulation__wrap(sim->y[i] - w->mean[1] * now, box),
+                              granulation__wrap(sim->z[i] - w->mean[2] * now, box), reach * (1.0 + 1e-12));
         while (granulation__next(&walk))
             for (int b = walk.from; b < walk.to && length < 65; b++) {
                 int j = items[b].id;
                 if (j == i || motion[j].gone) continue;
                 double late = now - motion[j].time;
-                double dx = granulation__nearest(granulation__wrap(sim->x[j] + late * sim->vx[j], box) - sim->x[i], box);
-                double dy = granulation__nearest(granulation__wrap(sim->y[j] + late * sim->vy[j], box) - sim->y[i], box);
-                double dz = granulation__nearest(granulation__wrap(sim->z[j] + late * sim->vz[j], box) - sim->z[i], box);
+                double dx =
+                    granulation__nearest(granulation__wrap(sim->x[j] + late * sim->vx[j], box) - sim->x[i], box);
+                double dy =
+                    granulation__nearest(granulation__wrap(sim->y[j] + late * sim->vy[j], box) - sim->y[i], box);
+                double dz =
+                    granulation__nearest(granulation__wrap(sim->z[j] + late * sim->vz[j], box) - sim->z[i], box);
                 double touch = granulation__reach(sim->def.contact, radius, 0.5 * sim->body[j].diameter);
                 double distance2 = dx * dx + dy * dy + dz * dz;
                 if (!(distance2 < touch * touch) || !(distance2 > 0.0)) continue;
@@ -2247,7 +2431,8 @@ static inline granulation_status granulation__begin_sweep(granulation_sim *sim, 
     double room = 0.5 * box - 2.0 * w->widest;
     if (!(room > 0.0)) return GRANULATION_TOO_LARGE;
     w->spacing = box / riddle_cbrt(count);
-    double skin = w->spacing < 0.5 * room ? w->spacing : 0.5 * room; /* half and twice the spacing were measured to cost more */
+    /* half and twice the spacing were measured to cost more */
+    double skin = w->spacing < 0.5 * room ? w->spacing : 0.5 * room;
     double parts = w->fastest * longest > 0.5 * skin ? floor(w->fastest * longest / (0.5 * skin)) + 1.0 : 1.0;
     w->end = longest / parts;
     if (!(w->end > 0.0)) return GRANULATION_EVENTS;
@@ -2266,7 +2451,8 @@ static inline bool granulation__predict_all(granulation_sim *sim, const granulat
     for (int a = 0; a < sim->n; a++) {
         const granulation__item p = items[a];
         double sx = p.vx - w->mean[0], sy = p.vy - w->mean[1], sz = p.vz - w->mean[2];
-        double reach = granulation__reach(sim->def.contact, p.radius, w->widest) + sqrt(sx * sx + sy * sy + sz * sz) * w->end + other;
+        double reach = granulation__reach(sim->def.contact, p.radius, w->widest) +
+                       sqrt(sx * sx + sy * sy + sz * sz) * w->end + other;
         granulation__walk walk = granulation__near(sim, w->cells, p.x, p.y, p.z, reach * (1.0 + 1e-12));
         while (granulation__next(&walk))
             for (int b = walk.from > a ? walk.from : a + 1; b < walk.to; b++) {
@@ -2283,14 +2469,17 @@ static inline bool granulation__predict_all(granulation_sim *sim, const granulat
     return true;
 }
 
-/* Handles one contact of the heap. A contact that was predicted before one of the two met another granule has an old stamp. */
-static inline granulation_status granulation__handle(granulation_sim *sim, granulation__sweep *w, granulation__hit hit, double time) {
+/* Handles one contact of the heap. A contact that was predicted before one of the two met another granule has
+   an old stamp. */
+static inline granulation_status granulation__handle(granulation_sim *sim, granulation__sweep *w, granulation__hit hit,
+                                                     double time) {
     granulation__motion *motion = (granulation__motion *)sim->motion;
     int i = hit.i, j = hit.j;
     granulation__bring(sim, i, hit.time);
     granulation__bring(sim, j, hit.time);
-    double box = sim->def.box, dx = granulation__nearest(sim->x[i] - sim->x[j], box), dy = granulation__nearest(sim->y[i] - sim->y[j], box),
-           dz = granulation__nearest(sim->z[i] - sim->z[j], box), mi = sim->body[i].mass, mj = sim->body[j].mass;
+    double box = sim->def.box, dx = granulation__nearest(sim->x[i] - sim->x[j], box),
+           dy = granulation__nearest(sim->y[i] - sim->y[j], box), dz = granulation__nearest(sim->z[i] - sim->z[j], box),
+           mi = sim->body[i].mass, mj = sim->body[j].mass;
     bool merged = granulation__meet(sim, i, j, time);
     if (merged) { /* one granule: it takes the item of the heavier half, from where the jump is shorter */
         if (mj > mi) {
@@ -2338,11 +2527,14 @@ static inline granulation_status granulation__swept_step(granulation_sim *sim, d
         }
         while (sim->events > 0 && status == GRANULATION_OK) {
             granulation__hit hit = granulation__pop(sim);
-            if (motion[hit.i].gone || motion[hit.j].gone || motion[hit.i].stamp != hit.stamp_i || motion[hit.j].stamp != hit.stamp_j)
+            if (motion[hit.i].gone || motion[hit.j].gone || motion[hit.i].stamp != hit.stamp_i ||
+                motion[hit.j].stamp != hit.stamp_j)
                 continue;
-            if (sim->def.bounce == GRANULATION_REVERSAL && (hit.stamp_i >= GRANULATION__LOCKED || hit.stamp_j >= GRANULATION__LOCKED))
+            if (sim->def.bounce == GRANULATION_REVERSAL &&
+                (hit.stamp_i >= GRANULATION__LOCKED || hit.stamp_j >= GRANULATION__LOCKED))
                 continue;
-            status = granulation__handle(sim, &w, hit, begun + sim->def.step * ((path_time - left + hit.time) / path_time));
+            status =
+                granulation__handle(sim, &w, hit, begun + sim->def.step * ((path_time - left + hit.time) / path_time));
             if (--budget < 0) status = GRANULATION_EVENTS;
             if (status == GRANULATION_OK && w.fastest <= w.allowed && w.shift <= 0.25 * w.spacing + w.widest) continue;
             stop = hit.time; /* a new sweep with new bounds */
@@ -2359,8 +2551,10 @@ static inline granulation_status granulation__swept_step(granulation_sim *sim, d
 /* ---- one step ---- */
 
 static inline void granulation__consolidate_all(granulation_sim *sim) {
-    double decay = riddle_exp(-sim->def.consolidation * sim->def.step), capillary = granulation__capillary(&sim->def.laws);
-    double released = 0.0, px = 0.0, py = 0.0, pz = 0.0; /* summed apart: the ledger would lose the digits of small terms */
+    double decay = riddle_exp(-sim->def.consolidation * sim->def.step),
+           capillary = granulation__capillary(&sim->def.laws);
+    /* Summed apart: the ledger would lose the digits of small terms. */
+    double released = 0.0, px = 0.0, py = 0.0, pz = 0.0;
     for (int i = 0; i < sim->n; i++) {
         granulation_granule g = sim->body[i].volumes;
         double air = granulation__consolidated(g.s + g.l, g.a, decay), before = sim->body[i].mass;
@@ -2378,7 +2572,8 @@ static inline void granulation__consolidate_all(granulation_sim *sim) {
     sim->ledger.momentum[2] -= pz;
 }
 
-/* Breaks granules by (28), (36): into two halves that touch and have the same velocity, in a random direction about the old centre. */
+/* Breaks granules by (28), (36): into two halves that touch and have the same velocity, in a random direction about
+   the old centre. */
 static inline granulation_status granulation__break_all(granulation_sim *sim) {
     int n = sim->n;
     for (int i = 0; i < n; i++) {
@@ -2445,8 +2640,9 @@ static inline granulation_status granulation__finish_step(granulation_sim *sim, 
         if (sim->def.stirring > 0.0) granulation__stir(sim);
         sim->stage = GRANULATION__MOVE;
     }
-    granulation_status status = sim->def.detection == GRANULATION_SWEPT ? granulation__swept_step(sim, begun, &sim->owed)
-                                                                        : granulation__end_of_step(sim, begun, &sim->owed);
+    granulation_status status = sim->def.detection == GRANULATION_SWEPT
+                                    ? granulation__swept_step(sim, begun, &sim->owed)
+                                    : granulation__end_of_step(sim, begun, &sim->owed);
     if (status != GRANULATION_OK) return status;
     sim->stage = GRANULATION__BEGIN;
     sim->owed = 0.0;
@@ -2499,27 +2695,32 @@ GRANULATION_API granulation_status granulation_sim_set(granulation_sim *sim, con
 }
 
 /* Returns a velocity with the same deviate about a new mean with a new deviation. */
-static inline double granulation__stretched(double v, double sign, double old_mean, double old_deviation, double mean, double deviation) {
+static inline double granulation__stretched(double v, double sign, double old_mean, double old_deviation, double mean,
+                                            double deviation) {
     return sign * mean + (v - sign * old_mean) * (deviation / old_deviation);
 }
 static inline double granulation__stream_of(const granulation_sim *sim, double v, double old_mean) {
     return sim->def.signs != GRANULATION_SAME_SIGNS && v * old_mean < 0.0 ? -1.0 : 1.0;
 }
 
-/* Returns whether the granules' velocities stay moderate; they do not where the old deviation was next to nothing and the new one is
-   not. */
-static inline bool granulation__can_stretch(const granulation_sim *sim, const double mean[3], const double deviation[3]) {
-    const double *velocity[3] = {sim->vx, sim->vy, sim->vz}, *old_mean = sim->def.velocity_mean, *old = sim->def.velocity_deviation;
+/* Returns whether the granules' velocities stay moderate; they do not where the old deviation was next to nothing and
+   the new one is not. */
+static inline bool granulation__can_stretch(const granulation_sim *sim, const double mean[3],
+                                            const double deviation[3]) {
+    const double *velocity[3] = {sim->vx, sim->vy, sim->vz}, *old_mean = sim->def.velocity_mean,
+                 *old = sim->def.velocity_deviation;
     for (int i = 0; i < sim->n; i++)
         for (int k = 0; k < 3; k++) {
             const double v = velocity[k][i], sign = granulation__stream_of(sim, v, old_mean[k]);
-            if (old[k] > 0.0 && !(fabs(granulation__stretched(v, sign, old_mean[k], old[k], mean[k], deviation[k])) < 1e100)) return false;
+            if (old[k] > 0.0 &&
+                !(fabs(granulation__stretched(v, sign, old_mean[k], old[k], mean[k], deviation[k])) < 1e100))
+                return false;
         }
     return true;
 }
 
-GRANULATION_API granulation_status granulation_sim_impeller(granulation_sim *sim, const double mean[3], const double deviation[3],
-                                                            bool redraw) {
+GRANULATION_API granulation_status granulation_sim_impeller(granulation_sim *sim, const double mean[3],
+                                                            const double deviation[3], bool redraw) {
     if (!sim || !mean || !deviation) return GRANULATION_BAD_ARGUMENT;
     for (int k = 0; k < 3; k++)
         if (!(fabs(mean[k]) < 1e100 && deviation[k] >= 0.0 && deviation[k] < 1e100)) return GRANULATION_BAD_ARGUMENT;
@@ -2533,12 +2734,14 @@ GRANULATION_API granulation_status granulation_sim_impeller(granulation_sim *sim
     for (int i = 0; i < sim->n; i++) {
         double fresh[3] = {0.0, 0.0, 0.0};
         granulation__note_momentum(sim, i, sim->body[i].mass, -1.0);
-        if (redraw || !(old_deviation[0] > 0.0 && old_deviation[1] > 0.0 && old_deviation[2] > 0.0)) granulation__draw_velocity(sim, fresh);
+        if (redraw || !(old_deviation[0] > 0.0 && old_deviation[1] > 0.0 && old_deviation[2] > 0.0))
+            granulation__draw_velocity(sim, fresh);
         for (int k = 0; k < 3; k++) {
             double v = velocity[k][i], sign = granulation__stream_of(sim, v, old_mean[k]);
-            velocity[k][i] = redraw || !(old_deviation[k] > 0.0)
-                                 ? fresh[k]
-                                 : granulation__stretched(v, sign, old_mean[k], old_deviation[k], mean[k], deviation[k]);
+            velocity[k][i] =
+                redraw || !(old_deviation[k] > 0.0)
+                    ? fresh[k]
+                    : granulation__stretched(v, sign, old_mean[k], old_deviation[k], mean[k], deviation[k]);
         }
         granulation__note_momentum(sim, i, sim->body[i].mass, 1.0);
     }
@@ -2546,7 +2749,8 @@ GRANULATION_API granulation_status granulation_sim_impeller(granulation_sim *sim
 }
 
 GRANULATION_API granulation_status granulation_sim_spray(granulation_sim *sim, double volume, double displaced) {
-    if (!sim || !(volume >= 0.0 && volume < HUGE_VAL) || !(displaced >= 0.0 && displaced <= 1.0)) return GRANULATION_BAD_ARGUMENT;
+    if (!sim || !(volume >= 0.0 && volume < HUGE_VAL) || !(displaced >= 0.0 && displaced <= 1.0))
+        return GRANULATION_BAD_ARGUMENT;
     double surface = 0.0;
     for (int i = 0; i < sim->n; i++) surface += sim->body[i].diameter * sim->body[i].diameter;
     if (!(surface > 0.0)) return volume > 0.0 ? GRANULATION_BAD_ARGUMENT : GRANULATION_OK;
@@ -2582,7 +2786,8 @@ static inline double granulation__mean_of(double above, double below, int k) {
     return k == 1 ? above / below : k == 3 ? riddle_cbrt(above / below) : riddle_pow(above / below, 1.0 / k);
 }
 
-/* Returns the volume of the granules up to one of volume v; *next: the volume of the smallest larger one, or HUGE_VAL. */
+/* Returns the volume of the granules up to one of volume v; *next: the volume of the smallest larger one,
+   or HUGE_VAL. */
 static inline double granulation__volume_up_to(const granulation_sim *sim, double v, double *next) {
     double sum = 0.0;
     *next = HUGE_VAL;
@@ -2623,8 +2828,8 @@ GRANULATION_API double granulation_sim_mean(const granulation_sim *sim, int p, i
     return sim->def.box * granulation__mean_of(above, below, p - q);
 }
 
-GRANULATION_API int granulation_sim_classes(const granulation_sim *sim, const double *edges, int classes, double *count, double *q_s,
-                                            double *q_l, double *q_a) {
+GRANULATION_API int granulation_sim_classes(const granulation_sim *sim, const double *edges, int classes, double *count,
+                                            double *q_s, double *q_l, double *q_a) {
     if (!sim || !edges || classes < 1) return sim ? sim->n : 0;
     double *out[4] = {count, q_s, q_l, q_a};
     for (int m = 0; m < 4; m++)
@@ -2651,7 +2856,8 @@ GRANULATION_API int granulation_sim_classes(const granulation_sim *sim, const do
     return outside;
 }
 
-GRANULATION_API void granulation_sim_totals(const granulation_sim *sim, granulation_granule *volumes, double momentum[3], double *kinetic) {
+GRANULATION_API void granulation_sim_totals(const granulation_sim *sim, granulation_granule *volumes,
+                                            double momentum[3], double *kinetic) {
     granulation_granule v = {0.0, 0.0, 0.0};
     double px = 0.0, py = 0.0, pz = 0.0, energy = 0.0;
     for (int i = 0; sim && i < sim->n; i++) {
@@ -2671,11 +2877,12 @@ GRANULATION_API void granulation_sim_totals(const granulation_sim *sim, granulat
     if (kinetic) *kinetic = energy;
 }
 
-GRANULATION_API granulation_status granulation_sim_map(const granulation_sim *sim, const double *st_v, int rows, const double *st_def,
-                                                       int columns, granulation_reason *reasons) {
+GRANULATION_API granulation_status granulation_sim_map(const granulation_sim *sim, const double *st_v, int rows,
+                                                       const double *st_def, int columns, granulation_reason *reasons) {
     if (!sim || sim->n < 1 || !st_v || !st_def || !reasons || rows < 1 || columns < 1) return GRANULATION_BAD_ARGUMENT;
     const granulation_laws *laws = &sim->def.laws;
-    double film = 0.0, diameter = 0.0, yield = 0.0, asperity = granulation_asperity(laws->asperity_factor, laws->grain_diameter);
+    double film = 0.0, diameter = 0.0, yield = 0.0,
+           asperity = granulation_asperity(laws->asperity_factor, laws->grain_diameter);
     for (int i = 0; i < sim->n; i++) {
         film += sim->body[i].film / sim->n;
         diameter += sim->body[i].diameter / sim->n;
@@ -2699,11 +2906,14 @@ GRANULATION_API granulation_status granulation_sim_overlap(granulation_sim *sim,
     double box = sim->def.box, widest = 0.0;
     for (int i = 0; i < sim->n; i++) widest = items[i].radius > widest ? items[i].radius : widest;
     for (int a = 0; a < sim->n; a++) {
-        granulation__walk walk = granulation__near(sim, cells, items[a].x, items[a].y, items[a].z, items[a].radius + widest);
+        granulation__walk walk =
+            granulation__near(sim, cells, items[a].x, items[a].y, items[a].z, items[a].radius + widest);
         while (granulation__next(&walk))
             for (int b = walk.from > a ? walk.from : a + 1; b < walk.to; b++) {
-                double dx = granulation__nearest(items[a].x - items[b].x, box), dy = granulation__nearest(items[a].y - items[b].y, box);
-                double dz = granulation__nearest(items[a].z - items[b].z, box), touch = items[a].radius + items[b].radius;
+                double dx = granulation__nearest(items[a].x - items[b].x, box),
+                       dy = granulation__nearest(items[a].y - items[b].y, box);
+                double dz = granulation__nearest(items[a].z - items[b].z, box),
+                       touch = items[a].radius + items[b].radius;
                 double overlap = 1.0 - sqrt(dx * dx + dy * dy + dz * dz) / touch;
                 if (overlap > *deepest) *deepest = overlap;
             }
@@ -2713,7 +2923,7 @@ GRANULATION_API granulation_status granulation_sim_overlap(granulation_sim *sim,
 
 GRANULATION_API const char *granulation_outside_text(unsigned flag) {
     switch (flag) {
-#define GRANULATION__OUTSIDE_TEXT(name, value, text)                                                                                       \
+#define GRANULATION__OUTSIDE_TEXT(name, value, text)                                                                   \
     case value: return text;
         GRANULATION_OUTSIDES(GRANULATION__OUTSIDE_TEXT)
 #undef GRANULATION__OUTSIDE_TEXT
@@ -2722,7 +2932,9 @@ GRANULATION_API const char *granulation_outside_text(unsigned flag) {
 }
 
 /* Returns whether x is within low .. high; 1 % beyond is allowed. NaN is not. */
-static inline bool granulation__within(double x, double low, double high) { return x >= 0.99 * low && x <= 1.01 * high; }
+static inline bool granulation__within(double x, double low, double high) {
+    return x >= 0.99 * low && x <= 1.01 * high;
+}
 
 /* Returns whether two materials are the same. */
 static inline bool granulation__same_material(const granulation_def *a, const granulation_def *b) {
@@ -2747,17 +2959,18 @@ static inline bool granulation__same_material(const granulation_def *a, const gr
         {a->consolidation, b->consolidation},
     };
     bool same = p->convention == q->convention && p->stiffness == q->stiffness && p->pair_yield == q->pair_yield &&
-                p->elastic_rule == q->elastic_rule && p->dry_rule == q->dry_rule && p->deep_film == q->deep_film && p->limit == q->limit &&
-                p->limit_type_one == q->limit_type_one;
+                p->elastic_rule == q->elastic_rule && p->dry_rule == q->dry_rule && p->deep_film == q->deep_film &&
+                p->limit == q->limit && p->limit_type_one == q->limit_type_one;
     for (size_t k = 0; k < sizeof both / sizeof *both; k++) same = same && both[k][0] == both[k][1];
     return same;
 }
 
 /* Returns whether two simulations move granules and find contacts by the same rules. */
 static inline bool granulation__same_rules(const granulation_def *a, const granulation_def *b) {
-    bool same = a->step == b->step && a->dilation == b->dilation && a->signs == b->signs && a->detection == b->detection &&
-                a->contact == b->contact && a->bounce == b->bounce && a->approaching_only == b->approaching_only &&
-                a->stirring == b->stirring && a->breakage == b->breakage && a->breakage_least_volume == b->breakage_least_volume &&
+    bool same = a->step == b->step && a->dilation == b->dilation && a->signs == b->signs &&
+                a->detection == b->detection && a->contact == b->contact && a->bounce == b->bounce &&
+                a->approaching_only == b->approaching_only && a->stirring == b->stirring &&
+                a->breakage == b->breakage && a->breakage_least_volume == b->breakage_least_volume &&
                 a->breakage_rest == b->breakage_rest;
     for (int k = 0; k < 3; k++) same = same && a->velocity_deviation[k] == b->velocity_deviation[k];
     return same;
@@ -2778,7 +2991,8 @@ GRANULATION_API unsigned granulation_sim_outside(const granulation_sim *sim) {
     const double box = sim->def.box;
     if (!granulation__within(all.l / (all.s + all.l), 0.15 / 0.85, 0.33 / 0.85)) flags |= GRANULATION_OUTSIDE_BINDER;
     if (!granulation__within(granulation_sim_mean(sim, 4, 3), 180e-6, 245e-6)) flags |= GRANULATION_OUTSIDE_SIZE;
-    if (!granulation__within(granulation_volume(&all) / (box * box * box), 0.06, 0.09)) flags |= GRANULATION_OUTSIDE_FILL;
+    if (!granulation__within(granulation_volume(&all) / (box * box * box), 0.06, 0.09))
+        flags |= GRANULATION_OUTSIDE_FILL;
     return flags;
 }
 
@@ -2814,8 +3028,9 @@ GRANULATION_API granulation_status granulation_balance_check_def(const granulati
     if (!d) return GRANULATION_BAD_ARGUMENT;
     GRANULATION__NEED(d->cookie == GRANULATION__BALANCE_COOKIE, "cookie");
     GRANULATION__NEED(d->scheme == GRANULATION_CELL_AVERAGE || d->scheme == GRANULATION_FIXED_PIVOT, "scheme");
-    GRANULATION__NEED(
-        d->daughters == GRANULATION_HALVES || d->daughters == GRANULATION_UNIFORM || d->daughters == GRANULATION_OWN, "daughters");
+    GRANULATION__NEED(d->daughters == GRANULATION_HALVES || d->daughters == GRANULATION_UNIFORM ||
+                          d->daughters == GRANULATION_OWN,
+                      "daughters");
     GRANULATION__NEED(d->daughters != GRANULATION_OWN || d->breakage, "breakage");
     GRANULATION__NEED(d->consolidation >= 0.0 && granulation__finite(d->consolidation), "consolidation");
     GRANULATION__NEED(d->tolerance > 0.0 && granulation__finite(d->tolerance), "tolerance");
@@ -2825,10 +3040,12 @@ GRANULATION_API granulation_status granulation_balance_check_def(const granulati
     return GRANULATION_OK;
 }
 
-/* The state: number, then the carried quantities (liquid with one component, air), cell by cell, then four totals lost: number, solid,
-   liquid, air. */
+/* The state: number, then the carried quantities (liquid with one component, air), cell by cell, then four totals lost:
+   number, solid, liquid, air. */
 static inline int granulation__fields(const granulation_balance *b) { return b->components == 1 ? 3 : 2; }
-static inline size_t granulation__length(const granulation_balance *b) { return (size_t)granulation__fields(b) * (size_t)b->n + 4; }
+static inline size_t granulation__length(const granulation_balance *b) {
+    return (size_t)granulation__fields(b) * (size_t)b->n + 4;
+}
 
 /* Returns the index of the pivot at or below a key; -1 below the first. */
 static inline int granulation__below(const double *pivot, int n, double key) {
@@ -2842,7 +3059,8 @@ static inline int granulation__below(const double *pivot, int n, double key) {
     return low;
 }
 
-/* Where a granule between pivots goes: `cell` and its upper neighbours, share `f` upwards along each key: number and keys are kept */
+/* Where a granule between pivots goes: `cell` and its upper neighbours, share `f` upwards along each key: number and
+   keys are kept */
 typedef struct granulation__place_of {
     int cell; /* negative: beyond the last pivots (or below the first) */
     double f[2];
@@ -2872,16 +3090,17 @@ static inline granulation__place_of granulation__share(const granulation_balance
 /* Returns the mean key along key k of the granules formed in cell `at`. All terms lie within the cell's edges and below
    the last pivot. By round-off, overflow or underflow of its terms, the mean of thousands may not, so it is limited. */
 static inline double granulation__mean_key(const granulation_balance *b, int k, int at, double sum, double count) {
-    double low = b->edge[k][at], high = b->edge[k][at + 1], first = b->pivot[k][0], last = b->pivot[k][b->size[k] - 1], mean = sum / count;
+    double low = b->edge[k][at], high = b->edge[k][at + 1], first = b->pivot[k][0], last = b->pivot[k][b->size[k] - 1],
+           mean = sum / count;
     low = low > first ? low : first;
     high = high < last ? high : last;
     return !(mean > low) ? low : mean < high ? mean : high;
 }
 
-/* Adds number and carried contents to the up to four pivots of a place, which must be one. Contents go by the key volume that a pivot gets,
-   so that composition follows volume. */
-static inline void granulation__deposit(const granulation_balance *b, double *state, const granulation__place_of *p, double number,
-                                        double liquid, double air) {
+/* Adds number and carried contents to the up to four pivots of a place, which must be one. Contents go by the key
+   volume that a pivot gets, so that composition follows volume. */
+static inline void granulation__deposit(const granulation_balance *b, double *state, const granulation__place_of *p,
+                                        double number, double liquid, double air) {
     if (p->cell < 0 || p->cell >= b->n) return; /* no caller does; the sums would show it */
     int n0 = b->size[0], i0 = p->cell % n0, i1 = p->cell / n0;
     double weight[4], volume[4], all = 0.0;
@@ -2917,27 +3136,32 @@ static inline void granulation__point(granulation_balance *b) {
 
 GRANULATION_API void granulation_balance_free(granulation_balance *b) {
     if (!b) return;
-    void *blocks[9] = {b->edge[0], b->pivot[0], b->edge[1], b->pivot[1], b->target, b->share, b->kernel, b->state, b->births};
+    void *blocks[9] = {b->edge[0], b->pivot[0], b->edge[1], b->pivot[1], b->target,
+                       b->share,   b->kernel,   b->state,   b->births};
     for (int k = 0; k < 9; k++) granulation__memory(&b->def.memory, blocks[k], blocks[k] ? b->bytes[k] : 0, 0);
     memset(b, 0, sizeof *b);
 }
 
-GRANULATION_API granulation_status granulation_balance_init(granulation_balance *b, const granulation_balance_def *def, int cells,
-                                                            const double *edges, const double *pivots, int l_cells, const double *l_edges,
+GRANULATION_API granulation_status granulation_balance_init(granulation_balance *b, const granulation_balance_def *def,
+                                                            int cells, const double *edges, const double *pivots,
+                                                            int l_cells, const double *l_edges,
                                                             const double *l_pivots) {
     if (!b) return GRANULATION_BAD_ARGUMENT;
     memset(b, 0, sizeof *b);
     granulation_status status = granulation_balance_check_def(def, NULL);
     if (status != GRANULATION_OK) return status;
-    if (cells < 2 || !edges || l_cells < 0 || l_cells == 1 || (l_cells > 0) != (l_edges != NULL) || cells > 100000 || l_cells > 100000 ||
-        (int64_t)cells * (l_cells ? l_cells : 1) > 100000 || (l_cells && def->daughters != GRANULATION_HALVES))
+    if (cells < 2 || !edges || l_cells < 0 || l_cells == 1 || (l_cells > 0) != (l_edges != NULL) || cells > 100000 ||
+        l_cells > 100000 || (int64_t)cells * (l_cells ? l_cells : 1) > 100000 ||
+        (l_cells && def->daughters != GRANULATION_HALVES))
         return GRANULATION_BAD_ARGUMENT;
     const double *given_edges[2] = {edges, l_edges}, *given_pivots[2] = {pivots, l_pivots};
     int given[2] = {cells, l_cells};
     for (int k = 0; k < (l_cells ? 2 : 1); k++)
         for (int i = 0; i < given[k]; i++) {
-            double low = given_edges[k][i], high = given_edges[k][i + 1], pivot = given_pivots[k] ? given_pivots[k][i] : 0.5 * (low + high);
-            if (!(low >= 0.0 && high > low && high < HUGE_VAL && pivot >= low && pivot <= high)) return GRANULATION_BAD_ARGUMENT;
+            double low = given_edges[k][i], high = given_edges[k][i + 1],
+                   pivot = given_pivots[k] ? given_pivots[k][i] : 0.5 * (low + high);
+            if (!(low >= 0.0 && high > low && high < HUGE_VAL && pivot >= low && pivot <= high))
+                return GRANULATION_BAD_ARGUMENT;
             if (!(pivot > 0.0 || (k == 1 && i == 0)) || (i > 0 && given_pivots[k] && !(pivot > given_pivots[k][i - 1])))
                 return GRANULATION_BAD_ARGUMENT;
         }
@@ -2982,7 +3206,9 @@ GRANULATION_API granulation_status granulation_balance_init(granulation_balance 
     for (int k = 0; k < b->components; k++)
         for (int i = 0; i <= given[k]; i++) {
             b->edge[k][i] = given_edges[k][i];
-            if (i < given[k]) b->pivot[k][i] = given_pivots[k] ? given_pivots[k][i] : 0.5 * (given_edges[k][i] + given_edges[k][i + 1]);
+            if (i < given[k])
+                b->pivot[k][i] =
+                    given_pivots[k] ? given_pivots[k][i] : 0.5 * (given_edges[k][i] + given_edges[k][i + 1]);
         }
     memset(b->state, 0, b->bytes[7]);
     granulation__point(b);
@@ -3014,7 +3240,8 @@ GRANULATION_API granulation_status granulation_balance_set(granulation_balance *
     if (!b || !b->state) return GRANULATION_BAD_ARGUMENT;
     granulation_status status = granulation_balance_check_def(def, NULL);
     if (status != GRANULATION_OK) return status;
-    if (def->scheme != b->def.scheme || (def->kernel && !b->target) || (b->components == 2 && def->daughters != GRANULATION_HALVES) ||
+    if (def->scheme != b->def.scheme || (def->kernel && !b->target) ||
+        (b->components == 2 && def->daughters != GRANULATION_HALVES) ||
         (def->daughters == GRANULATION_OWN && !b->births))
         return GRANULATION_BAD_ARGUMENT;
     granulation_memory memory = b->def.memory;
@@ -3024,9 +3251,12 @@ GRANULATION_API granulation_status granulation_balance_set(granulation_balance *
     return GRANULATION_OK;
 }
 
-GRANULATION_API granulation_status granulation_balance_add(granulation_balance *b, const granulation_granule *g, double number) {
-    if (!b || !b->state || !g || !(number >= 0.0 && number < HUGE_VAL) || !granulation__is_granule(g)) return GRANULATION_BAD_ARGUMENT;
-    granulation__place_of p = b->components == 1 ? granulation__share(b, g->s + g->l, 0.0) : granulation__share(b, g->s, g->l);
+GRANULATION_API granulation_status granulation_balance_add(granulation_balance *b, const granulation_granule *g,
+                                                           double number) {
+    if (!b || !b->state || !g || !(number >= 0.0 && number < HUGE_VAL) || !granulation__is_granule(g))
+        return GRANULATION_BAD_ARGUMENT;
+    granulation__place_of p =
+        b->components == 1 ? granulation__share(b, g->s + g->l, 0.0) : granulation__share(b, g->s, g->l);
     if (p.cell < 0) return GRANULATION_BAD_ARGUMENT;
     granulation__deposit(b, b->state, &p, number, number * g->l, number * g->a);
     b->total.s += number * g->s;
@@ -3037,13 +3267,16 @@ GRANULATION_API granulation_status granulation_balance_add(granulation_balance *
 
 /* ---- rates ---- */
 
-/* Returns where the halves of the granules of a cell go; used both for the test whether they break and for the breakage. */
+/* Returns where the halves of the granules of a cell go; used both for the test whether they break and for
+   the breakage. */
 static inline granulation__place_of granulation__halves(const granulation_balance *b, int i) {
-    return granulation__share(b, 0.5 * b->pivot[0][i % b->size[0]], b->components == 1 ? 0.0 : 0.5 * b->pivot[1][i / b->size[0]]);
+    return granulation__share(b, 0.5 * b->pivot[0][i % b->size[0]],
+                              b->components == 1 ? 0.0 : 0.5 * b->pivot[1][i / b->size[0]]);
 }
 
-/* Finds how many granules are born in each cell where one of cell `mother` breaks by the given function: between two pivots the daughters'
-   number and volume are shared (Kumar and Ramkrishna 1996); below the first only their volume is kept. */
+/* Finds how many granules are born in each cell where one of cell `mother` breaks by the given function: between two
+   pivots the daughters' number and volume are shared (Kumar and Ramkrishna 1996); below the first only their
+   volume is kept. */
 static inline granulation_status granulation__find_daughters(granulation_balance *b, int mother) {
     enum { PARTS = 32 };
     const double *x = b->pivot[0], u = x[mother];
@@ -3077,7 +3310,8 @@ static inline granulation_status granulation__evaluate_kernel(granulation_balanc
         if (b->def.selection) {
             rate = b->def.selection(&g, b->def.selection_user);
             if (!(rate >= 0.0 && rate < HUGE_VAL)) return GRANULATION_KERNEL;
-            if (b->def.daughters == GRANULATION_HALVES && granulation__halves(b, i).cell < 0) rate = 0.0; /* they have no pivot */
+            /* They have no pivot. */
+            if (b->def.daughters == GRANULATION_HALVES && granulation__halves(b, i).cell < 0) rate = 0.0;
         }
         selection[i] = rate;
         if (rate > 0.0 && b->def.daughters == GRANULATION_OWN) {
@@ -3095,17 +3329,19 @@ static inline granulation_status granulation__evaluate_kernel(granulation_balanc
     return GRANULATION_OK;
 }
 
-/* Cells that hold less than this share of the number and of the square volume do not coalesce (measured: four times fewer steps, the same
-   digits of M3) */
+/* Cells that hold less than this share of the number and of the square volume do not coalesce (measured: four times
+   fewer steps, the same digits of M3) */
 #define GRANULATION__NOTHING 1e-20
 
 /* One evaluation of the rates: the state, and arrays of b->work, all [n]. */
 typedef struct granulation__flow {
     const double *y, *y_liquid, *y_air;        /* number, liquid (NULL with two components) and air of each cell */
     double *rate, *lost;                       /* dy/dt, and its last four numbers: what grows beyond the last pivot */
-    double *loss, *selection;                  /* share that coalescence takes from a cell per second; rate of breakage */
+    double *loss, *selection;                  /* share that coalescence takes from a cell per second;
+                                                  rate of breakage */
     double *active;                            /* y of the cells that coalesce, 0 of the others */
-    double *born, *key0, *key1, *liquid, *air; /* sums over what forms in a cell: number, keys, liquid, air; cell average only */
+    double *born, *key0, *key1, *liquid, *air; /* sums over what forms in a cell: number, keys, liquid, air; cell
+                                                  average only */
     bool one, fixed, carries;                  /* one component; fixed pivot; there is liquid or air to be carried */
 } granulation__flow;
 
@@ -3123,7 +3359,8 @@ static inline granulation__flow granulation__flow_of(const granulation_balance *
     f.loss = b->work + 4 * length;
     f.selection = f.loss + n;
     f.born = f.selection + n;
-    f.key0 = f.born + n, f.key1 = f.born + 2 * n, f.liquid = f.born + 3 * n, f.air = f.born + 4 * n, f.active = f.born + 5 * n;
+    f.key0 = f.born + n, f.key1 = f.born + 2 * n, f.liquid = f.born + 3 * n, f.air = f.born + 4 * n,
+    f.active = f.born + 5 * n;
     memset(rate, 0, length * sizeof(double));
     memset(f.loss, 0, n * sizeof(double));
     if (!f.fixed) memset(f.born, 0, 5 * n * sizeof(double));
@@ -3140,12 +3377,13 @@ static inline void granulation__find_active(const granulation_balance *b, const 
         zeroth += f->y[i];
     }
     for (int i = 0; i < b->n; i++)
-        f->active[i] = f->y[i] > GRANULATION__NOTHING * zeroth || f->active[i] > GRANULATION__NOTHING * second ? f->y[i] : 0.0;
+        f->active[i] =
+            f->y[i] > GRANULATION__NOTHING * zeroth || f->active[i] > GRANULATION__NOTHING * second ? f->y[i] : 0.0;
 }
 
 /* Adds what pair p forms at the rate r: keys x, z, liquid l and air a of the new granule. */
-static inline void granulation__form(const granulation_balance *b, const granulation__flow *f, size_t p, double r, double x, double z,
-                                     double l, double a) {
+static inline void granulation__form(const granulation_balance *b, const granulation__flow *f, size_t p, double r,
+                                     double x, double z, double l, double a) {
     int t = b->target[p];
     if (t < 0) {
         f->lost[0] += r;
@@ -3213,14 +3451,15 @@ static inline void granulation__give_births(const granulation_balance *b, const 
     }
 }
 
-/* Adds the daughters of breakage into two of uniform volume: the hat functions of the pivots integrated over b(v|u) = 2/u, which is
-   (x[i+1] - x[i-1]) / u below u, (u - x[i-1]) / u at u. */
+/* Adds the daughters of breakage into two of uniform volume: the hat functions of the pivots integrated over
+   b(v|u) = 2/u, which is (x[i+1] - x[i-1]) / u below u, (u - x[i-1]) / u at u. */
 static inline void granulation__break_uniformly(const granulation_balance *b, const granulation__flow *f) {
     const double *x = b->pivot[0];
     size_t n = (size_t)b->n;
     double above = 0.0, above_l = 0.0, above_a = 0.0; /* sums over all larger mothers */
     for (int i = b->n - 1; i >= 0; i--) {
-        double per = f->selection[i] / x[i], left = i > 0 ? x[i - 1] : 0.0, width = i < b->n - 1 ? x[i + 1] - left : 0.0, own = x[i] - left;
+        double per = f->selection[i] / x[i], left = i > 0 ? x[i - 1] : 0.0,
+               width = i < b->n - 1 ? x[i + 1] - left : 0.0, own = x[i] - left;
         f->rate[i] += width * above + own * per * f->y[i];
         f->rate[n + (size_t)i] += x[i] * (width * above_l + own * per / x[i] * f->y_liquid[i]);
         f->rate[2 * n + (size_t)i] += x[i] * (width * above_a + own * per / x[i] * f->y_air[i]);
@@ -3236,7 +3475,8 @@ static inline void granulation__break_into_halves(const granulation_balance *b, 
         double r = f->selection[i] * f->y[i];
         if (!(r > 0.0)) continue;
         granulation__place_of place = granulation__halves(b, i);
-        granulation__deposit(b, f->rate, &place, 2.0 * r, f->one ? f->selection[i] * f->y_liquid[i] : 0.0, f->selection[i] * f->y_air[i]);
+        granulation__deposit(b, f->rate, &place, 2.0 * r, f->one ? f->selection[i] * f->y_liquid[i] : 0.0,
+                             f->selection[i] * f->y_air[i]);
     }
 }
 
@@ -3245,7 +3485,8 @@ static inline void granulation__break_as_given(const granulation_balance *b, con
     const double *x = b->pivot[0];
     size_t n = (size_t)b->n;
     for (size_t mother = 0; mother < n; mother++) {
-        const double *born = b->births + mother * (mother + 1) / 2, rate = f->selection[mother], r = rate * f->y[mother];
+        const double *born = b->births + mother * (mother + 1) / 2, rate = f->selection[mother],
+                     r = rate * f->y[mother];
         if (!(r > 0.0)) continue;
         for (size_t i = 0; i <= mother; i++) f->rate[i] += r * born[i];
         for (size_t i = 0; i <= mother && f->carries; i++) {
@@ -3300,8 +3541,8 @@ static inline double granulation__air_in(const granulation_balance *b, const dou
 static inline double granulation__error(const granulation_balance *b, const double *fine, const double *coarse) {
     double e[3] = {0.0, 0.0, 0.0}, m[3] = {0.0, 0.0, 0.0}, worst = 0.0, all = 0.0;
     for (int i = 0; i < b->n; i++) {
-        double v = b->pivot[0][i % b->size[0]] + (b->components == 2 ? b->pivot[1][i / b->size[0]] : 0.0), d = fabs(fine[i] - coarse[i]),
-               y = fine[i];
+        double v = b->pivot[0][i % b->size[0]] + (b->components == 2 ? b->pivot[1][i / b->size[0]] : 0.0),
+               d = fabs(fine[i] - coarse[i]), y = fine[i];
         v /= b->pivot[0][b->size[0] - 1];
         for (int k = 0; k < 3; k++, d *= v, y *= v) {
             e[k] += d;
@@ -3324,9 +3565,9 @@ static inline double granulation__error(const granulation_balance *b, const doub
     return all < HUGE_VAL ? worst : HUGE_VAL; /* products that overflow are no small error */
 }
 
-/* Advances the balance by the third-order strong-stability-preserving Runge-Kutta method (Shu and Osher 1988) with its second-order
-   companion as error estimate. Each stage is a mean of Euler steps, so that no cell can become negative while step times loss stays below
-   1; this is checked, and the step halved otherwise. */
+/* Advances the balance by the third-order strong-stability-preserving Runge-Kutta method (Shu and Osher 1988) with its
+   second-order companion as error estimate. Each stage is a mean of Euler steps, so that no cell can become negative
+   while step times loss stays below 1; this is checked, and the step halved otherwise. */
 GRANULATION_API granulation_status granulation_balance_run(granulation_balance *b, double duration) {
     if (!b || !b->state || !(duration >= 0.0 && b->time + duration < HUGE_VAL)) return GRANULATION_BAD_ARGUMENT;
     size_t length = granulation__length(b);
@@ -3373,7 +3614,8 @@ GRANULATION_API granulation_status granulation_balance_run(granulation_balance *
             if (!(b->next_step > 0.0)) return GRANULATION_STEP;
             continue;
         }
-        double before = granulation__air_in(b, stage), air_base = granulation__air_in(b, base), air_old = granulation__air_in(b, y);
+        double before = granulation__air_in(b, stage), air_base = granulation__air_in(b, base),
+               air_old = granulation__air_in(b, y);
         if (half < 1.0) granulation__consolidate_cells(b, stage, half);
         b->air_released += (air_old - air_base) + (before - granulation__air_in(b, stage));
         memcpy(y, stage, length * sizeof(double));
@@ -3407,7 +3649,10 @@ GRANULATION_API double granulation_balance_moment(const granulation_balance *b, 
         double row = 0.0, z = b->components == 2 ? b->pivot[1][j] : 1.0;
         for (int i = 0; i < b->size[0]; i++) {
             double x = b->pivot[0][i];
-            row += b->number[i + b->size[0] * j] * (p == 1.0 ? x : p == 2.0 ? x * x : p == 3.0 ? x * x * x : riddle_pow(x, p));
+            row += b->number[i + b->size[0] * j] * (p == 1.0   ? x
+                                                    : p == 2.0 ? x * x
+                                                    : p == 3.0 ? x * x * x
+                                                               : riddle_pow(x, p));
         }
         sum += row * (q == 0.0 ? 1.0 : z > 0.0 ? riddle_pow(z, q) : 0.0);
     }
@@ -3440,24 +3685,28 @@ GRANULATION_API double granulation_balance_mean(const granulation_balance *b, in
 
 /* ==== >>montecarlo ==== */
 
-static inline bool granulation__raise(granulation_montecarlo *mc, const granulation_granule *i, const granulation_granule *j) {
+static inline bool granulation__raise(granulation_montecarlo *mc, const granulation_granule *i,
+                                      const granulation_granule *j) {
     double k = mc->kernel(i, j, mc->user);
     if (!(k >= 0.0 && k < HUGE_VAL)) return false;
     if (k > mc->bound) mc->bound = k;
     return true;
 }
-/* Raises the bound of the kernel by granule g with the smallest and the largest ever present and with itself: right for kernels that grow
-   with either size or with the contrast of the two. Any other kernel raises the bound when a pair exceeds it. */
+/* Raises the bound of the kernel by granule g with the smallest and the largest ever present and with itself: right for
+   kernels that grow with either size or with the contrast of the two. Any other kernel raises the bound when a
+   pair exceeds it. */
 static inline bool granulation__bound(granulation_montecarlo *mc, const granulation_granule *g) {
     double v = granulation_volume(g);
     if (v < granulation_volume(&mc->smallest)) mc->smallest = *g;
     if (v > granulation_volume(&mc->largest)) mc->largest = *g;
-    return granulation__raise(mc, g, &mc->smallest) && granulation__raise(mc, g, &mc->largest) && granulation__raise(mc, g, g);
+    return granulation__raise(mc, g, &mc->smallest) && granulation__raise(mc, g, &mc->largest) &&
+           granulation__raise(mc, g, g);
 }
 
-GRANULATION_API granulation_status granulation_montecarlo_init(granulation_montecarlo *mc, const granulation_granule *sample, int n,
-                                                               double volume, granulation_kernel kernel, const void *user, uint64_t seed,
-                                                               const granulation_memory *memory) {
+GRANULATION_API granulation_status granulation_montecarlo_init(granulation_montecarlo *mc,
+                                                               const granulation_granule *sample, int n, double volume,
+                                                               granulation_kernel kernel, const void *user,
+                                                               uint64_t seed, const granulation_memory *memory) {
     if (!mc) return GRANULATION_BAD_ARGUMENT;
     memset(mc, 0, sizeof *mc);
     if (!sample || n < 2 || !(volume > 0.0 && volume < HUGE_VAL) || !kernel) return GRANULATION_BAD_ARGUMENT;
@@ -3493,13 +3742,15 @@ GRANULATION_API granulation_status granulation_montecarlo_run(granulation_montec
     double gone = 0.0;
     for (int64_t proposals = 0; mc->bound > 0.0; proposals++) {
         const double rate = mc->bound * (0.5 * n * (n - 1.0) / mc->volume);
-        if (!((duration - gone) * rate <= most)) return GRANULATION_STEP; /* too many proposals: refused before any is drawn */
+        /* too many proposals: refused before any is drawn */
+        if (!((duration - gone) * rate <= most)) return GRANULATION_STEP;
         if (proposals > INT64_C(1000000000)) return GRANULATION_STEP;
         double wait = -riddle_log(1.0 - granulation_random_uniform(&mc->random)) / rate;
         if (!(gone + wait < duration)) break;
         gone += wait;
         mc->time = start + gone;
-        int i = (int)(n * granulation_random_uniform(&mc->random)), j = (int)((n - 1.0) * granulation_random_uniform(&mc->random));
+        int i = (int)(n * granulation_random_uniform(&mc->random)),
+            j = (int)((n - 1.0) * granulation_random_uniform(&mc->random));
         if (j >= i) j++;
         double k = mc->kernel(mc->granules + i, mc->granules + j, mc->user);
         if (!(k >= 0.0 && k < HUGE_VAL)) return GRANULATION_KERNEL;
@@ -3532,7 +3783,8 @@ GRANULATION_API double granulation_montecarlo_moment(const granulation_montecarl
     return sum / mc->volume;
 }
 
-GRANULATION_API granulation_status granulation_range(const double *values, int n, double *mean, double *low, double *high) {
+GRANULATION_API granulation_status granulation_range(const double *values, int n, double *mean, double *low,
+                                                     double *high) {
     double sum = 0.0, squares = 0.0;
     if (mean) *mean = (double)NAN;
     if (low) *low = (double)NAN;

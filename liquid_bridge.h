@@ -3,40 +3,47 @@
        #include "liquid_bridge.h"
        #include <stdio.h>
 
-       int main(void) {                                                    // a 2.5 mm sphere is pulled off a plate, water between
+       // a 2.5 mm sphere is pulled off a plate, water between
+       int main(void) {
            bridge_pair_def def = bridge_pair_default_def();                // every field has a documented default
            bridge_pair     pair;
            bridge          b;                                              // twelve doubles
            def.radius_j = INFINITY;                                        // a plate, or a wire
-           if (bridge_pair_prepare(&pair, &def) != BRIDGE_OK) return 1;    // once per kind of pair: Young-Laplace, solved, tabulated
-           bridge_form(&pair, 2.5e-3, INFINITY, 1e-10, 0.0, 0, &b);        // at contact: liquid given by i and by j [m3]
+           // once per kind of pair: Young-Laplace, solved, tabulated
+           if (bridge_pair_prepare(&pair, &def) != BRIDGE_OK) return 1;
+           // at contact: liquid given by i and by j [m3]
+           bridge_form(&pair, 2.5e-3, INFINITY, 1e-10, 0.0, 0, &b);
            for (double gap = 0.0; !bridge_is_ruptured(&b, &def.liquid, gap, 0.01); gap += 1e-5)
-               printf("%g m: %g N\n", gap, bridge_evaluate(&b, &def.liquid, gap, 0.01).normal);   // every step: + - * / sqrt only
+               // every step: + - * / sqrt only
+               printf("%g m: %g N\n", gap, bridge_evaluate(&b, &def.liquid, gap, 0.01).normal);
        }
 
-   What is in it: volume shares (Shi & McCarthy 2008; Elskamp & Kruggel-Emden 2019, eqs 7-11), capillary force (energy form; Willett et al.
-   2000, full and simple; Young-Laplace, solved), viscous force (Pitois et al. 2000 normal; bridge-limited Couette tangential; Goldman et
-   al. 1967), rupture (Willett/Pitois static and dynamic; unequal contact angles; Young-Laplace), the neck split of the liquid, books
-   with exact conservation, and the laws of eqs 12-20 word for word as printed in the 2019 paper (bridge_printed_*), which are wrong in
-   places: docs/liquid_bridge.md says where.
+   What is in it: volume shares (Shi & McCarthy 2008; Elskamp & Kruggel-Emden 2019, eqs 7-11), capillary force (energy
+   form; Willett et al. 2000, full and simple; Young-Laplace, solved), viscous force (Pitois et al. 2000 normal;
+   bridge-limited Couette tangential; Goldman et al. 1967), rupture (Willett/Pitois static and dynamic; unequal contact
+   angles; Young-Laplace), the neck split of the liquid, books with exact conservation, and the laws of eqs 12-20 word
+   for word as printed in the 2019 paper (bridge_printed_*), which are wrong in places: docs/liquid_bridge.md says
+   where.
 
-   How: the meniscus without gravity is a Delaunay curve, known in closed form along its arc. bridge_pair_prepare solves it for ten volumes,
-   each from contact to rupture, and keeps force, rupture distance and neck split as Chebyshev series in ln V. bridge_form contracts them
-   to seven coefficients: F = X(S) (c0 + c1 tau + ... + c6 tau^6), tau = sqrt(S_rupture - S), X = a/(h (h + S)), h = sqrt(S^2 + a).
-   Within 0.3 % of Young-Laplace, mostly 0.1 %; bridge_pair.deviation says what was measured for this very pair.
+   How: the meniscus without gravity is a Delaunay curve, known in closed form along its arc. bridge_pair_prepare solves
+   it for ten volumes, each from contact to rupture, and keeps force, rupture distance and neck split as Chebyshev
+   series in ln V. bridge_form contracts them to seven coefficients: F = X(S) (c0 + c1 tau + ... + c6 tau^6),
+   tau = sqrt(S_rupture - S), X = a/(h (h + S)), h = sqrt(S^2 + a). Within 0.3 % of Young-Laplace, mostly 0.1 %;
+   bridge_pair.deviation says what was measured for this very pair.
 
-   Conventions: SI units, angles in radians. gap S = centre distance minus both radii; S < 0 is overlap, where capillary forces are those
-   of contact (S = 0). velocity = rate of change of the gap, > 0 separating. Forces are positive when they pull the two solids together.
-   Two effective radii, never mixed: harmonic R_h = 2 ri rj/(ri + rj) (capillarity), reduced R_s = R_h/2 (viscosity); plate or wire:
-   R_h = 2 ri, R_s = ri. a = 2 V/(pi R_h) [m2] is the only volume group in the neck laws.
-   n points from j to i. Arms ai = bridge_arm(ri, rj, S), aj = D - ai. Slip v_s = v_t + n x (ai wi + aj wj) (with the arms, not the radii:
-   a rigidly turning pair then slips not at all). Force on i: -n * normal - tangential * v_s; on j its opposite. Moments: on i
-   -ai n x F_t, on j -aj n x F_t. So linear and angular momentum are kept to round-off and the viscous power is never positive.
+   Conventions: SI units, angles in radians. gap S = centre distance minus both radii; S < 0 is overlap, where capillary
+   forces are those of contact (S = 0). velocity = rate of change of the gap, > 0 separating. Forces are positive when
+   they pull the two solids together. Two effective radii, never mixed: harmonic R_h = 2 ri rj/(ri + rj) (capillarity),
+   reduced R_s = R_h/2 (viscosity); plate or wire: R_h = 2 ri, R_s = ri. a = 2 V/(pi R_h) [m2] is the only volume group
+   in the neck laws. n points from j to i. Arms ai = bridge_arm(ri, rj, S), aj = D - ai. Slip v_s = v_t + n x (ai
+   wi + aj wj) (with the arms, not the radii: a rigidly turning pair then slips not at all). Force on i:
+   -n * normal - tangential * v_s; on j its opposite. Moments: on i -ai n x F_t, on j -aj n x F_t. So linear and angular
+   momentum are kept to round-off and the viscous power is never positive.
 
-   Memory: none is allocated. Threads: no state is shared; films are changed by bridge_allocate and bridge_release only. Determinism:
-   + - * / sqrt, frexp, ldexp and the portable block; same bits on every machine with -ffp-contract=off.
-   Not in it: gravity in the meniscus, evaporation kinetics, bridges that touch each other (bridge_pair.pendular_volume says when they
-   do), contact-angle hysteresis, formation at a distance. */
+   Memory: none is allocated. Threads: no state is shared; films are changed by bridge_allocate and bridge_release only.
+   Determinism: + - * / sqrt, frexp, ldexp and the portable block; same bits on every machine with -ffp-contract=off.
+   Not in it: gravity in the meniscus, evaporation kinetics, bridges that touch each other (bridge_pair.pendular_volume
+   says when they do), contact-angle hysteresis, formation at a distance. */
 #ifndef RIDDLE_LIQUID_BRIDGE_H
 #define RIDDLE_LIQUID_BRIDGE_H
 
@@ -64,19 +71,19 @@
 extern "C" {
 #endif
 
-/* Terms in tau of a bridge's force, written out in bridge_attraction: 6 leave 0.25 %, 7 leave 0.11 %, 8 leave 0.07 % (V/R_h^3 >= 1e-7,
-   angles to 45 degrees). */
+/* Terms in tau of a bridge's force, written out in bridge_attraction: 6 leave 0.25 %, 7 leave 0.11 %, 8 leave 0.07 %
+   (V/R_h^3 >= 1e-7, angles to 45 degrees). */
 #define BRIDGE_SERIES 7
 #define BRIDGE_NODES 10 /* volumes solved per pair kind: five decades of V* to 0.01 % */
 #define BRIDGE_PIECES 4 /* parts of the table about a jump of the neck; 1 where there is none */
 
-/* >>status ------------------------------------------------------------------------------------------------------------------------- */
+/* >>status --------------------------------------------------------------------------------------------------------- */
 
-#define BRIDGE_STATUSES(X)                                                                                                                 \
-    X(BRIDGE_OK, "ok")                                                                                                                     \
-    X(BRIDGE_INVALID, "a parameter is outside its documented range")                                                                       \
-    X(BRIDGE_NO_SOLUTION, "no pendular bridge solves the Young-Laplace equation here")                                                     \
-    X(BRIDGE_RUPTURED, "the gap is beyond the rupture distance")                                                                           \
+#define BRIDGE_STATUSES(X)                                                                                             \
+    X(BRIDGE_OK, "ok")                                                                                                 \
+    X(BRIDGE_INVALID, "a parameter is outside its documented range")                                                   \
+    X(BRIDGE_NO_SOLUTION, "no pendular bridge solves the Young-Laplace equation here")                                 \
+    X(BRIDGE_RUPTURED, "the gap is beyond the rupture distance")                                                       \
     X(BRIDGE_VOLUME, "the volume is outside the range that the pair was prepared for")
 
 typedef enum bridge_status {
@@ -89,12 +96,14 @@ typedef enum bridge_status {
 /* Returns a short English text; "unknown status" for a number that is none. Never NULL; not to be freed. */
 static inline const char *bridge_status_text(bridge_status status);
 
-/* >>types -------------------------------------------------------------------------------------------------------------------------- */
+/* >>types ---------------------------------------------------------------------------------------------------------- */
 
 typedef struct bridge_liquid {
     double surface_tension; /* sigma [N/m], > 0; default 0.07275 (water, 20 C) */
-    double viscosity;       /* eta, dynamic [Pa s], >= 0; default 1.002e-3 (water, 20 C); 0 switches viscous forces off */
-    double roughness;       /* smallest gap of the viscous laws over R_s [-], S_min = roughness * R_s, 2e-4 .. 0.1; default 0.001 */
+    double viscosity;       /* eta, dynamic [Pa s], >= 0; default 1.002e-3 (water, 20 C); 0 switches
+                               viscous forces off */
+    double roughness;       /* smallest gap of the viscous laws over R_s [-], S_min = roughness * R_s, 2e-4 .. 0.1;
+                               default 0.001 */
 } bridge_liquid;
 
 typedef enum bridge_split {
@@ -105,31 +114,39 @@ typedef enum bridge_split {
 
 typedef struct bridge_pair_def {
     double radius_i;      /* [m], > 0; default 2.5e-3 */
-    double radius_j;      /* [m], > 0, INFINITY for a plate or a wire; default 2.5e-3. radius_i/radius_j from 1e-6 to 1e6 or 0 */
+    double radius_j;      /* [m], > 0, INFINITY for a plate or a wire; default 2.5e-3. radius_i/radius_j
+                             from 1e-6 to 1e6 or 0 */
     double angle_i;       /* contact angle on i [rad], 0 .. 1.05 (60 degrees); default 0.2618 (glass, 15 degrees) */
-    double angle_j;       /* contact angle on j [rad], 0 .. 1.05; default 0.2618. Equal spheres of equal angle are solved as symmetric */
-    double volume_min;    /* smallest V/R_h^3 of the table [-], 1e-8 .. volume_max/2; default 1e-6. Drier: no bridge is formed */
-    double volume_max;    /* largest V/R_h^3 of the table [-], <= 0.15; default 0.1 (beyond about 0.06 bridges meet: pendular_volume) */
+    double angle_j;       /* contact angle on j [rad], 0 .. 1.05; default 0.2618. Equal spheres of equal angle are
+                             solved as symmetric */
+    double volume_min;    /* smallest V/R_h^3 of the table [-], 1e-8 .. volume_max/2; default 1e-6. Drier: no
+                             bridge is formed */
+    double volume_max;    /* largest V/R_h^3 of the table [-], <= 0.15; default 0.1 (beyond about 0.06 bridges meet:
+                             pendular_volume) */
     bridge_liquid liquid; /* only its surface tension enters the table */
     bridge_split split;   /* where a rupture leaves the liquid; default BRIDGE_SPLIT_NECK */
     unsigned cookie;      /* set by bridge_pair_default_def; not to be changed */
 } bridge_pair_def;
 
-/* One kind of pair, prepared. Plain data of 1 kB: it may be copied; a scene has one for each of its kinds. Read only. */
+/* One kind of pair, prepared. Plain data of 1 kB: it may be copied; a scene has one for each of its
+   kinds. Read only. */
 typedef struct bridge_pair {
     bridge_pair_def def;      /* the definition that it was made of */
     double radius;            /* harmonic radius R_h of the def [m] */
-    double pendular_volume;   /* V/R_h^3 at which the larger half-filling angle in contact reaches 30 degrees, so that the bridges of
-                                        three touching spheres meet [-]; INFINITY if it stays below in the table's range */
-    double deviation;         /* largest |series/Young-Laplace - 1| of the force at gaps to 0.9 of rupture [-]: 1.25 times the largest found
-                                 in preparation, at three volumes between each two nodes */
+    double pendular_volume;   /* V/R_h^3 at which the larger half-filling angle in contact reaches 30 degrees, so that
+                                        the bridges of three touching spheres meet [-]; INFINITY if it stays below in
+                                        the table's range */
+    double deviation;         /* largest |series/Young-Laplace - 1| of the force at gaps to 0.9 of rupture [-]: 1.25
+                                 times the largest found in preparation, at three volumes between each two nodes */
     double rupture_deviation; /* the same for the rupture gap [-] */
     double ln_min, ln_max;    /* range of ln(V/R_h^3) */
-    int pieces;               /* 1, or BRIDGE_PIECES: solids of very different wetting have a volume (plate, 15 and 45 degrees: V/R_h^3 =
-                                 0.026) at which the neck moves from one to the other; the table is cut there */
-    double ln_edge[BRIDGE_PIECES + 1];                            /* ends of the pieces in ln(V/R_h^3), ln_edge[pieces] the last */
-    double table[BRIDGE_PIECES][BRIDGE_SERIES + 2][BRIDGE_NODES]; /* Chebyshev coefficients in ln V: force series, ln(S_rup/V^(1/3)),
-                                                                     neck split */
+    int pieces;               /* 1, or BRIDGE_PIECES: solids of very different wetting have a volume (plate, 15 and 45
+                                 degrees: V/R_h^3 = 0.026) at which the neck moves from one to the other; the table
+                                 is cut there */
+    /* Ends of the pieces in ln(V/R_h^3), ln_edge[pieces] the last. */
+    double ln_edge[BRIDGE_PIECES + 1];
+    /* Chebyshev coefficients in ln V: force series, ln(S_rup/V^(1/3)), neck split. */
+    double table[BRIDGE_PIECES][BRIDGE_SERIES + 2][BRIDGE_NODES];
     unsigned cookie;
 } bridge_pair;
 
@@ -146,7 +163,8 @@ typedef struct bridge {
 typedef struct bridge_forces {
     double normal;     /* capillary attraction plus viscous resistance [N], > 0 pulls together */
     double tangential; /* resistance to the translation part v_t of the slip [N s/m] */
-    double spin; /* resistance to the rotation part n x (ai wi + aj wj) of the slip [N s/m]; equal to `tangential` in bridge_evaluate */
+    double spin; /* resistance to the rotation part n x (ai wi + aj wj) of the slip [N s/m]; equal to `tangential` in
+                    bridge_evaluate */
 } bridge_forces;
 
 /* Viscous resistances of a bridge [N s/m], >= 0. */
@@ -163,15 +181,19 @@ typedef struct bridge_shape {
     double neck;                 /* radius of the meniscus where it is parallel to the axis [m] */
     double ring_i, ring_j;       /* radius of the wetted circle on i, on j [m] */
     double filling_i, filling_j; /* half-filling angle on i, on j [rad]; 0 on a plate */
-    double share_i;              /* volume on i's side of the neck over V [-], 0 .. 1 (0 or 1: the thinnest section is at a solid) */
-    double energy;               /* free surface energy against the dry solids [J]; force = d energy/d gap at constant volume */
-    int stable;                  /* 0 for the symmetric solution of two equal spheres beyond its first instability, else 1 */
+    double share_i;              /* volume on i's side of the neck over V [-], 0 .. 1 (0 or 1: the thinnest section
+                                    is at a solid) */
+    double energy;               /* free surface energy against the dry solids [J]; force = d energy/d gap at
+                                    constant volume */
+    int stable;                  /* 0 for the symmetric solution of two equal spheres beyond its first
+                                    instability, else 1 */
 } bridge_shape;
 
-/* >>laws-list: pure functions of scalars; NaN outside the stated domain ------------------------------------------------------------- */
+/* >>laws-list: pure functions of scalars; NaN outside the stated domain -------------------------------------------- */
 
-/* Unless a line says otherwise: gap S >= 0 [m]; volume V > 0 [m3]; radii > 0 [m]; contact angles 0 .. pi/2 [rad]; surface_tension > 0
-   [N/m]; viscosity >= 0 [Pa s]; viscous_gap > 0 [m]; velocity [m/s], > 0 separating. Films, shares and volumes may be 0. */
+/* Unless a line says otherwise: gap S >= 0 [m]; volume V > 0 [m3]; radii > 0 [m]; contact angles 0 .. pi/2 [rad];
+   surface_tension > 0 [N/m]; viscosity >= 0 [Pa s]; viscous_gap > 0 [m]; velocity [m/s], > 0 separating. Films, shares
+   and volumes may be 0. */
 
 /* Returns R_h = 2 ri rj/(ri + rj) [m]; ri, rj > 0, INFINITY allowed for one (plate, wire: 2 ri). */
 static inline double bridge_harmonic_radius(double ri, double rj);
@@ -185,11 +207,11 @@ static inline double bridge_neck_factor(double gap, double neck_area);
    add up to D. On a plate: ri. */
 static inline double bridge_arm(double ri, double rj, double gap);
 
-/* Returns the liquid [m3] that sphere i gives to a bridge with sphere j from its film L [m3]: the film on the cap that sees j (Shi &
-   McCarthy 2008; eq 7). */
+/* Returns the liquid [m3] that sphere i gives to a bridge with sphere j from its film L [m3]: the film on the cap that
+   sees j (Shi & McCarthy 2008; eq 7). */
 static inline double bridge_share_sphere(double film_i, double ri, double rj);
-/* Returns the liquid [m3] that a sphere gives to a bridge with a plate (eq 8): the share of an equal sphere, not the limit rj -> infinity,
-   which is L/2. */
+/* Returns the liquid [m3] that a sphere gives to a bridge with a plate (eq 8): the share of an equal sphere, not the
+   limit rj -> infinity, which is L/2. */
 static inline double bridge_share_wall(double film_i);
 /* Returns the liquid [m3] that a wall's film of thickness W [m] gives to a sphere (eq 9). */
 static inline double bridge_share_wall_film(double thickness, double ri);
@@ -198,128 +220,150 @@ static inline double bridge_share_wire(double film_i, double ri, double rw);
 /* Returns the liquid [m3] that a wire's film of thickness W [m] gives to a sphere (eq 11). */
 static inline double bridge_share_wire_film(double thickness, double ri, double rw);
 
-/* Returns the half-filling angle between spheres (eq 14) [rad], by the parabolic gap; meant for angles below 0.5. S >= 0, V >= 0. */
+/* Returns the half-filling angle between spheres (eq 14) [rad], by the parabolic gap; meant for angles below 0.5.
+   S >= 0, V >= 0. */
 static inline double bridge_filling_angle(double gap, double volume, double harmonic_radius);
 /* Returns the half-filling angle of a sphere on a plate (eq 15, corrected) [rad]. */
 static inline double bridge_filling_angle_plate(double gap, double volume, double radius);
-/* Returns the angle whose cosine is the mean of both cosines [rad]: the right mean for the force of unequal contact angles (not for
-   rupture). */
+/* Returns the angle whose cosine is the mean of both cosines [rad]: the right mean for the force of unequal contact
+   angles (not for rupture). */
 static inline double bridge_effective_angle(double angle_i, double angle_j);
 
-/* Returns the capillary force [N], energy form pi sigma R_h (cos i + cos j) X (eq 12 without its tension term; Derjaguin). S >= 0. Plate:
-   R_h = 2 r. Too strong at contact (4 .. 30 %), too weak near rupture (-30 %): for estimates. */
-static inline double bridge_force_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
-                                         double surface_tension);
+/* Returns the capillary force [N], energy form pi sigma R_h (cos i + cos j) X (eq 12 without its tension term;
+   Derjaguin). S >= 0. Plate: R_h = 2 r. Too strong at contact (4 .. 30 %), too weak near rupture (-30 %):
+   for estimates. */
+static inline double bridge_force_energy(double gap, double volume, double harmonic_radius, double angle_i,
+                                         double angle_j, double surface_tension);
 /* Returns the slope dF/dS of bridge_force_energy [N/m], < 0. */
-static inline double bridge_stiffness_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
-                                             double surface_tension);
+static inline double bridge_stiffness_energy(double gap, double volume, double harmonic_radius, double angle_i,
+                                             double angle_j, double surface_tension);
 /* Returns the work [J] to open from contact to gap S against bridge_force_energy. */
-static inline double bridge_work_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
-                                        double surface_tension);
+static inline double bridge_work_energy(double gap, double volume, double harmonic_radius, double angle_i,
+                                        double angle_j, double surface_tension);
 /* Returns the capillary force [N] as the paper intended it: energy form plus surface tension on the wetted ring (eq 12,
    corrected). It counts the tension twice and is 20 .. 70 % too strong. Two spheres. */
-static inline double bridge_force_tension(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
-                                          double surface_tension);
+static inline double bridge_force_tension(double gap, double volume, double harmonic_radius, double angle_i,
+                                          double angle_j, double surface_tension);
 /* Returns the same for a sphere of `radius` on a plate (eq 13, corrected). */
-static inline double bridge_force_tension_plate(double gap, double volume, double radius, double angle_i, double angle_j,
-                                                double surface_tension);
-/* Returns the capillary force [N], full fit of Willett et al. 2000, mean contact angle [rad] up to 50 degrees, 5e-5 <= V/R_h^3 <= 0.2.
-   Error 1 .. 3 % to half of rupture, 10 % at 0.95. */
-static inline double bridge_force_willett(double gap, double volume, double harmonic_radius, double angle, double surface_tension);
-/* Returns the capillary force [N], simple rational fit of Willett et al. 2000: pi sigma R_h (cos i + cos j)/(1 + 1.05 s + 2.5 s^2), s = S
-   sqrt(R_h/V). Up to 40 % off. */
-static inline double bridge_force_willett_simple(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
-                                                 double surface_tension);
+static inline double bridge_force_tension_plate(double gap, double volume, double radius, double angle_i,
+                                                double angle_j, double surface_tension);
+/* Returns the capillary force [N], full fit of Willett et al. 2000, mean contact angle [rad] up to 50
+   degrees, 5e-5 <= V/R_h^3 <= 0.2. Error 1 .. 3 % to half of rupture, 10 % at 0.95. */
+static inline double bridge_force_willett(double gap, double volume, double harmonic_radius, double angle,
+                                          double surface_tension);
+/* Returns the capillary force [N], simple rational fit of Willett et al. 2000: pi sigma R_h (cos i + cos j)/(1 + 1.05
+   s + 2.5 s^2), s = S sqrt(R_h/V). Up to 40 % off. */
+static inline double bridge_force_willett_simple(double gap, double volume, double harmonic_radius, double angle_i,
+                                                 double angle_j, double surface_tension);
 
 /* Returns the gap for the viscous laws [m]: max(S, 0) + roughness * R_s. */
 BRIDGE_INLINE double bridge_viscous_gap(double gap, double reduced_radius, double roughness);
-/* Returns the normal viscous resistance [N s/m] (eq 16; Pitois et al. 2000): 6 pi eta R_s^2 X^2/S_v; S_v > 0 from bridge_viscous_gap. */
+/* Returns the normal viscous resistance [N s/m] (eq 16; Pitois et al. 2000): 6 pi eta R_s^2 X^2/S_v; S_v > 0 from
+   bridge_viscous_gap. */
 static inline double bridge_drag_normal(double viscous_gap, double volume, double reduced_radius, double viscosity);
-/* Returns the tangential viscous resistance [N s/m] per slip: Couette flow over the wetted disc, pi eta R_s ln(1 + a/S_v^2). Objective and
-   passive. */
+/* Returns the tangential viscous resistance [N s/m] per slip: Couette flow over the wetted disc, pi eta R_s
+   ln(1 + a/S_v^2). Objective and passive. */
 static inline double bridge_drag_tangential(double viscous_gap, double volume, double reduced_radius, double viscosity);
-/* Return resistance functions [-] of one sphere near a wall (Goldman et al. 1967), x = S/R > 0; near: x < 0.1, far: x >= 0.1 (both can be
-   evaluated at any x > 0): translation f_t, coupling f_r, rotation f_rr. Force = -6 pi eta R (f_t U - f_r R W), moment/R = -6 pi eta R
-   (f_rr R W - f_r U). */
+/* Return resistance functions [-] of one sphere near a wall (Goldman et al. 1967), x = S/R > 0; near: x < 0.1, far:
+   x >= 0.1 (both can be evaluated at any x > 0): translation f_t, coupling f_r, rotation f_rr. Force = -6 pi eta R (f_t
+   U - f_r R W), moment/R = -6 pi eta R (f_rr R W - f_r U). */
 static inline double bridge_goldman_translation_near(double x);
 static inline double bridge_goldman_translation_far(double x);
 static inline double bridge_goldman_coupling_near(double x);
 static inline double bridge_goldman_coupling_far(double x);
 static inline double bridge_goldman_rotation(double x);
 
-/* Returns the static rupture distance [m] (eq 19; Willett et al. 2000, Pitois et al. 2001): angles [rad], radius_ratio = small/large in 0
-   .. 1 (plate 0), R_h harmonic, V/R_h^3 0 .. 15. rms 2.5 % of Young-Laplace for equal angles, 18 % for unequal ones. */
-static inline double bridge_rupture_gap(double volume, double harmonic_radius, double radius_ratio, double angle_i, double angle_j);
-/* Returns the same within 1 % rms and 4 % at most of Young-Laplace, for angles to 50 degrees, equal or not, any radius_ratio, V/R_h^3 from
-   1e-6 to 0.1: eq 19 times a factor, the smaller of two cubics in the exponent, for the bridge lets go of one sphere or of the other
-   (fitted to 12 000 bridges, compared with 7000 others: tests/fit_rupture_gap.c). angle_small: on the smaller sphere. Beyond this range the
-   factor is that of its end. A prepared pair is nearer (0.16 % rms), but off by up to 3 % where a plate's neck jumps (angles 30, 45). */
-static inline double bridge_rupture_gap_unequal(double volume, double harmonic_radius, double radius_ratio, double angle_small,
-                                                double angle_large);
-/* Returns the dynamic rupture distance [m] (eq 20; Pitois et al. 2001): S_rup (1 + sqrt(Ca)), Ca = eta max(0, velocity)/sigma. */
-static inline double bridge_rupture_gap_dynamic(double rupture_gap, double velocity, double surface_tension, double viscosity);
+/* Returns the static rupture distance [m] (eq 19; Willett et al. 2000, Pitois et al. 2001): angles [rad],
+   radius_ratio = small/large in 0 .. 1 (plate 0), R_h harmonic, V/R_h^3 0 .. 15. rms 2.5 % of Young-Laplace for equal
+   angles, 18 % for unequal ones. */
+static inline double bridge_rupture_gap(double volume, double harmonic_radius, double radius_ratio, double angle_i,
+                                        double angle_j);
+/* Returns the same within 1 % rms and 4 % at most of Young-Laplace, for angles to 50 degrees, equal or not, any
+   radius_ratio, V/R_h^3 from 1e-6 to 0.1: eq 19 times a factor, the smaller of two cubics in the exponent, for the
+   bridge lets go of one sphere or of the other (fitted to 12 000 bridges, compared with 7000 others:
+   tests/fit_rupture_gap.c). angle_small: on the smaller sphere. Beyond this range the factor is that of its end. A
+   prepared pair is nearer (0.16 % rms), but off by up to 3 % where a plate's neck jumps (angles 30, 45). */
+static inline double bridge_rupture_gap_unequal(double volume, double harmonic_radius, double radius_ratio,
+                                                double angle_small, double angle_large);
+/* Returns the dynamic rupture distance [m] (eq 20; Pitois et al. 2001): S_rup (1 + sqrt(Ca)), Ca = eta max(0,
+   velocity)/sigma. */
+static inline double bridge_rupture_gap_dynamic(double rupture_gap, double velocity, double surface_tension,
+                                                double viscosity);
 
-/* Returns the impact speed [m/s] below which a wet collision sticks: sqrt(2 W/m)/e; W [J] the work to rupture, m [kg] the reduced mass, e
-   in (0, 1]. */
+/* Returns the impact speed [m/s] below which a wet collision sticks: sqrt(2 W/m)/e; W [J] the work to rupture, m [kg]
+   the reduced mass, e in (0, 1]. */
 static inline double bridge_sticking_velocity(double work, double reduced_mass, double restitution);
-/* Returns the wet restitution [-]: sqrt(max(0, e^2 - 2 W/(m v^2))), v > 0 the impact speed [m/s]. The bridge forms in contact and costs W
-   once, on the way out; no viscosity. */
+/* Returns the wet restitution [-]: sqrt(max(0, e^2 - 2 W/(m v^2))), v > 0 the impact speed [m/s]. The bridge forms in
+   contact and costs W once, on the way out; no viscosity. */
 static inline double bridge_wet_restitution(double work, double reduced_mass, double restitution, double velocity);
 
-/* >>printed-list: eqs 12-20 of Elskamp & Kruggel-Emden 2019 as they stand in print. For comparison; they are not right. */
+/* >>printed-list: eqs 12-20 of Elskamp & Kruggel-Emden 2019 as they stand in print. For comparison; they
+   are not right. */
 
 /* Returns the capillary force between spheres (eq 12) [N]: second term with sin(theta) where the ring angle belongs. */
-static inline double bridge_printed_force(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
-                                          double surface_tension);
+static inline double bridge_printed_force(double gap, double volume, double harmonic_radius, double angle_i,
+                                          double angle_j, double surface_tension);
 /* Returns the capillary force of a sphere on a wall (eq 13) [N]. */
 static inline double bridge_printed_force_wall(double gap, double volume, double radius, double angle_i, double angle_w,
                                                double surface_tension);
-/* Returns the half-filling angle of a sphere on a wall (eq 15) [rad], without the "-1 +". (Eq 14 is right: bridge_filling_angle.) */
+/* Returns the half-filling angle of a sphere on a wall (eq 15) [rad], without the "-1 +". (Eq 14 is right:
+   bridge_filling_angle.) */
 static inline double bridge_printed_filling_angle_wall(double gap, double volume, double radius);
-/* Returns the tangential resistance to v_t [N s/m] (eqs 17, 18): the same near-field term in both; negative beyond 6.036 R_s. S_v > 0. */
+/* Returns the tangential resistance to v_t [N s/m] (eqs 17, 18): the same near-field term in both; negative
+   beyond 6.036 R_s. S_v > 0. */
 static inline double bridge_printed_drag_translation(double viscous_gap, double reduced_radius, double viscosity);
-/* Returns the tangential resistance to n x (ri wi + rj wj) [N s/m] (eqs 17, 18), for the n (j to i) of eqs 4 and 12: negative, the sign
-   erratum. */
+/* Returns the tangential resistance to n x (ri wi + rj wj) [N s/m] (eqs 17, 18), for the n (j to i) of eqs 4 and 12:
+   negative, the sign erratum. */
 static inline double bridge_printed_drag_spin(double viscous_gap, double reduced_radius, double viscosity);
 
-/* >>pair-list ----------------------------------------------------------------------------------------------------------------------- */
+/* >>pair-list ------------------------------------------------------------------------------------------------------ */
 
 /* Returns valid defaults: two 5 mm glass spheres, water. */
 BRIDGE_API bridge_pair_def bridge_pair_default_def(void);
-/* Returns BRIDGE_OK, or BRIDGE_INVALID with *field (may be NULL) the name of the first bad field, NULL when all is well. */
+/* Returns BRIDGE_OK, or BRIDGE_INVALID with *field (may be NULL) the name of the first bad field, NULL when
+   all is well. */
 BRIDGE_API bridge_status bridge_pair_check_def(const bridge_pair_def *def, const char **field);
-/* Solves and tabulates one kind of pair (10 to 20 milliseconds; with a jump of the neck, or nearly equal spheres over 30 degrees, 150).
-   BRIDGE_INVALID, or BRIDGE_NO_SOLUTION if some volume of the range has no bridge in contact; *pair is then unusable. */
+/* Solves and tabulates one kind of pair (10 to 20 milliseconds; with a jump of the neck, or nearly equal spheres
+   over 30 degrees, 150). BRIDGE_INVALID, or BRIDGE_NO_SOLUTION if some volume of the range has no bridge in contact;
+   *pair is then unusable. */
 BRIDGE_API bridge_status bridge_pair_prepare(bridge_pair *pair, const bridge_pair_def *def);
 
-/* Solves Young-Laplace for a bridge of `volume` [m3] at `gap` >= 0 [m] between the solids of def (its volume range is not read). Relative
-   error about 1e-12. BRIDGE_RUPTURED beyond the last equilibrium. *shape is NaN after any failure, as below. */
-BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double volume, double gap, bridge_shape *shape);
-/* Finds the last stable equilibrium: first instability (equal spheres, contact angle over about 30 degrees) or fold, whichever comes first.
-   *fold_gap (may be NULL): the fold [m]. */
-BRIDGE_API bridge_status bridge_young_laplace_rupture(const bridge_pair_def *def, double volume, bridge_shape *shape, double *fold_gap);
+/* Solves Young-Laplace for a bridge of `volume` [m3] at `gap` >= 0 [m] between the solids of def (its volume range is
+   not read). Relative error about 1e-12. BRIDGE_RUPTURED beyond the last equilibrium. *shape is NaN after any
+   failure, as below. */
+BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double volume, double gap,
+                                              bridge_shape *shape);
+/* Finds the last stable equilibrium: first instability (equal spheres, contact angle over about 30 degrees) or fold,
+   whichever comes first. *fold_gap (may be NULL): the fold [m]. */
+BRIDGE_API bridge_status bridge_young_laplace_rupture(const bridge_pair_def *def, double volume, bridge_shape *shape,
+                                                      double *fold_gap);
 
-/* Forms a bridge of the liquid given by i and j [m3] between solids of these radii [m]. The radii may differ from the def's: lengths
-   scale with R_h (radii off by 2 % either way: force within 0.3 %, rupture gap within 0.6 %, tested). swapped: nonzero if the caller's i
-   is the def's j. BRIDGE_VOLUME if the volume is outside the table (drier: no bridge; wetter: bridge_allocate caps it); then b->volume =
+/* Forms a bridge of the liquid given by i and j [m3] between solids of these radii [m]. The radii may differ from the
+   def's: lengths scale with R_h (radii off by 2 % either way: force within 0.3 %, rupture gap within 0.6 %, tested).
+   swapped: nonzero if the caller's i is the def's j. BRIDGE_VOLUME if the volume is outside the table (drier: no
+   bridge; wetter: bridge_allocate caps it); then b->volume =
    0. */
-BRIDGE_API bridge_status bridge_form(const bridge_pair *pair, double radius_i, double radius_j, double given_i, double given_j, int swapped,
-                                     bridge *b);
+BRIDGE_API bridge_status bridge_form(const bridge_pair *pair, double radius_i, double radius_j, double given_i,
+                                     double given_j, int swapped, bridge *b);
 /* Does the same for the paper's printed laws: rupture gap by eq 19 (bridge_evaluate_printed needs no series). */
-BRIDGE_API bridge_status bridge_form_printed(const bridge_pair *pair, double radius_i, double radius_j, double given_i, double given_j,
-                                             int swapped, bridge *b);
+BRIDGE_API bridge_status bridge_form_printed(const bridge_pair *pair, double radius_i, double radius_j, double given_i,
+                                             double given_j, int swapped, bridge *b);
 /* Computes the range of volumes that bridge_form accepts for these radii [m3]. */
-BRIDGE_API void bridge_volume_range(const bridge_pair *pair, double radius_i, double radius_j, double *smallest, double *largest);
+BRIDGE_API void bridge_volume_range(const bridge_pair *pair, double radius_i, double radius_j, double *smallest,
+                                    double *largest);
 /* Returns 1 while the liquid is pendular (see pendular_volume), 0 beyond that: forces are then those of an isolated
    bridge, an overestimate. */
 BRIDGE_API int bridge_is_pendular(const bridge_pair *pair, const bridge *b);
 
 /* Quantities outside the range of a fit or of a table, where a law extrapolates. */
-#define BRIDGE_OUTSIDES(X)                                                                                                                 \
-    X(BRIDGE_OUTSIDE_WILLETT, 1, "bridge_force_willett: fitted for a mean contact angle to 50 degrees and V/R_h^3 from 5e-5 to 0.2")       \
-    X(BRIDGE_OUTSIDE_UNEQUAL, 2, "bridge_rupture_gap_unequal: fitted for contact angles to 50 degrees and V/R_h^3 from 1e-6 to 0.1")       \
-    X(BRIDGE_OUTSIDE_TABLE, 4, "bridge_form: the volume is outside the prepared table")                                                    \
-    X(BRIDGE_OUTSIDE_RADII, 8, "bridge_form: the ratio of the radii is off that of the prepared pair by more than 4 %")                    \
+#define BRIDGE_OUTSIDES(X)                                                                                             \
+    X(BRIDGE_OUTSIDE_WILLETT, 1,                                                                                       \
+      "bridge_force_willett: fitted for a mean contact angle to 50 degrees and V/R_h^3 from 5e-5 to 0.2")              \
+    X(BRIDGE_OUTSIDE_UNEQUAL, 2,                                                                                       \
+      "bridge_rupture_gap_unequal: fitted for contact angles to 50 degrees and V/R_h^3 from 1e-6 to 0.1")              \
+    X(BRIDGE_OUTSIDE_TABLE, 4, "bridge_form: the volume is outside the prepared table")                                \
+    X(BRIDGE_OUTSIDE_RADII, 8,                                                                                         \
+      "bridge_form: the ratio of the radii is off that of the prepared pair by more than 4 %")                         \
     X(BRIDGE_OUTSIDE_PENDULAR, 16, "every law: bridges of three touching spheres would meet")
 enum bridge_outside_flag {
 #define BRIDGE__FLAG(name, value, text) name = value,
@@ -327,40 +371,44 @@ enum bridge_outside_flag {
 #undef BRIDGE__FLAG
         BRIDGE_OUTSIDE_NOTHING = 0
 };
-/* Returns the flags for a bridge of `volume` [m3] between solids of these radii [m], which are the pair's i and j, and its contact angles.
-   0 for an unprepared pair. */
+/* Returns the flags for a bridge of `volume` [m3] between solids of these radii [m], which are the pair's i and j, and
+   its contact angles. 0 for an unprepared pair. */
 BRIDGE_API unsigned bridge_outside(const bridge_pair *pair, double radius_i, double radius_j, double volume);
 BRIDGE_API const char *bridge_outside_text(unsigned flag); /* of one flag; never NULL; static storage */
 
-/* >>step-list: what a time step calls ----------------------------------------------------------------------------------------------- */
+/* >>step-list: what a time step calls ------------------------------------------------------------------------------ */
 
-/* Returns the capillary attraction [N] at gap S [m] (any; S <= 0 is contact). Beyond the static rupture gap, on the way to dynamic rupture,
-   X falls on. */
+/* Returns the capillary attraction [N] at gap S [m] (any; S <= 0 is contact). Beyond the static rupture gap, on the way
+   to dynamic rupture, X falls on. */
 BRIDGE_INLINE double bridge_attraction(const bridge *b, double gap);
-/* Computes the normal and tangential resistance (eq 16; Couette with its logarithm to 2e-5), of width and radius alone; width 0: none. */
+/* Computes the normal and tangential resistance (eq 16; Couette with its logarithm to 2e-5), of width and radius alone;
+   width 0: none. */
 BRIDGE_INLINE bridge_resistances bridge_resistance(const bridge *b, const bridge_liquid *liquid, double gap);
-/* Computes everything at once: capillary attraction, normal and tangential viscous resistance (eq 16; Couette with its logarithm to
-   2e-5). */
+/* Computes everything at once: capillary attraction, normal and tangential viscous resistance (eq 16; Couette with its
+   logarithm to 2e-5). */
 BRIDGE_INLINE bridge_forces bridge_evaluate(const bridge *b, const bridge_liquid *liquid, double gap, double velocity);
 /* Returns 1 if the gap is beyond the dynamic rupture distance (eq 20). */
 BRIDGE_INLINE int bridge_is_ruptured(const bridge *b, const bridge_liquid *liquid, double gap, double velocity);
-/* Evaluates eqs 12-18 as printed, with max(gap, 0) for the gap, because eq 14 is not real in contact. Slow: it computes sines. */
-static inline bridge_forces bridge_evaluate_printed(const bridge_pair *pair, const bridge *b, double gap, double velocity);
+/* Evaluates eqs 12-18 as printed, with max(gap, 0) for the gap, because eq 14 is not real in contact. Slow: it
+   computes sines. */
+static inline bridge_forces bridge_evaluate_printed(const bridge_pair *pair, const bridge *b, double gap,
+                                                    double velocity);
 
-/* Returns the work [J] that the capillary force takes from the pair while the gap opens from `from` to `to` (either may be below 0 or
-   beyond rupture). */
+/* Returns the work [J] that the capillary force takes from the pair while the gap opens from `from` to `to` (either may
+   be below 0 or beyond rupture). */
 BRIDGE_API double bridge_work(const bridge *b, double from, double to);
-/* The bridge's stiffness -dF/dS at contact [N/m] and its largest resistances [N s/m] (at S <= 0), for the choice of a time step:
-   explicit steps need dt < m_eff/normal and dt < 0.4 m_eff/tangential (solid spheres), and |velocity| dt well below the bridge's width. */
+/* The bridge's stiffness -dF/dS at contact [N/m] and its largest resistances [N s/m] (at S <= 0), for the choice of a
+   time step: explicit steps need dt < m_eff/normal and dt < 0.4 m_eff/tangential (solid spheres), and |velocity| dt
+   well below the bridge's width. */
 typedef struct bridge_stiffness {
     double capillary, normal, tangential;
 } bridge_stiffness;
 BRIDGE_API bridge_stiffness bridge_contact_stiffness(const bridge *b, const bridge_liquid *liquid);
 
-/* >>books-list: who has which liquid ------------------------------------------------------------------------------------------------- */
+/* >>books-list: who has which liquid ------------------------------------------------------------------------------- */
 
-/* Films. The caller owns every array. All volumes are kept as multiples of `quantum`, a power of two: sums and differences are then
-   exact, in any order, and liquid is conserved to the last bit, not only to round-off. */
+/* Films. The caller owns every array. All volumes are kept as multiples of `quantum`, a power of two: sums and
+   differences are then exact, in any order, and liquid is conserved to the last bit, not only to round-off. */
 typedef struct bridge_films {
     double *particle; /* free film on each particle [m3], shape [n_particles], multiples of quantum */
     size_t n_particles;
@@ -381,7 +429,8 @@ typedef struct bridge_contact {
     size_t j;                      /* particle (BRIDGE_SPHERE) or patch (BRIDGE_WALL, BRIDGE_WIRE) */
     bridge_partner partner;        /* determines the shares: eq 7; 8 and 9; 10 and 11 */
     double radius_i, radius_j;     /* [m]; radius_j: the sphere's or the wire's, not read for a wall */
-    double volume_min, volume_max; /* [m3], from bridge_volume_range: below it no bridge, above it the rest stays in the films */
+    double volume_min, volume_max; /* [m3], from bridge_volume_range: below it no bridge, above it the rest stays
+                                      in the films */
     double given_i, given_j;       /* result [m3]: given by i and by j; both 0: no bridge */
 } bridge_contact;
 
@@ -389,14 +438,16 @@ typedef struct bridge_contact {
 BRIDGE_API double bridge_quantum(double total);
 /* Returns `volume` rounded down to a multiple of the quantum. */
 static inline double bridge_quantised(double volume, double quantum);
-/* Distributes liquid to all new contacts of a step. Each requests its share by eqs 7-11 of the films at the call; where the requests exceed
-   a film, each gets the same fraction of its request. Films are reduced. The result depends on the set of contacts, not on their order (but
-   for the last quantum of an exhausted film). BRIDGE_INVALID, and nothing changed, for an index or a size out of range. Time: n. */
+/* Distributes liquid to all new contacts of a step. Each requests its share by eqs 7-11 of the films at the call; where
+   the requests exceed a film, each gets the same fraction of its request. Films are reduced. The result depends on the
+   set of contacts, not on their order (but for the last quantum of an exhausted film). BRIDGE_INVALID, and nothing
+   changed, for an index or a size out of range. Time: n. */
 BRIDGE_API bridge_status bridge_allocate(bridge_films *films, bridge_contact *contacts, size_t n);
-/* Returns the part of the bridge's liquid that i gets at rupture [m3], a multiple of quantum; j gets b->volume minus it, exactly. */
+/* Returns the part of the bridge's liquid that i gets at rupture [m3], a multiple of quantum; j gets b->volume minus
+   it, exactly. */
 static inline double bridge_split_volume(const bridge *b, double quantum);
-/* Ruptures a bridge: its liquid returns to the films of i and j, and b->volume becomes 0. BRIDGE_INVALID, and nothing changed, for a bad
-   index, volume or split. */
+/* Ruptures a bridge: its liquid returns to the films of i and j, and b->volume becomes 0. BRIDGE_INVALID, and nothing
+   changed, for a bad index, volume or split. */
 BRIDGE_API bridge_status bridge_release(bridge_films *films, bridge *b, size_t i, size_t j, bridge_partner partner);
 /* Adds `amount` >= 0 [m3] (rounded down to a quantum) to a film, which is &films->particle[i] or &films->patch[k].
    Returns the amount added; NaN for a bad amount, and nothing is added. */
@@ -406,15 +457,16 @@ BRIDGE_API double bridge_evaporate(bridge_films *films, double *film, double amo
 /* Takes liquid from a bridge and computes its series again (its split stays). Returns 0 and takes nothing if too little
    for the table would remain. */
 BRIDGE_API double bridge_evaporate_bridge(bridge_films *films, const bridge_pair *pair, bridge *b, double amount);
-/* Returns the compensated sum of n doubles `stride` >= 1 doubles apart (Neumaier). NaN without values or with stride 0. */
+/* Returns the compensated sum of n doubles `stride` >= 1 doubles apart (Neumaier). NaN without values or
+   with stride 0. */
 BRIDGE_API double bridge_sum(const double *values, size_t n, size_t stride);
 /* Returns the liquid in all films [m3]. */
 BRIDGE_API double bridge_films_total(const bridge_films *films);
 
 /* clang-format off */
-/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
-   stated; NaN outside the domain. */
+/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ.
+   Identical in every Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the
+   copies). Within 5 ulp unless stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
 #define RIDDLE_PORTABLE_MATH
@@ -478,7 +530,9 @@ static inline double riddle_log(double x) {
     return e * RIDDLE_LN2_HI + (riddle__log1p_small(m - 1.0) + e * RIDDLE_LN2_LO);
 }
 
-static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
+static inline double riddle_log1p(double x) {
+    return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x);
+}
 
 /* Returns x^y for x >= 0; relative error about (2 + |y log x|) ulp. */
 static inline double riddle_pow(double x, double y) {
@@ -580,11 +634,11 @@ static inline double riddle_asin(double x) {
 /* <<portable-math */
 /* clang-format on */
 
-/* >>laws ---------------------------------------------------------------------------------------------------------------------------- */
+/* >>laws ----------------------------------------------------------------------------------------------------------- */
 
 static inline const char *bridge_status_text(bridge_status status) {
     switch (status) {
-#define BRIDGE__CASE(name, text)                                                                                                           \
+#define BRIDGE__CASE(name, text)                                                                                       \
     case name: return text;
         BRIDGE_STATUSES(BRIDGE__CASE)
 #undef BRIDGE__CASE
@@ -628,7 +682,9 @@ static inline double bridge_share_sphere(double film_i, double ri, double rj) {
     return film_i * sine * sine / (2.0 * (1.0 + cosine));
 }
 
-static inline double bridge_share_wall(double film_i) { return film_i >= 0.0 ? film_i * 0.066987298107780677 : bridge__nan(); }
+static inline double bridge_share_wall(double film_i) {
+    return film_i >= 0.0 ? film_i * 0.066987298107780677 : bridge__nan();
+}
 
 static inline double bridge_share_wall_film(double thickness, double ri) {
     return thickness >= 0.0 && ri > 0.0 ? thickness * (0.25 * RIDDLE_PI) * ri * ri : bridge__nan();
@@ -667,48 +723,54 @@ static inline double bridge__scale(double gap, double volume, double harmonic_ra
     return RIDDLE_PI * surface_tension * harmonic_radius * (riddle_cos(angle_i) + riddle_cos(angle_j));
 }
 
-static inline double bridge_force_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
-                                         double surface_tension) {
+static inline double bridge_force_energy(double gap, double volume, double harmonic_radius, double angle_i,
+                                         double angle_j, double surface_tension) {
     return bridge__scale(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) *
            bridge_neck_factor(gap, bridge_neck_area(volume, harmonic_radius));
 }
 
-static inline double bridge_stiffness_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
-                                             double surface_tension) {
+static inline double bridge_stiffness_energy(double gap, double volume, double harmonic_radius, double angle_i,
+                                             double angle_j, double surface_tension) {
     double a = bridge_neck_area(volume, harmonic_radius), h = sqrt(gap * gap + a);
     return -bridge__scale(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) * (a / h / h / h);
 }
 
-static inline double bridge_work_energy(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
-                                        double surface_tension) {
+static inline double bridge_work_energy(double gap, double volume, double harmonic_radius, double angle_i,
+                                        double angle_j, double surface_tension) {
     double a = bridge_neck_area(volume, harmonic_radius), w = sqrt(a), h = sqrt(gap * gap + a);
     /* sqrt(a) + S - h as a product */
-    return bridge__scale(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) * (gap * 2.0 * w / (w + gap + h));
+    return bridge__scale(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) *
+           (gap * 2.0 * w / (w + gap + h));
 }
 
-static inline double bridge_force_tension(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
-                                          double surface_tension) {
+static inline double bridge_force_tension(double gap, double volume, double harmonic_radius, double angle_i,
+                                          double angle_j, double surface_tension) {
     double filling = bridge_filling_angle(gap, volume, harmonic_radius);
     return bridge_force_energy(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) +
-           2.0 * RIDDLE_PI * surface_tension * harmonic_radius * riddle_sin(filling) * riddle_sin(0.5 * (angle_i + angle_j) + filling);
+           2.0 * RIDDLE_PI * surface_tension * harmonic_radius * riddle_sin(filling) *
+               riddle_sin(0.5 * (angle_i + angle_j) + filling);
 }
 
-static inline double bridge_force_tension_plate(double gap, double volume, double radius, double angle_i, double angle_j,
-                                                double surface_tension) {
+static inline double bridge_force_tension_plate(double gap, double volume, double radius, double angle_i,
+                                                double angle_j, double surface_tension) {
     double filling = bridge_filling_angle_plate(gap, volume, radius);
     return bridge_force_energy(gap, volume, 2.0 * radius, angle_i, angle_j, surface_tension) +
-           2.0 * RIDDLE_PI * surface_tension * radius * riddle_sin(filling) * riddle_sin(0.5 * (angle_i + angle_j) + filling);
+           2.0 * RIDDLE_PI * surface_tension * radius * riddle_sin(filling) *
+               riddle_sin(0.5 * (angle_i + angle_j) + filling);
 }
 
-static inline double bridge_force_willett(double gap, double volume, double harmonic_radius, double angle, double surface_tension) {
+static inline double bridge_force_willett(double gap, double volume, double harmonic_radius, double angle,
+                                          double surface_tension) {
     double v = volume / (harmonic_radius * harmonic_radius * harmonic_radius), t = angle, u = t * t;
-    if (!(gap >= 0.0 && harmonic_radius > 0.0 && surface_tension > 0.0 && v >= 5e-5 && v <= 0.2 && t >= 0.0 && t <= 0.8727))
+    if (!(gap >= 0.0 && harmonic_radius > 0.0 && surface_tension > 0.0 && v >= 5e-5 && v <= 0.2 && t >= 0.0 &&
+          t <= 0.8727))
         return bridge__nan();
     double L = riddle_log(v), p = 0.5 * gap * sqrt(harmonic_radius / volume);
     double f1 = (-0.44507 + 0.050832 * t - 1.1466 * u) + (-0.1119 - 0.000411 * t - 0.1490 * u) * L +
-                (-0.012101 - 0.0036456 * t - 0.01255 * u) * L * L + (-0.0005 - 0.0003505 * t - 0.00029076 * u) * L * L * L;
-    double f2 =
-        (1.9222 - 0.57473 * t - 1.2918 * u) + (-0.0668 - 0.1201 * t - 0.22574 * u) * L + (-0.0013375 - 0.0068988 * t - 0.01137 * u) * L * L;
+                (-0.012101 - 0.0036456 * t - 0.01255 * u) * L * L +
+                (-0.0005 - 0.0003505 * t - 0.00029076 * u) * L * L * L;
+    double f2 = (1.9222 - 0.57473 * t - 1.2918 * u) + (-0.0668 - 0.1201 * t - 0.22574 * u) * L +
+                (-0.0013375 - 0.0068988 * t - 0.01137 * u) * L * L;
     double f3 = (1.268 - 0.01396 * t - 0.23566 * u) + (0.198 + 0.092 * t - 0.06418 * u) * L +
                 (0.02232 + 0.02238 * t - 0.009853 * u) * L * L + (0.0008585 + 0.001318 * t - 0.00053 * u) * L * L * L;
     double f4 = (-0.010703 + 0.073776 * t - 0.34742 * u) + (0.03345 + 0.04543 * t - 0.09056 * u) * L +
@@ -718,10 +780,11 @@ static inline double bridge_force_willett(double gap, double volume, double harm
     return 2.0 * RIDDLE_PI * surface_tension * harmonic_radius * riddle_exp(f1 - f2 * decay);
 }
 
-static inline double bridge_force_willett_simple(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
-                                                 double surface_tension) {
+static inline double bridge_force_willett_simple(double gap, double volume, double harmonic_radius, double angle_i,
+                                                 double angle_j, double surface_tension) {
     double s = gap * sqrt(harmonic_radius / volume);
-    return bridge__scale(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) / (1.0 + (1.05 + 2.5 * s) * s);
+    return bridge__scale(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) /
+           (1.0 + (1.05 + 2.5 * s) * s);
 }
 
 BRIDGE_INLINE double bridge_viscous_gap(double gap, double reduced_radius, double roughness) {
@@ -734,13 +797,16 @@ static inline double bridge_drag_normal(double viscous_gap, double volume, doubl
     return 6.0 * RIDDLE_PI * viscosity * reduced_radius * (reduced_radius / viscous_gap) * x * x;
 }
 
-static inline double bridge_drag_tangential(double viscous_gap, double volume, double reduced_radius, double viscosity) {
+static inline double bridge_drag_tangential(double viscous_gap, double volume, double reduced_radius,
+                                            double viscosity) {
     if (!(viscous_gap > 0.0 && viscosity >= 0.0)) return bridge__nan();
     double a = bridge_neck_area(volume, 2.0 * reduced_radius);
     return RIDDLE_PI * viscosity * reduced_radius * riddle_log1p(a / viscous_gap / viscous_gap);
 }
 
-static inline double bridge_goldman_translation_near(double x) { return x > 0.0 ? 0.9588 - 8.0 / 15.0 * riddle_log(x) : bridge__nan(); }
+static inline double bridge_goldman_translation_near(double x) {
+    return x > 0.0 ? 0.9588 - 8.0 / 15.0 * riddle_log(x) : bridge__nan();
+}
 
 static inline double bridge_goldman_translation_far(double x) {
     if (!(x > 0.0)) return bridge__nan();
@@ -748,7 +814,9 @@ static inline double bridge_goldman_translation_far(double x) {
     return 1.0 / (1.0 - 9.0 / 16.0 * q + q3 * (1.0 / 8.0 - q * (45.0 / 256.0 + q / 16.0)));
 }
 
-static inline double bridge_goldman_coupling_near(double x) { return x > 0.0 ? -0.2526 - 2.0 / 15.0 * riddle_log(x) : bridge__nan(); }
+static inline double bridge_goldman_coupling_near(double x) {
+    return x > 0.0 ? -0.2526 - 2.0 / 15.0 * riddle_log(x) : bridge__nan();
+}
 
 static inline double bridge_goldman_coupling_far(double x) {
     if (!(x > 0.0)) return bridge__nan();
@@ -762,26 +830,31 @@ static inline double bridge_goldman_rotation(double x) {
     return x < 0.1 ? 0.50893 - 8.0 / 15.0 * riddle_log(x) : 4.0 / 3.0 * (1.0 + 5.0 / 16.0 * q * q * q);
 }
 
-static inline double bridge_rupture_gap(double volume, double harmonic_radius, double radius_ratio, double angle_i, double angle_j) {
+static inline double bridge_rupture_gap(double volume, double harmonic_radius, double radius_ratio, double angle_i,
+                                        double angle_j) {
     if (!(volume >= 0.0 && harmonic_radius > 0.0 && radius_ratio >= 0.0 && radius_ratio <= 1.0)) return bridge__nan();
     if (!(bridge__is_angle(angle_i) && bridge__is_angle(angle_j))) return bridge__nan();
     double v = riddle_cbrt(volume) / harmonic_radius;
     if (!(v * v * v <= 15.0)) return bridge__nan();
-    return harmonic_radius * (1.0 + 0.125 * (angle_i + angle_j) * (1.0 + radius_ratio)) * (v + (0.5 * radius_ratio - 0.4) * v * v);
+    return harmonic_radius * (1.0 + 0.125 * (angle_i + angle_j) * (1.0 + radius_ratio)) *
+           (v + (0.5 * radius_ratio - 0.4) * v * v);
 }
 
-static inline double bridge_rupture_gap_unequal(double volume, double harmonic_radius, double radius_ratio, double angle_small,
-                                                double angle_large) {
+static inline double bridge_rupture_gap_unequal(double volume, double harmonic_radius, double radius_ratio,
+                                                double angle_small, double angle_large) {
     /* of products k^a v^b s^e l^f up to the third order, f running fastest: fitted by tests/fit_rupture_gap.c */
-    const double c[2][35] = {
-        {0.01279,  0.06450,  0.41142, -0.05031, -0.04597, 0.03398,  -0.10195, -0.26701, -0.04387, 0.06815,  -0.08857, -0.03500,
-         -0.14621, -0.12485, 0.09334, 0.10749,  0.08286,  0.05694,  0.03675,  -0.02093, 0.00340,  -0.10857, 0.14826,  0.01613,
-         -0.07979, -0.08237, 0.25841, 0.07467,  -0.13002, -0.11920, -0.07284, -0.00477, 0.02248,  -0.04549, 0.02796},
-        {-0.03509, 0.17526,  -0.58305, 0.21212, -0.10518, 0.27457,  -0.18725, 0.66074,  -0.32321, 0.03400,  0.79309, -0.32274,
-         -0.00582, 0.47877,  -0.16374, 0.10771, 0.20136,  0.06504,  -0.09491, -0.02925, 0.04177,  -0.13727, 0.03630, -0.22106,
-         0.14185,  -0.07989, -1.37773, 0.29486, -0.33841, -0.13795, 0.03010,  -0.02510, 0.09686,  0.54305,  -0.03915}};
-    const double gap = bridge_rupture_gap(volume, harmonic_radius, radius_ratio, angle_small, angle_large), k = radius_ratio;
-    double v = 2.0 * riddle_cbrt(volume) / harmonic_radius, s = 1.25 * angle_small, l = 1.25 * angle_large, branch[2] = {0.0, 0.0};
+    const double c[2][35] = {{0.01279, 0.06450,  0.41142,  -0.05031, -0.04597, 0.03398, -0.10195, -0.26701, -0.04387,
+                              0.06815, -0.08857, -0.03500, -0.14621, -0.12485, 0.09334, 0.10749,  0.08286,  0.05694,
+                              0.03675, -0.02093, 0.00340,  -0.10857, 0.14826,  0.01613, -0.07979, -0.08237, 0.25841,
+                              0.07467, -0.13002, -0.11920, -0.07284, -0.00477, 0.02248, -0.04549, 0.02796},
+                             {-0.03509, 0.17526,  -0.58305, 0.21212,  -0.10518, 0.27457,  -0.18725, 0.66074,  -0.32321,
+                              0.03400,  0.79309,  -0.32274, -0.00582, 0.47877,  -0.16374, 0.10771,  0.20136,  0.06504,
+                              -0.09491, -0.02925, 0.04177,  -0.13727, 0.03630,  -0.22106, 0.14185,  -0.07989, -1.37773,
+                              0.29486,  -0.33841, -0.13795, 0.03010,  -0.02510, 0.09686,  0.54305,  -0.03915}};
+    const double gap = bridge_rupture_gap(volume, harmonic_radius, radius_ratio, angle_small, angle_large),
+                 k = radius_ratio;
+    double v = 2.0 * riddle_cbrt(volume) / harmonic_radius, s = 1.25 * angle_small, l = 1.25 * angle_large,
+           branch[2] = {0.0, 0.0};
     const double v_most = 0.92831776672255573, most = 1.0908307824964559; /* 2 cbrt(0.1), 50 degrees */
     int n = 0;
     if (k == 1.0 && s > l) { /* equal spheres have no smaller one */
@@ -798,15 +871,18 @@ static inline double bridge_rupture_gap_unequal(double volume, double harmonic_r
             double se = vb;
             for (int e = 0; a + b + e <= 3; e++, se *= s) {
                 double lf = se;
-                for (int f = 0; a + b + e + f <= 3; f++, lf *= l, n++) branch[0] += c[0][n] * lf, branch[1] += c[1][n] * lf;
+                for (int f = 0; a + b + e + f <= 3; f++, lf *= l, n++)
+                    branch[0] += c[0][n] * lf, branch[1] += c[1][n] * lf;
             }
         }
     }
     return gap * riddle_exp(branch[0] < branch[1] ? branch[0] : branch[1]);
 }
 
-static inline double bridge_rupture_gap_dynamic(double rupture_gap, double velocity, double surface_tension, double viscosity) {
-    if (!(rupture_gap >= 0.0 && surface_tension > 0.0 && viscosity >= 0.0 && velocity == velocity)) return bridge__nan();
+static inline double bridge_rupture_gap_dynamic(double rupture_gap, double velocity, double surface_tension,
+                                                double viscosity) {
+    if (!(rupture_gap >= 0.0 && surface_tension > 0.0 && viscosity >= 0.0 && velocity == velocity))
+        return bridge__nan();
     return rupture_gap * (1.0 + sqrt(viscosity * (velocity > 0.0 ? velocity : 0.0) / surface_tension));
 }
 
@@ -816,15 +892,16 @@ static inline double bridge_sticking_velocity(double work, double reduced_mass, 
 }
 
 static inline double bridge_wet_restitution(double work, double reduced_mass, double restitution, double velocity) {
-    if (!(work >= 0.0 && reduced_mass > 0.0 && restitution >= 0.0 && restitution <= 1.0 && velocity > 0.0)) return bridge__nan();
+    if (!(work >= 0.0 && reduced_mass > 0.0 && restitution >= 0.0 && restitution <= 1.0 && velocity > 0.0))
+        return bridge__nan();
     double left = restitution * restitution - 2.0 * work / reduced_mass / velocity / velocity;
     return left > 0.0 ? sqrt(left) : 0.0;
 }
 
-/* >>printed ------------------------------------------------------------------------------------------------------------------------- */
+/* >>printed -------------------------------------------------------------------------------------------------------- */
 
-static inline double bridge_printed_force(double gap, double volume, double harmonic_radius, double angle_i, double angle_j,
-                                          double surface_tension) {
+static inline double bridge_printed_force(double gap, double volume, double harmonic_radius, double angle_i,
+                                          double angle_j, double surface_tension) {
     double mean = 0.5 * (angle_i + angle_j);
     return bridge_force_energy(gap, volume, harmonic_radius, angle_i, angle_j, surface_tension) +
            2.0 * RIDDLE_PI * surface_tension * harmonic_radius * riddle_sin(mean) *
@@ -834,7 +911,8 @@ static inline double bridge_printed_force(double gap, double volume, double harm
 static inline double bridge_printed_force_wall(double gap, double volume, double radius, double angle_i, double angle_w,
                                                double surface_tension) {
     double mean = 0.5 * (angle_i + angle_w);
-    return bridge__scale(gap, volume, 2.0 * radius, angle_i, angle_w, surface_tension) / (1.0 + gap * sqrt(RIDDLE_PI * radius / volume)) +
+    return bridge__scale(gap, volume, 2.0 * radius, angle_i, angle_w, surface_tension) /
+               (1.0 + gap * sqrt(RIDDLE_PI * radius / volume)) +
            2.0 * RIDDLE_PI * surface_tension * radius * riddle_sin(mean) *
                riddle_sin(mean + bridge_printed_filling_angle_wall(gap, volume, radius));
 }
@@ -850,10 +928,11 @@ static inline double bridge_printed_drag_translation(double viscous_gap, double 
 
 static inline double bridge_printed_drag_spin(double viscous_gap, double reduced_radius, double viscosity) {
     double x = viscous_gap / reduced_radius;
-    return -6.0 * RIDDLE_PI * viscosity * reduced_radius * (x < 0.1 ? bridge_goldman_coupling_near(x) : bridge_goldman_coupling_far(x));
+    return -6.0 * RIDDLE_PI * viscosity * reduced_radius *
+           (x < 0.1 ? bridge_goldman_coupling_near(x) : bridge_goldman_coupling_far(x));
 }
 
-/* >>step ---------------------------------------------------------------------------------------------------------------------------- */
+/* >>step ----------------------------------------------------------------------------------------------------------- */
 
 BRIDGE_INLINE double bridge_attraction(const bridge *b, double gap) {
     if (!(b->volume > 0.0)) return 0.0;
@@ -868,11 +947,15 @@ BRIDGE_INLINE bridge_resistances bridge_resistance(const bridge *b, const bridge
     double s = (gap > 0.0 ? gap : 0.0) + liquid->roughness * 0.5 * b->radius, a = b->width * b->width;
     double h = sqrt(s * s + a), d = h * (h + s), inverse = 1.0 / (d * s), x = a * s * inverse,
            scale = RIDDLE_PI * liquid->viscosity * b->radius;
-    /* ln(h/s) = 2 (1 - p) n(p)/d(p) without a logarithm, p = sqrt(s/h): to 2e-5 for p from 0.02 (roughness 2e-4, V/R_h^3 = 0.1) to 1 */
+    /* ln(h/s) = 2 (1 - p) n(p)/d(p) without a logarithm, p = sqrt(s/h): to 2e-5 for p from 0.02 (roughness 2e-4,
+       V/R_h^3 = 0.1) to 1 */
     double p = sqrt(s * s * (h + s) * inverse);
-    double numerator = 6.3827022621613418 + p * (477.44372830592164 + p * (3601.5670170765813 + p * 2818.6395609047166));
-    double denominator = 1.0 + p * (129.69017714253422 + p * (1829.7796093208002 + p * (3971.2137371759904 + p * 972.48453376442603)));
-    bridge_resistances r = {1.5 * scale * b->radius * x * x * d * inverse, 2.0 * scale * (1.0 - p) * numerator / denominator};
+    double numerator =
+        6.3827022621613418 + p * (477.44372830592164 + p * (3601.5670170765813 + p * 2818.6395609047166));
+    double denominator =
+        1.0 + p * (129.69017714253422 + p * (1829.7796093208002 + p * (3971.2137371759904 + p * 972.48453376442603)));
+    bridge_resistances r = {1.5 * scale * b->radius * x * x * d * inverse,
+                            2.0 * scale * (1.0 - p) * numerator / denominator};
     return r;
 }
 
@@ -891,14 +974,17 @@ BRIDGE_INLINE int bridge_is_ruptured(const bridge *b, const bridge_liquid *liqui
                                b->rupture_gap * b->rupture_gap * liquid->viscosity * (velocity > 0.0 ? velocity : 0.0);
 }
 
-static inline bridge_forces bridge_evaluate_printed(const bridge_pair *pair, const bridge *b, double gap, double velocity) {
+static inline bridge_forces bridge_evaluate_printed(const bridge_pair *pair, const bridge *b, double gap,
+                                                    double velocity) {
     bridge_forces f = {0.0, 0.0, 0.0};
     if (!(b->volume > 0.0)) return f;
     const bridge_liquid *liquid = &pair->def.liquid;
     double s = gap > 0.0 ? gap : 0.0, rs = 0.5 * b->radius, sv = bridge_viscous_gap(gap, rs, liquid->roughness);
     f.normal = bridge__is_finite(pair->def.radius_j)
-                   ? bridge_printed_force(s, b->volume, b->radius, pair->def.angle_i, pair->def.angle_j, liquid->surface_tension)
-                   : bridge_printed_force_wall(s, b->volume, rs, pair->def.angle_i, pair->def.angle_j, liquid->surface_tension);
+                   ? bridge_printed_force(s, b->volume, b->radius, pair->def.angle_i, pair->def.angle_j,
+                                          liquid->surface_tension)
+                   : bridge_printed_force_wall(s, b->volume, rs, pair->def.angle_i, pair->def.angle_j,
+                                               liquid->surface_tension);
     f.normal += bridge_drag_normal(sv, b->volume, rs, liquid->viscosity) * velocity;
     f.tangential = bridge_printed_drag_translation(sv, rs, liquid->viscosity);
     f.spin = bridge_printed_drag_spin(sv, rs, liquid->viscosity);
@@ -907,17 +993,21 @@ static inline bridge_forces bridge_evaluate_printed(const bridge_pair *pair, con
 
 static inline double bridge_quantised(double volume, double quantum) { return floor(volume / quantum) * quantum; }
 
-static inline double bridge_split_volume(const bridge *b, double quantum) { return bridge_quantised(b->split * b->volume, quantum); }
+static inline double bridge_split_volume(const bridge *b, double quantum) {
+    return bridge_quantised(b->split * b->volume, quantum);
+}
 
 #ifdef BRIDGE__BODIES
 
-/* >>solver: Young-Laplace without gravity, lengths in R_h --------------------------------------------------------------------------- */
+/* >>solver: Young-Laplace without gravity, lengths in R_h ---------------------------------------------------------- */
 
-/* The meridian of the liquid is a Delaunay curve. With neck radius y0, K = pressure/sigma and u = (2/K) tan(K s/2), s the arc from the
-   neck, it is algebraic: y^2 = y0^2 + (1 - K y0) u^2 e, ds = e du, e = 1/(1 + K^2 u^2/4), and n = y cos(psi) = C + K y^2/2 with
-   C = y0 - K y0^2/2 the force over 2 pi sigma. It meets a sphere of curvature rho at contact angle theta where
+/* The meridian of the liquid is a Delaunay curve. With neck radius y0, K = pressure/sigma and u = (2/K) tan(K s/2), s
+   the arc from the neck, it is algebraic: y^2 = y0^2 + (1 - K y0) u^2 e, ds = e du, e = 1/(1 + K^2 u^2/4), and n = y
+   cos(psi) = C + K y^2/2 with C = y0 - K y0^2/2 the force over 2 pi sigma. It meets a sphere of curvature rho at
+   contact angle theta where
        g = w (rho w - K cos(theta)/2) u^2 + sin(theta) (1 - K y0) u - y0 (cos(theta) - rho y0) = 0,   w = 1 - K y0/2.
-   Nothing is singular for K of either sign, at K = 0, for a plate (rho = 0), or where the neck lies inside a solid (u < 0). */
+   Nothing is singular for K of either sign, at K = 0, for a plate (rho = 0), or where the neck lies inside a
+   solid (u < 0). */
 
 typedef struct bridge__solid {
     double curvature, cosine, sine;
@@ -936,26 +1026,29 @@ typedef struct bridge__problem {
     double volume;
 } bridge__problem;
 
-/* z = ln(u_i + u_j), ln y0, ln(1 - K y0), u_i/(u_i + u_j) - 1/2. Along a bridge that opens, ln y0 falls all the way, through the fold. */
+/* z = ln(u_i + u_j), ln y0, ln(1 - K y0), u_i/(u_i + u_j) - 1/2. Along a bridge that opens, ln y0 falls all the way,
+   through the fold. */
 typedef struct bridge__meniscus {
     double z[4], neck, pressure, force, gap;
     double slope; /* d gap/d ln y0 at constant volume: 0 at the fold, < 0 before it */
     bridge__half half[2];
 } bridge__meniscus;
 
-static const double bridge__gauss[16][2] = {/* Gauss-Legendre, 32 points on 0 .. 1: abscissa (and its mirror), weight */
-                                            {0.0013680690752592182, 0.0035093050047350483}, {0.0071942442273658323, 0.0081371973654528353},
-                                            {0.017618872206246785, 0.01269603265463103},    {0.032546962031130155, 0.017136931456510717},
-                                            {0.051839422116973938, 0.02141794901111334},    {0.075316193133715015, 0.025499029631188088},
-                                            {0.1027581020160288, 0.029342046739267774},     {0.13390894062985516, 0.032911111388180923},
-                                            {0.1684778665348924, 0.036172897054424253},     {0.20614212137961884, 0.039096947893535153},
-                                            {0.2465500455338853, 0.041655962113473378},     {0.28932436193468233, 0.043826046502201906},
-                                            {0.33406569885893618, 0.045586939347881942},    {0.38035631887393146, 0.046922199540402283},
-                                            {0.42776401920860175, 0.04781936003963743},     {0.47584616715613084, 0.0482700442573639}};
+static const double bridge__gauss[16][2] =
+    {/* Gauss-Legendre, 32 points on 0 .. 1: abscissa (and its mirror), weight */
+     {0.0013680690752592182, 0.0035093050047350483}, {0.0071942442273658323, 0.0081371973654528353},
+     {0.017618872206246785, 0.01269603265463103},    {0.032546962031130155, 0.017136931456510717},
+     {0.051839422116973938, 0.02141794901111334},    {0.075316193133715015, 0.025499029631188088},
+     {0.1027581020160288, 0.029342046739267774},     {0.13390894062985516, 0.032911111388180923},
+     {0.1684778665348924, 0.036172897054424253},     {0.20614212137961884, 0.039096947893535153},
+     {0.2465500455338853, 0.041655962113473378},     {0.28932436193468233, 0.043826046502201906},
+     {0.33406569885893618, 0.045586939347881942},    {0.38035631887393146, 0.046922199540402283},
+     {0.42776401920860175, 0.04781936003963743},     {0.47584616715613084, 0.0482700442573639}};
 
 static inline int bridge__half_solve(const bridge__solid *solid, double y0, double K, double u, bridge__half *half) {
     double kappa = 1.0 - K * y0, C = y0 * (1.0 - 0.5 * K * y0);
-    double x = 0.0, xy = 0.0, xk = 0.0, v = 0.0, vy = 0.0, vk = 0.0, area = 0.0, Y = 0.0, Yy = 0.0, Yk = 0.0, e = 0.0, y = 0.0, n = 0.0;
+    double x = 0.0, xy = 0.0, xk = 0.0, v = 0.0, vy = 0.0, vk = 0.0, area = 0.0, Y = 0.0, Yy = 0.0, Yk = 0.0, e = 0.0,
+           y = 0.0, n = 0.0;
     for (int i = 0; i <= 32; i++) { /* the 33rd point is the end itself */
         const double *node = bridge__gauss[(i < 16 ? i : 31 - i) & 15];
         double t = i == 32 ? u : u * (i < 16 ? node[0] : 1.0 - node[0]), weight = i == 32 ? 0.0 : u * node[1];
@@ -967,7 +1060,8 @@ static inline int bridge__half_solve(const bridge__solid *solid, double y0, doub
         Yk = -y0 * z + kappa * t * t * ek;
         y = sqrt(Y);
         n = C + 0.5 * K * Y;
-        double ny = kappa + 0.5 * K * Yy, nk = 0.5 * (Y - y0 * y0 + K * Yk), inverse = 1.0 / y, f = n * inverse, p = n * y;
+        double ny = kappa + 0.5 * K * Yy, nk = 0.5 * (Y - y0 * y0 + K * Yk), inverse = 1.0 / y, f = n * inverse,
+               p = n * y;
         double r = 0.5 * inverse * inverse;
         x += weight * e * f;
         xy += weight * e * (ny * inverse - f * Yy * r);
@@ -979,7 +1073,8 @@ static inline int bridge__half_solve(const bridge__solid *solid, double y0, doub
     }
     double rho = solid->curvature, cosine2 = 1.0 - rho * rho * Y;
     if (!(cosine2 > 0.0)) return 0;
-    double Yu = 2.0 * kappa * u * e * e, cosine = sqrt(cosine2), cap = rho * Y / (1.0 + cosine), capY = 0.5 * rho / cosine;
+    double Yu = 2.0 * kappa * u * e * e, cosine = sqrt(cosine2), cap = rho * Y / (1.0 + cosine),
+           capY = 0.5 * rho / cosine;
     double lens = cap * (3.0 * Y + cap * cap) / 6.0, lensY = 0.5 * (capY * (Y + cap * cap) + cap);
     double w = 1.0 - 0.5 * K * y0, c = solid->cosine, s = solid->sine, m = rho * w - 0.5 * K * c;
     half->x[0] = x - cap;
@@ -999,8 +1094,8 @@ static inline int bridge__half_solve(const bridge__solid *solid, double y0, doub
     return 1;
 }
 
-/* Solves n equations a[n][columns] by Gauss-Jordan elimination with partial pivoting; the columns - n right-hand sides become the
-   solutions. Returns 0 if the matrix is singular. */
+/* Solves n equations a[n][columns] by Gauss-Jordan elimination with partial pivoting; the columns - n right-hand sides
+   become the solutions. Returns 0 if the matrix is singular. */
 static inline int bridge__solve(double *a, int n, int columns) {
     for (int c = 0; c < n; c++) {
         int pivot = c;
@@ -1038,7 +1133,8 @@ static inline int bridge__meniscus_update(const bridge__problem *problem, bridge
 /* Derivatives by z of p + q, p a quantity of half 0 and q of half 1 (NULL: none). */
 static inline void bridge__row(const bridge__meniscus *m, const double *p, const double *q, double *row) {
     double length = riddle_exp(m->z[0]), kappa = 1.0 - m->pressure * m->neck;
-    double dy = (p ? p[1] : 0.0) + (q ? q[1] : 0.0), dk = (p ? p[2] : 0.0) + (q ? q[2] : 0.0), pu = p ? p[3] : 0.0, qu = q ? q[3] : 0.0;
+    double dy = (p ? p[1] : 0.0) + (q ? q[1] : 0.0), dk = (p ? p[2] : 0.0) + (q ? q[2] : 0.0), pu = p ? p[3] : 0.0,
+           qu = q ? q[3] : 0.0;
     row[0] = length * ((0.5 + m->z[3]) * pu + (0.5 - m->z[3]) * qu);
     row[1] = m->neck * dy - m->pressure * dk;
     row[2] = -kappa / m->neck * dk;
@@ -1047,8 +1143,8 @@ static inline void bridge__row(const bridge__meniscus *m, const double *p, const
 
 typedef enum bridge__aim { BRIDGE__AT_GAP, BRIDGE__AT_NECK } bridge__aim;
 
-/* Finds by Newton's method the bridge of the problem's volume that has a given gap or a given ln y0 (aim), from m as a first guess. Returns
-   whether it converged. */
+/* Finds by Newton's method the bridge of the problem's volume that has a given gap or a given ln y0 (aim), from m as a
+   first guess. Returns whether it converged. */
 static inline int bridge__newton(const bridge__problem *problem, bridge__meniscus *m, bridge__aim aim, double target) {
     int n = problem->symmetric ? 3 : 4, columns = n + 2;
     double last = HUGE_VAL;
@@ -1056,8 +1152,8 @@ static inline int bridge__newton(const bridge__problem *problem, bridge__meniscu
         if (!bridge__meniscus_update(problem, m)) return 0;
         const bridge__half *i = &m->half[0], *j = &m->half[1];
         double row[4][4], gap[4], a[4 * 6];
-        double residual[4] = {aim == BRIDGE__AT_GAP ? target - m->gap : target - m->z[1], problem->volume - i->v[0] - j->v[0], -i->g[0],
-                              -j->g[0]};
+        double residual[4] = {aim == BRIDGE__AT_GAP ? target - m->gap : target - m->z[1],
+                              problem->volume - i->v[0] - j->v[0], -i->g[0], -j->g[0]};
         bridge__row(m, i->x, j->x, gap);
         bridge__row(m, i->v, j->v, row[1]);
         bridge__row(m, i->g, NULL, row[2]);
@@ -1084,7 +1180,8 @@ static inline int bridge__newton(const bridge__problem *problem, bridge__meniscu
     return 0;
 }
 
-/* Finds the bridge of spheres in contact. Small volumes start from the parabolic gap; large ones are grown from a small one. */
+/* Finds the bridge of spheres in contact. Small volumes start from the parabolic gap; large ones are grown from
+   a small one. */
 static inline int bridge__in_contact(bridge__problem *problem, bridge__meniscus *m) {
     double wanted = problem->volume;
     int ok = 0;
@@ -1094,8 +1191,8 @@ static inline int bridge__in_contact(bridge__problem *problem, bridge__meniscus 
             double h = sqrt(2.0 / RIDDLE_PI * volume), ring = sqrt(h), psi[2], K = 0.0, sag = 0.0;
             for (int k = 0; k < 2; k++) {
                 double sine = ring * problem->solid[k].curvature;
-                psi[k] =
-                    0.5 * RIDDLE_PI - riddle_atan2(problem->solid[k].sine, problem->solid[k].cosine) - riddle_asin(sine < 0.9 ? sine : 0.9);
+                psi[k] = 0.5 * RIDDLE_PI - riddle_atan2(problem->solid[k].sine, problem->solid[k].cosine) -
+                         riddle_asin(sine < 0.9 ? sine : 0.9);
                 K += riddle_sin(psi[k]) / h;
             }
             double u[2], length;
@@ -1118,9 +1215,9 @@ static inline int bridge__in_contact(bridge__problem *problem, bridge__meniscus 
     return ok && m->slope < 0.0 && m->force > 0.0;
 }
 
-/* Moves m to another ln y0 of the same family by Newton's method, in as many steps as are needed to stay on the branch: near the
-   instability of equal spheres the neck of unequal ones wanders off to one side, and a long step lands on another solution, with g'(u) < 0
-   at both solids. */
+/* Moves m to another ln y0 of the same family by Newton's method, in as many steps as are needed to stay on the branch:
+   near the instability of equal spheres the neck of unequal ones wanders off to one side, and a long step lands on
+   another solution, with g'(u) < 0 at both solids. */
 static inline int bridge__advance(const bridge__problem *problem, bridge__meniscus *m, double target) {
     double part = 1.0;
     while (m->z[1] != target) {
@@ -1139,13 +1236,14 @@ static inline int bridge__advance(const bridge__problem *problem, bridge__menisc
     return 1;
 }
 
-/* Returns the function whose zero ends a stable family: the slope at the fold, or the derivative of the contact condition at the first
-   instability of a symmetric bridge. */
+/* Returns the function whose zero ends a stable family: the slope at the fold, or the derivative of the contact
+   condition at the first instability of a symmetric bridge. */
 static inline double bridge__event(const bridge__meniscus *m, int fold) { return fold ? m->slope : -m->half[0].g[3]; }
 
-/* Finds the meniscus between a (event < 0) and b (event > 0) at which the event is 0, by regula falsi with bisection. */
-static inline int bridge__locate(const bridge__problem *problem, const bridge__meniscus *a, const bridge__meniscus *b, int fold,
-                                 bridge__meniscus *m) {
+/* Finds the meniscus between a (event < 0) and b (event > 0) at which the event is 0, by regula falsi
+   with bisection. */
+static inline int bridge__locate(const bridge__problem *problem, const bridge__meniscus *a, const bridge__meniscus *b,
+                                 int fold, bridge__meniscus *m) {
     double za = a->z[1], zb = b->z[1], ea = bridge__event(a, fold), eb = bridge__event(b, fold);
     *m = *a;
     for (int i = 0; i < 80 && fabs(za - zb) > 1e-14; i++) {
@@ -1164,8 +1262,8 @@ static inline int bridge__locate(const bridge__problem *problem, const bridge__m
     return 1;
 }
 
-static inline int bridge__follow_by_steps(const bridge__problem *problem, const bridge__meniscus *contact, bridge__meniscus *rupture,
-                                          bridge__meniscus *fold) {
+static inline int bridge__follow_by_steps(const bridge__problem *problem, const bridge__meniscus *contact,
+                                          bridge__meniscus *rupture, bridge__meniscus *fold) {
     bridge__meniscus m = *contact;
     int unstable = 0;
     while (m.z[1] > contact->z[1] - 12.0) { /* a neck is never that thin */
@@ -1189,8 +1287,8 @@ static inline int bridge__follow_by_steps(const bridge__problem *problem, const 
     return 0;
 }
 
-/* Follows the family from contact: *rupture, its last stable member, and *fold. Either may be NULL. A branch that gets lost is tried
-   again in smaller steps, which stay in *problem. */
+/* Follows the family from contact: *rupture, its last stable member, and *fold. Either may be NULL. A branch that gets
+   lost is tried again in smaller steps, which stay in *problem. */
 static inline int bridge__follow(bridge__problem *problem, const bridge__meniscus *contact, bridge__meniscus *rupture,
                                  bridge__meniscus *fold) {
     for (int attempt = 0; attempt < 5; attempt++, problem->step *= 0.2)
@@ -1221,9 +1319,10 @@ static inline double bridge__share(const bridge__problem *problem, const bridge_
     return share > 0.0 ? (share < 1.0 ? share : 1.0) : 0.0;
 }
 
-static inline void bridge__describe(const bridge_pair_def *def, const bridge__problem *problem, const bridge__meniscus *m,
-                                    bridge_shape *shape) {
-    double R = bridge_harmonic_radius(def->radius_i, def->radius_j), sigma = def->liquid.surface_tension, ring[2], filling[2];
+static inline void bridge__describe(const bridge_pair_def *def, const bridge__problem *problem,
+                                    const bridge__meniscus *m, bridge_shape *shape) {
+    double R = bridge_harmonic_radius(def->radius_i, def->radius_j), sigma = def->liquid.surface_tension, ring[2],
+           filling[2];
     double energy = m->half[0].area + m->half[1].area;
     for (int k = 0; k < 2; k++) {
         ring[k] = sqrt(m->half[k].ring2);
@@ -1243,7 +1342,8 @@ static inline void bridge__describe(const bridge_pair_def *def, const bridge__pr
     shape->stable = !(problem->symmetric && m->half[0].g[3] < 0.0);
 }
 
-/* Opens the bridge from contact to a gap: until the gap is passed, then back in from the near side, where Newton cannot overshoot. */
+/* Opens the bridge from contact to a gap: until the gap is passed, then back in from the near side, where Newton
+   cannot overshoot. */
 static inline bridge_status bridge__open(const bridge__problem *problem, double gap, bridge__meniscus *m) {
     while (m->gap < gap) {
         bridge__meniscus before = *m, fold;
@@ -1266,7 +1366,8 @@ static inline void bridge__no_shape(bridge_shape *shape) {
     shape->stable = 0;
 }
 
-BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double volume, double gap, bridge_shape *shape) {
+BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double volume, double gap,
+                                              bridge_shape *shape) {
     if (!shape) return BRIDGE_INVALID;
     bridge__no_shape(shape);
     if (bridge_pair_check_def(def, NULL) != BRIDGE_OK || !(volume > 0.0) || !(gap >= 0.0)) return BRIDGE_INVALID;
@@ -1274,7 +1375,8 @@ BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double
     bridge__problem problem = bridge__problem_of(def, volume / R / R / R);
     bridge__meniscus contact, m;
     bridge_status status = BRIDGE_NO_SOLUTION;
-    if (!(problem.volume >= 1e-9 && problem.volume <= 1.0) || !bridge__in_contact(&problem, &contact)) return BRIDGE_NO_SOLUTION;
+    if (!(problem.volume >= 1e-9 && problem.volume <= 1.0) || !bridge__in_contact(&problem, &contact))
+        return BRIDGE_NO_SOLUTION;
     for (int attempt = 0; attempt < 3 && status == BRIDGE_NO_SOLUTION; attempt++, problem.step *= 0.2) {
         m = contact;
         status = bridge__open(&problem, gap / R, &m);
@@ -1285,7 +1387,8 @@ BRIDGE_API bridge_status bridge_young_laplace(const bridge_pair_def *def, double
     return BRIDGE_OK;
 }
 
-BRIDGE_API bridge_status bridge_young_laplace_rupture(const bridge_pair_def *def, double volume, bridge_shape *shape, double *fold_gap) {
+BRIDGE_API bridge_status bridge_young_laplace_rupture(const bridge_pair_def *def, double volume, bridge_shape *shape,
+                                                      double *fold_gap) {
     if (!shape) return BRIDGE_INVALID;
     bridge__no_shape(shape);
     if (fold_gap) *fold_gap = (double)NAN;
@@ -1293,7 +1396,8 @@ BRIDGE_API bridge_status bridge_young_laplace_rupture(const bridge_pair_def *def
     double R = bridge_harmonic_radius(def->radius_i, def->radius_j);
     bridge__problem problem = bridge__problem_of(def, volume / R / R / R);
     bridge__meniscus m, rupture, fold;
-    if (!(problem.volume >= 1e-9 && problem.volume <= 1.0) || !bridge__in_contact(&problem, &m)) return BRIDGE_NO_SOLUTION;
+    if (!(problem.volume >= 1e-9 && problem.volume <= 1.0) || !bridge__in_contact(&problem, &m))
+        return BRIDGE_NO_SOLUTION;
     rupture = fold = m;
     if (!bridge__follow(&problem, &m, &rupture, &fold)) return BRIDGE_NO_SOLUTION;
     bridge__describe(def, &problem, &rupture, shape);
@@ -1301,7 +1405,7 @@ BRIDGE_API bridge_status bridge_young_laplace_rupture(const bridge_pair_def *def
     return BRIDGE_OK;
 }
 
-/* >>pair: tables --------------------------------------------------------------------------------------------------------------------- */
+/* >>pair: tables --------------------------------------------------------------------------------------------------- */
 
 #define BRIDGE__COOKIE 0xB51D6E01u
 #define BRIDGE__SAMPLES 24 /* points of one volume's force curve, for seven coefficients */
@@ -1328,16 +1432,19 @@ BRIDGE_API bridge_status bridge_pair_check_def(const bridge_pair_def *def, const
     if (def->cookie != BRIDGE__COOKIE) bad = "cookie";
     else if (!(def->radius_i > 0.0 && bridge__is_finite(def->radius_i))) bad = "radius_i";
     else if (!(def->radius_j > 0.0)) bad = "radius_j";
-    else if (!(def->radius_i / def->radius_j <= 1e6 && (def->radius_i / def->radius_j >= 1e-6 || !bridge__is_finite(def->radius_j))))
+    else if (!(def->radius_i / def->radius_j <= 1e6 &&
+               (def->radius_i / def->radius_j >= 1e-6 || !bridge__is_finite(def->radius_j))))
         bad = "radius_j";
     else if (!(def->angle_i >= 0.0 && def->angle_i <= 1.05)) bad = "angle_i";
     else if (!(def->angle_j >= 0.0 && def->angle_j <= 1.05)) bad = "angle_j";
     else if (!(def->volume_min >= 1e-8)) bad = "volume_min";
     else if (!(def->volume_max >= 2.0 * def->volume_min && def->volume_max <= 0.15)) bad = "volume_max";
-    else if (!(liquid->surface_tension > 0.0 && bridge__is_finite(liquid->surface_tension))) bad = "liquid.surface_tension";
+    else if (!(liquid->surface_tension > 0.0 && bridge__is_finite(liquid->surface_tension)))
+        bad = "liquid.surface_tension";
     else if (!(liquid->viscosity >= 0.0 && bridge__is_finite(liquid->viscosity))) bad = "liquid.viscosity";
     else if (!(liquid->roughness >= 2e-4 && liquid->roughness <= 0.1)) bad = "liquid.roughness";
-    else if (def->split != BRIDGE_SPLIT_NECK && def->split != BRIDGE_SPLIT_HALF && def->split != BRIDGE_SPLIT_RETURN) bad = "split";
+    else if (def->split != BRIDGE_SPLIT_NECK && def->split != BRIDGE_SPLIT_HALF && def->split != BRIDGE_SPLIT_RETURN)
+        bad = "split";
     if (field) *field = bad;
     return bad ? BRIDGE_INVALID : BRIDGE_OK;
 }
@@ -1347,8 +1454,8 @@ typedef struct bridge__curve {
     double gap[BRIDGE__SAMPLES], force[BRIDGE__SAMPLES], tau[BRIDGE__SAMPLES], rupture_gap, share;
 } bridge__curve;
 
-static inline int bridge__sample(const bridge__problem *problem, const bridge__meniscus *contact, const bridge__meniscus *rupture,
-                                 bridge__curve *curve) {
+static inline int bridge__sample(const bridge__problem *problem, const bridge__meniscus *contact,
+                                 const bridge__meniscus *rupture, bridge__curve *curve) {
     bridge__meniscus m = *contact;
     for (int k = 0; k < BRIDGE__SAMPLES; k++) { /* Chebyshev points in ln y0: dense at both ends */
         double at = 0.5 - 0.5 * riddle_cos(RIDDLE_PI * (k + 0.5) / BRIDGE__SAMPLES);
@@ -1363,8 +1470,8 @@ static inline int bridge__sample(const bridge__problem *problem, const bridge__m
     }
     return 1;
 }
-/* Follows the family of bridges from contact to rupture and samples it. Tries up to three step sizes: for nearly equal spheres a long step
-   may pass the fold and find another. */
+/* Follows the family of bridges from contact to rupture and samples it. Tries up to three step sizes: for nearly equal
+   spheres a long step may pass the fold and find another. */
 static inline int bridge__curve_solve(bridge__problem *problem, bridge__curve *curve) {
     bridge__meniscus contact, rupture;
     if (!bridge__in_contact(problem, &contact)) return 0;
@@ -1416,7 +1523,8 @@ static inline void bridge__contract(const bridge_pair *pair, bridge *b) {
     double ln_volume = riddle_log(reduced);
     int piece = 0;
     while (piece + 1 < BRIDGE_PIECES && piece + 1 < pair->pieces && ln_volume > pair->ln_edge[piece + 1]) piece++;
-    double low = pair->ln_edge[piece], high = pair->ln_edge[piece + 1], u = (2.0 * ln_volume - low - high) / (high - low);
+    double low = pair->ln_edge[piece], high = pair->ln_edge[piece + 1],
+           u = (2.0 * ln_volume - low - high) / (high - low);
     const double(*table)[BRIDGE_NODES] = pair->table[piece];
     for (int r = 0; r < BRIDGE_SERIES + 2; r++) { /* Clenshaw */
         double next = 0.0, after = 0.0;
@@ -1435,7 +1543,8 @@ static inline void bridge__contract(const bridge_pair *pair, bridge *b) {
     for (int k = 0; k < BRIDGE_SERIES; k++, scale *= inverse) b->series[k] = value[k] * scale;
 }
 
-/* Returns ln of the reduced volume whose larger half-filling angle in contact is 30 degrees; HUGE_VAL if there is none. */
+/* Returns ln of the reduced volume whose larger half-filling angle in contact is 30 degrees; HUGE_VAL if
+   there is none. */
 static inline double bridge__pendular_limit(const bridge_pair_def *def) {
     double lo = riddle_log(1e-3), hi = riddle_log(def->volume_max);
     if (!(hi > lo)) return HUGE_VAL;
@@ -1444,7 +1553,8 @@ static inline double bridge__pendular_limit(const bridge_pair_def *def) {
         bridge__problem problem = bridge__problem_of(def, riddle_exp(at));
         bridge__meniscus m;
         if (!bridge__in_contact(&problem, &m)) return HUGE_VAL;
-        double si = sqrt(m.half[0].ring2) * problem.solid[0].curvature, sj = sqrt(m.half[1].ring2) * problem.solid[1].curvature;
+        double si = sqrt(m.half[0].ring2) * problem.solid[0].curvature,
+               sj = sqrt(m.half[1].ring2) * problem.solid[1].curvature;
         if ((si > sj ? si : sj) < 0.5) {
             if (i == 0) return HUGE_VAL;
             lo = at;
@@ -1464,7 +1574,8 @@ static inline bridge_status bridge__tabulate(bridge_pair *pair, int piece) {
         double u = riddle_cos(RIDDLE_PI * (m + 0.5) / BRIDGE_NODES), value[BRIDGE_SERIES + 2];
         bridge__problem problem = bridge__problem_of(&pair->def, riddle_exp(0.5 * (low + high + u * (high - low))));
         bridge__curve curve;
-        if (!bridge__curve_solve(&problem, &curve) || !bridge__curve_fit(&problem, &curve, value)) return BRIDGE_NO_SOLUTION;
+        if (!bridge__curve_solve(&problem, &curve) || !bridge__curve_fit(&problem, &curve, value))
+            return BRIDGE_NO_SOLUTION;
         value[BRIDGE_SERIES] = riddle_log(curve.rupture_gap / riddle_cbrt(problem.volume));
         value[BRIDGE_SERIES + 1] = curve.share;
         for (int k = 0; k < BRIDGE_NODES; k++) {
@@ -1494,8 +1605,8 @@ static inline bridge_status bridge__compare(bridge_pair *pair, double ln_volume)
     return BRIDGE_OK;
 }
 
-/* Compares every piece at its ends and at three volumes between each two nodes, where interpolation is worst. Within 0.5 % of a jump a
-   volume may stay unsolved: it is passed over. */
+/* Compares every piece at its ends and at three volumes between each two nodes, where interpolation is worst.
+   Within 0.5 % of a jump a volume may stay unsolved: it is passed over. */
 static inline void bridge__compare_all(bridge_pair *pair) {
     enum { PARTS = 4 };
     pair->deviation = pair->rupture_deviation = 0.0;
@@ -1515,16 +1626,17 @@ static inline void bridge__compare_all(bridge_pair *pair) {
 static inline double bridge__share_at(const bridge_pair_def *def, double ln_volume) {
     bridge__problem problem = bridge__problem_of(def, riddle_exp(ln_volume));
     bridge__meniscus contact, rupture;
-    if (!bridge__in_contact(&problem, &contact) || !bridge__follow(&problem, &contact, &rupture, NULL)) return (double)NAN;
+    if (!bridge__in_contact(&problem, &contact) || !bridge__follow(&problem, &contact, &rupture, NULL))
+        return (double)NAN;
     return bridge__share(&problem, &rupture);
 }
 
-/* Returns ln of the volume at which the share at rupture changes fastest: takes the steepest of some intervals and halves it repeatedly
-   towards its steeper half. */
+/* Returns ln of the volume at which the share at rupture changes fastest: takes the steepest of some intervals and
+   halves it repeatedly towards its steeper half. */
 static inline double bridge__jump(const bridge_pair *pair) {
     enum { PARTS = 24 };
-    double width = (pair->ln_max - pair->ln_min) / (double)PARTS, before = bridge__share_at(&pair->def, pair->ln_min), low = pair->ln_min,
-           low_share = before, high_share = before, steepest = -1.0;
+    double width = (pair->ln_max - pair->ln_min) / (double)PARTS, before = bridge__share_at(&pair->def, pair->ln_min),
+           low = pair->ln_min, low_share = before, high_share = before, steepest = -1.0;
     for (int k = 1; k <= PARTS; k++) {
         double share = bridge__share_at(&pair->def, pair->ln_min + k * width);
         if (fabs(share - before) > steepest) {
@@ -1575,7 +1687,8 @@ BRIDGE_API bridge_status bridge_pair_prepare(bridge_pair *pair, const bridge_pai
     if (status != BRIDGE_OK) return status;
     bridge__compare_all(pair);
     if (pair->rupture_deviation > few && bridge__cut(pair)) {
-        for (int piece = 0; piece < pair->pieces && status == BRIDGE_OK; piece++) status = bridge__tabulate(pair, piece);
+        for (int piece = 0; piece < pair->pieces && status == BRIDGE_OK; piece++)
+            status = bridge__tabulate(pair, piece);
         if (status != BRIDGE_OK) { /* a volume at the jump cannot be solved: use the table in one, which states its
                                       error */
             pair->pieces = 1;
@@ -1594,7 +1707,8 @@ static inline void bridge__clear(bridge *b) {
     for (int k = 0; k < BRIDGE_SERIES; k++) b->series[k] = 0.0;
 }
 
-BRIDGE_API void bridge_volume_range(const bridge_pair *pair, double radius_i, double radius_j, double *smallest, double *largest) {
+BRIDGE_API void bridge_volume_range(const bridge_pair *pair, double radius_i, double radius_j, double *smallest,
+                                    double *largest) {
     if (!(smallest && largest)) return;
     *smallest = *largest = bridge__nan();
     if (!pair) return;
@@ -1603,8 +1717,8 @@ BRIDGE_API void bridge_volume_range(const bridge_pair *pair, double radius_i, do
     *largest = pair->def.volume_max * R * R * R;
 }
 
-BRIDGE_API bridge_status bridge_form(const bridge_pair *pair, double radius_i, double radius_j, double given_i, double given_j, int swapped,
-                                     bridge *b) {
+BRIDGE_API bridge_status bridge_form(const bridge_pair *pair, double radius_i, double radius_j, double given_i,
+                                     double given_j, int swapped, bridge *b) {
     if (!(pair && b)) return BRIDGE_INVALID;
     bridge__clear(b);
     if (pair->cookie != BRIDGE__COOKIE) return BRIDGE_INVALID;
@@ -1622,8 +1736,8 @@ BRIDGE_API bridge_status bridge_form(const bridge_pair *pair, double radius_i, d
     return BRIDGE_OK;
 }
 
-BRIDGE_API bridge_status bridge_form_printed(const bridge_pair *pair, double radius_i, double radius_j, double given_i, double given_j,
-                                             int swapped, bridge *b) {
+BRIDGE_API bridge_status bridge_form_printed(const bridge_pair *pair, double radius_i, double radius_j, double given_i,
+                                             double given_j, int swapped, bridge *b) {
     if (!(pair && b)) return BRIDGE_INVALID;
     bridge_status status = bridge_form(pair, radius_i, radius_j, given_i, given_j, swapped, b);
     if (status != BRIDGE_OK) return status;
@@ -1639,7 +1753,7 @@ BRIDGE_API int bridge_is_pendular(const bridge_pair *pair, const bridge *b) {
 
 BRIDGE_API const char *bridge_outside_text(unsigned flag) {
     switch (flag) {
-#define BRIDGE__TEXT(name, value, text)                                                                                                    \
+#define BRIDGE__TEXT(name, value, text)                                                                                \
     case value: return text;
         BRIDGE_OUTSIDES(BRIDGE__TEXT)
 #undef BRIDGE__TEXT
@@ -1660,11 +1774,13 @@ BRIDGE_API unsigned bridge_outside(const bridge_pair *pair, double radius_i, dou
     if (!pair || pair->cookie != BRIDGE__COOKIE) return BRIDGE_OUTSIDE_NOTHING;
     const bridge_pair_def *d = &pair->def;
     const double R = bridge_harmonic_radius(radius_i, radius_j), reduced = volume / (R * R * R);
-    const double mean = bridge_effective_angle(d->angle_i, d->angle_j), larger = d->angle_i > d->angle_j ? d->angle_i : d->angle_j;
+    const double mean = bridge_effective_angle(d->angle_i, d->angle_j),
+                 larger = d->angle_i > d->angle_j ? d->angle_i : d->angle_j;
     unsigned flags = BRIDGE_OUTSIDE_NOTHING;
     if (!(mean <= 50.0 * degree && reduced >= 5e-5 && reduced <= 0.2)) flags |= BRIDGE_OUTSIDE_WILLETT;
     if (!(larger <= 50.0 * degree && reduced >= 1e-6 && reduced <= 0.1)) flags |= BRIDGE_OUTSIDE_UNEQUAL;
-    if (!(reduced >= d->volume_min * (1.0 - 1e-12) && reduced <= d->volume_max * (1.0 + 1e-12))) flags |= BRIDGE_OUTSIDE_TABLE;
+    if (!(reduced >= d->volume_min * (1.0 - 1e-12) && reduced <= d->volume_max * (1.0 + 1e-12)))
+        flags |= BRIDGE_OUTSIDE_TABLE;
     if (!bridge__same_ratio(radius_i, radius_j, d->radius_i, d->radius_j)) flags |= BRIDGE_OUTSIDE_RADII;
     if (!(reduced <= pair->pendular_volume)) flags |= BRIDGE_OUTSIDE_PENDULAR;
     return flags;
@@ -1677,7 +1793,8 @@ BRIDGE_API double bridge_work(const bridge *b, double from, double to) {
     double work = 0.0, a = b->width * b->width;
     if (from < 0.0) work += ((to < 0.0 ? to : 0.0) - from) * bridge_attraction(b, 0.0);
     double lo = from > 0.0 ? from : 0.0, hi = to < b->rupture_gap ? to : b->rupture_gap;
-    if (lo < hi) { /* dS = 2 tau dtau removes the root at rupture; four panels for the layer of thin bridges at contact */
+    /* dS = 2 tau dtau removes the root at rupture; four panels for the layer of thin bridges at contact */
+    if (lo < hi) {
         double top = sqrt(b->rupture_gap - lo), bottom = sqrt(b->rupture_gap - hi), step = 0.25 * (top - bottom);
         for (int panel = 0; panel < 4; panel++)
             for (int i = 0; i < 32; i++) {
@@ -1709,7 +1826,7 @@ BRIDGE_API bridge_stiffness bridge_contact_stiffness(const bridge *b, const brid
     return stiffness;
 }
 
-/* >>books ---------------------------------------------------------------------------------------------------------------------------- */
+/* >>books ---------------------------------------------------------------------------------------------------------- */
 
 BRIDGE_API double bridge_quantum(double total) {
     int exponent;
@@ -1730,13 +1847,15 @@ static inline double *bridge__film(const bridge_films *films, size_t slot) {
 }
 
 BRIDGE_API bridge_status bridge_allocate(bridge_films *films, bridge_contact *contacts, size_t n) {
-    if (!films || (n > 0 && !contacts) || !(films->quantum > 0.0 && bridge__is_finite(films->quantum))) return BRIDGE_INVALID;
+    if (!films || (n > 0 && !contacts) || !(films->quantum > 0.0 && bridge__is_finite(films->quantum)))
+        return BRIDGE_INVALID;
     size_t none = films->n_particles + films->n_patches;
     if (!(films->quantum > 0.0)) return BRIDGE_INVALID;
     for (size_t k = 0; k < n; k++) {
         const bridge_contact *c = &contacts[k];
         if (c->i >= films->n_particles || bridge__slot(films, c->j, c->partner) == none) return BRIDGE_INVALID;
-        if (!(c->radius_i > 0.0 && bridge__is_finite(c->radius_i) && c->volume_min >= 0.0 && c->volume_max >= c->volume_min))
+        if (!(c->radius_i > 0.0 && bridge__is_finite(c->radius_i) && c->volume_min >= 0.0 &&
+              c->volume_max >= c->volume_min))
             return BRIDGE_INVALID;
         if (c->partner != BRIDGE_WALL && !(c->radius_j > 0.0)) return BRIDGE_INVALID;
         if (c->partner == BRIDGE_SPHERE && (c->i == c->j || !bridge__is_finite(c->radius_j))) return BRIDGE_INVALID;
@@ -1756,8 +1875,8 @@ BRIDGE_API bridge_status bridge_allocate(bridge_films *films, bridge_contact *co
             double thickness = other / films->patch_area[c->j];
             int wall = c->partner == BRIDGE_WALL;
             c->given_i = wall ? bridge_share_wall(film) : bridge_share_wire(film, c->radius_i, c->radius_j);
-            c->given_j =
-                wall ? bridge_share_wall_film(thickness, c->radius_i) : bridge_share_wire_film(thickness, c->radius_i, c->radius_j);
+            c->given_j = wall ? bridge_share_wall_film(thickness, c->radius_i)
+                              : bridge_share_wire_film(thickness, c->radius_i, c->radius_j);
         }
         double volume = c->given_i + c->given_j, cap = volume > c->volume_max ? c->volume_max / volume : 1.0;
         c->given_i = bridge_quantised(c->given_i * cap, films->quantum);
@@ -1790,7 +1909,8 @@ BRIDGE_API bridge_status bridge_allocate(bridge_films *films, bridge_contact *co
 }
 
 BRIDGE_API bridge_status bridge_release(bridge_films *films, bridge *b, size_t i, size_t j, bridge_partner partner) {
-    if (!(films && b && b->volume >= 0.0 && bridge__is_finite(b->volume) && b->split >= 0.0 && b->split <= 1.0)) return BRIDGE_INVALID;
+    if (!(films && b && b->volume >= 0.0 && bridge__is_finite(b->volume) && b->split >= 0.0 && b->split <= 1.0))
+        return BRIDGE_INVALID;
     size_t slot = bridge__slot(films, j, partner);
     if (i >= films->n_particles || slot == films->n_particles + films->n_patches) return BRIDGE_INVALID;
     if (!(films->quantum > 0.0 && bridge__is_finite(films->quantum))) return BRIDGE_INVALID;
@@ -1821,7 +1941,8 @@ BRIDGE_API double bridge_evaporate(bridge_films *films, double *film, double amo
 
 BRIDGE_API double bridge_evaporate_bridge(bridge_films *films, const bridge_pair *pair, bridge *b, double amount) {
     if (!(films && pair && b && films->quantum > 0.0 && bridge__is_finite(films->quantum))) return bridge__nan();
-    double left = b->volume - bridge_quantised(amount, films->quantum), taken = b->volume - left, split = b->split, R = b->radius;
+    double left = b->volume - bridge_quantised(amount, films->quantum), taken = b->volume - left, split = b->split,
+           R = b->radius;
     if (!(amount >= 0.0)) return bridge__nan();
     if (!(b->volume > 0.0 && left >= pair->def.volume_min * R * R * R)) return 0.0;
     b->volume = left;

@@ -4,7 +4,8 @@
 
    int main(void) {
        double xyz[] = {0, 0, 0, 0, 0, 0.01}, radius[] = {0.005, 0.004};
-       riddle_io_file *file = riddle_io_open(NULL, "/dev/null");                         // folder and file: "out", "grains.csv"
+       // folder and file: "out", "grains.csv"
+       riddle_io_file *file = riddle_io_open(NULL, "/dev/null");
        riddle_io_print(file, "first_radius_m,second_radius_m\n");
        riddle_io_row(file, radius, 2);
        riddle_io_status status = riddle_io_close(file);
@@ -12,25 +13,30 @@
        return status || riddle_io_points(NULL, "/dev/null", 2, riddle_io_vector("position", xyz), of_points, 1);
    }
 
-   Files    riddle_io_open, _print, _write, _row, _close: a file is written under a temporary name beside its own and renamed when it is
-            closed; if anything failed, nothing is left and an older file of that name stays. Folders that are missing are made.
-            A device and a pipe are written directly; "-" is standard output.
-   ParaView .vtp points, lines, polygons; .vti regular grids (binary, little-endian, float32, int32); .pvd index of a time series.
+   Files    riddle_io_open, _print, _write, _row, _close: a file is written under a temporary name beside its own and
+            renamed when it is closed; if anything failed, nothing is left and an older file of that name stays. Folders
+            that are missing are made. A device and a pipe are written directly; "-" is standard output.
+   ParaView .vtp points, lines, polygons; .vti regular grids (binary, little-endian, float32, int32); .pvd index of a
+   time series.
             The format: VTK File Formats, Kitware.
-   Locale   numbers have a decimal point, whatever locale the host has set (tables and the progress bar, for people, have the host's).
+   Locale   numbers have a decimal point, whatever locale the host has set (tables and the progress bar, for people,
+            have the host's).
    Units    the caller's: names are written as they are given.
-   Errors   a function that fails hands one line ("out/a.csv: No space left on device") to RIDDLE_IO_FAIL, returns its status, and
-            leaves nothing half written. Every function takes the NULL that another returned and does nothing.
-   Hooks    macros, to be set before the inclusion (of the one file with the bodies, where there is one); riddle_plot.h has the same:
+   Errors   a function that fails hands one line ("out/a.csv: No space left on device") to RIDDLE_IO_FAIL, returns its
+            status, and leaves nothing half written. Every function takes the NULL that another returned and does
+            nothing.
+   Hooks    macros, to be set before the inclusion (of the one file with the bodies, where there is one); riddle_plot.h
+            has the same:
             RIDDLE_IO_FAIL(line)                          what to do with an error's line; default: print it on stderr
             RIDDLE_IO_REALLOC(old, size), RIDDLE_IO_FREE(old)   memory; default: realloc, free
-            RIDDLE_IO_CREATED(name), RIDDLE_IO_GONE(name) a temporary file has come into being or has gone, for hosts that clean up
+            RIDDLE_IO_CREATED(name), RIDDLE_IO_GONE(name) a temporary file has come into being or has gone, for hosts
+            that clean up
                                                           when they leave early; default: nothing
    Memory   an object lives from its _open or _new to its _close or _end.
    Threads  no state but the caller's objects: one object is used by one thread at a time.
    Bits     the same input gives the same file with the same C library.
-   Linking  every function is static inline. For one shared copy: #define RIDDLE_IO_API extern before every inclusion, and
-            RIDDLE_IO_IMPLEMENTATION as well in one file.
+   Linking  every function is static inline. For one shared copy: #define RIDDLE_IO_API extern before every inclusion,
+            and RIDDLE_IO_IMPLEMENTATION as well in one file.
    Not here: reading; figures (riddle_plot.h). The physics headers know nothing of this one: it takes plain arrays. */
 #ifndef RIDDLE_IO_H
 #define RIDDLE_IO_H
@@ -61,12 +67,12 @@
 extern "C" {
 #endif
 
-/* ========================================================== status ========================================================== */
+/* ===================================================== status ===================================================== */
 
-#define RIDDLE_IO_STATUSES(X)                                                                                                              \
-    X(RIDDLE_IO_OK, "ok")                                                                                                                  \
-    X(RIDDLE_IO_BAD_ARGUMENT, "an argument is NULL or out of its range")                                                                   \
-    X(RIDDLE_IO_NO_MEMORY, "out of memory")                                                                                                \
+#define RIDDLE_IO_STATUSES(X)                                                                                          \
+    X(RIDDLE_IO_OK, "ok")                                                                                              \
+    X(RIDDLE_IO_BAD_ARGUMENT, "an argument is NULL or out of its range")                                               \
+    X(RIDDLE_IO_NO_MEMORY, "out of memory")                                                                            \
     X(RIDDLE_IO_NOT_WRITTEN, "a file or folder could not be written")
 
 #define RIDDLE_IO__NAME(name, text) name,
@@ -75,7 +81,7 @@ typedef enum riddle_io_status { RIDDLE_IO_STATUSES(RIDDLE_IO__NAME) RIDDLE_IO_ST
 
 RIDDLE_IO_API const char *riddle_io_status_text(riddle_io_status status); /* never NULL */
 
-/* ========================================================== files =========================================================== */
+/* ===================================================== files ====================================================== */
 
 typedef struct riddle_io_file riddle_io_file;
 
@@ -83,22 +89,24 @@ typedef struct riddle_io_file riddle_io_file;
 RIDDLE_IO_API riddle_io_file *riddle_io_open(const char *folder, const char *name);
 RIDDLE_IO_API riddle_io_status riddle_io_print(riddle_io_file *file, const char *format, ...) RIDDLE_IO__PRINTF(2, 3);
 RIDDLE_IO_API riddle_io_status riddle_io_write(riddle_io_file *file, const void *bytes, size_t size);
-/* Writes one row of CSV: numbers with as many digits as they need to be read back as they are (0.06), commas between, an empty cell for a
-   number that is not finite. */
+/* Writes one row of CSV: numbers with as many digits as they need to be read back as they are (0.06), commas between,
+   an empty cell for a number that is not finite. */
 RIDDLE_IO_API riddle_io_status riddle_io_row(riddle_io_file *file, const double *values, int n);
-/* Closes the file. RIDDLE_IO_OK: the file exists under its name. Otherwise nothing is left, whichever of the calls above failed. Frees the
-   object. */
+/* Closes the file. RIDDLE_IO_OK: the file exists under its name. Otherwise nothing is left, whichever of the calls
+   above failed. Frees the object. */
 RIDDLE_IO_API riddle_io_status riddle_io_close(riddle_io_file *file);
 RIDDLE_IO_API void riddle_io_discard(riddle_io_file *file); /* closes it and leaves nothing */
 
-/* Makes a folder and its parents, and checks that it can be written to. message (may be NULL): the reason of a failure. */
+/* Makes a folder and its parents, and checks that it can be written to. message (may be NULL): the reason
+   of a failure. */
 RIDDLE_IO_API riddle_io_status riddle_io_make_folder(const char *path, char *message, size_t size);
 /* Checks whether a file of that name could be written now; its folder must exist. message: the reason of a failure. */
 RIDDLE_IO_API riddle_io_status riddle_io_can_write(const char *path, char *message, size_t size);
-/* Writes "folder/name" to buffer, and returns buffer. folder may be NULL. Where it does not fit, buffer is empty: no other file's name. */
+/* Writes "folder/name" to buffer, and returns buffer. folder may be NULL. Where it does not fit, buffer is empty: no
+   other file's name. */
 RIDDLE_IO_API const char *riddle_io_path(char *buffer, size_t size, const char *folder, const char *name);
 
-/* ========================================================= ParaView ========================================================= */
+/* ==================================================== ParaView ==================================================== */
 
 /* A view of the caller's array, made by the functions below; nothing is copied before writing. */
 typedef struct riddle_io_array {
@@ -110,49 +118,60 @@ typedef struct riddle_io_array {
     const int *ints;
 } riddle_io_array;
 
-RIDDLE_IO_API riddle_io_array riddle_io_scalar(const char *name, const double *values);                               /* [n] */
-RIDDLE_IO_API riddle_io_array riddle_io_scalar_float(const char *name, const float *values);                          /* [n] */
-RIDDLE_IO_API riddle_io_array riddle_io_ints(const char *name, const int *values);                                    /* [n] */
-RIDDLE_IO_API riddle_io_array riddle_io_vector(const char *name, const double *xyz);                                  /* [n][3] */
-RIDDLE_IO_API riddle_io_array riddle_io_vector3(const char *name, const double *x, const double *y, const double *z); /* three of [n] */
-RIDDLE_IO_API riddle_io_array riddle_io_vector_stride(const char *name, const double *xyz, int stride); /* xyz + i * stride [doubles] */
+/* [n] */
+RIDDLE_IO_API riddle_io_array riddle_io_scalar(const char *name, const double *values);
+/* [n] */
+RIDDLE_IO_API riddle_io_array riddle_io_scalar_float(const char *name, const float *values);
+/* [n] */
+RIDDLE_IO_API riddle_io_array riddle_io_ints(const char *name, const int *values);
+/* [n][3] */
+RIDDLE_IO_API riddle_io_array riddle_io_vector(const char *name, const double *xyz);
+/* Three of [n]. */
+RIDDLE_IO_API riddle_io_array riddle_io_vector3(const char *name, const double *x, const double *y, const double *z);
+/* xyz + i * stride [doubles] */
+RIDDLE_IO_API riddle_io_array riddle_io_vector_stride(const char *name, const double *xyz, int stride);
 
-/* Writes n points with their arrays, one vertex each (Glyph or Point Gaussian in ParaView). An array is written as often as position:
-   [n]. */
+/* Writes n points with their arrays, one vertex each (Glyph or Point Gaussian in ParaView). An array is written as
+   often as position: [n]. */
 RIDDLE_IO_API riddle_io_status riddle_io_points(const char *folder, const char *name, int n, riddle_io_array position,
                                                 const riddle_io_array *arrays, int n_arrays);
-/* Writes lines or polygons: cell c joins corners[ends[c-1]] .. corners[ends[c]-1] (0-based points; ends[-1] is 0). Arrays belong to the
-   points. */
-RIDDLE_IO_API riddle_io_status riddle_io_lines(const char *folder, const char *name, int n_points, riddle_io_array position, int n_cells,
-                                               const int *ends, const int *corners, const riddle_io_array *arrays, int n_arrays);
-RIDDLE_IO_API riddle_io_status riddle_io_polygons(const char *folder, const char *name, int n_points, riddle_io_array position, int n_cells,
-                                                  const int *ends, const int *corners, const riddle_io_array *arrays, int n_arrays);
-/* Writes a regular grid of size[0] x size[1] x size[2] cells, first index fastest; origin and spacing [m]. Arrays belong to the cells. */
-RIDDLE_IO_API riddle_io_status riddle_io_cells(const char *folder, const char *name, const int size[3], const double origin[3],
-                                               const double spacing[3], const riddle_io_array *arrays, int n_arrays);
+/* Writes lines or polygons: cell c joins corners[ends[c-1]] .. corners[ends[c]-1] (0-based points; ends[-1] is 0).
+   Arrays belong to the points. */
+RIDDLE_IO_API riddle_io_status riddle_io_lines(const char *folder, const char *name, int n_points,
+                                               riddle_io_array position, int n_cells, const int *ends,
+                                               const int *corners, const riddle_io_array *arrays, int n_arrays);
+RIDDLE_IO_API riddle_io_status riddle_io_polygons(const char *folder, const char *name, int n_points,
+                                                  riddle_io_array position, int n_cells, const int *ends,
+                                                  const int *corners, const riddle_io_array *arrays, int n_arrays);
+/* Writes a regular grid of size[0] x size[1] x size[2] cells, first index fastest; origin and spacing [m]. Arrays
+   belong to the cells. */
+RIDDLE_IO_API riddle_io_status riddle_io_cells(const char *folder, const char *name, const int size[3],
+                                               const double origin[3], const double spacing[3],
+                                               const riddle_io_array *arrays, int n_arrays);
 
-/* The index of a time series: grains.pvd lists grains_0000.vtp, ... and is written anew, whole, at each frame. What moves differently
-   (grains, walls) is a series of its own:
+/* The index of a time series: grains.pvd lists grains_0000.vtp, ... and is written anew, whole, at each frame. What
+   moves differently (grains, walls) is a series of its own:
        riddle_io_points("out", riddle_io_series_name(series, time), n, position, arrays, n_arrays);
-   folder as in riddle_io_open; name: with or without ".pvd", of RIDDLE_IO_SERIES_BYTES at most; a folder in it is made. NULL after an
-   error. */
+   folder as in riddle_io_open; name: with or without ".pvd", of RIDDLE_IO_SERIES_BYTES at most; a folder in it is made.
+   NULL after an error. */
 enum { RIDDLE_IO_SERIES_BYTES = 1000 };
 typedef struct riddle_io_series riddle_io_series;
 RIDDLE_IO_API riddle_io_series *riddle_io_series_open(const char *folder, const char *name);
-/* Returns the next frame's file name (below the folder of the series), valid until the next call; the index lists it as soon as the file
-   is there. NULL after an error. extension: "vti", not "vtp"; 1 to 7 bytes. */
+/* Returns the next frame's file name (below the folder of the series), valid until the next call; the index lists it as
+   soon as the file is there. NULL after an error. extension: "vti", not "vtp"; 1 to 7 bytes. */
 RIDDLE_IO_API const char *riddle_io_series_name(riddle_io_series *series, double time);
 RIDDLE_IO_API const char *riddle_io_series_name_as(riddle_io_series *series, double time, const char *extension);
-/* Leaves the frame just named out of the index: it was not written, and a file of that name is an older one. Its number is not used
-   again. */
+/* Leaves the frame just named out of the index: it was not written, and a file of that name is an older one. Its number
+   is not used again. */
 RIDDLE_IO_API void riddle_io_series_drop(riddle_io_series *series);
 RIDDLE_IO_API riddle_io_status riddle_io_series_close(riddle_io_series *series);
 
-/* ==================================================== tables and progress =================================================== */
+/* =============================================== tables and progress ============================================== */
 
 /* An aligned table of plain text.
        riddle_io_table t = riddle_io_table_begin("time [s]|retained small|retained near-mesh");
-       riddle_io_table_cell(&t, "%.1f", time);  riddle_io_table_cell(&t, "%.3f", small);  ...     // cells run on, row by row
+       // cells run on, row by row
+       riddle_io_table_cell(&t, "%.1f", time);  riddle_io_table_cell(&t, "%.3f", small);  ...
        riddle_io_table_end(&t, stdout); */
 enum { RIDDLE_IO_TABLE_COLUMNS = 24 };
 typedef struct riddle_io_table {
@@ -161,7 +180,8 @@ typedef struct riddle_io_table {
     char *text; /* the cells, each ended by 0 */
     size_t used, capacity;
 } riddle_io_table;
-RIDDLE_IO_API riddle_io_table riddle_io_table_begin(const char *header); /* at most RIDDLE_IO_TABLE_COLUMNS names between '|' */
+/* at most RIDDLE_IO_TABLE_COLUMNS names between '|' */
+RIDDLE_IO_API riddle_io_table riddle_io_table_begin(const char *header);
 /* Adds a cell; of a longer text its first 399 bytes. */
 RIDDLE_IO_API void riddle_io_table_cell(riddle_io_table *t, const char *format, ...) RIDDLE_IO__PRINTF(2, 3);
 /* Prints and frees; numbers stand to the right, texts to the left. stream may be NULL: frees only. */
@@ -176,11 +196,14 @@ typedef struct riddle_io_progress {
     int terminal, active; /* active 0: nothing is printed */
 } riddle_io_progress;
 RIDDLE_IO_API void riddle_io_progress_begin(riddle_io_progress *bar, const char *what, double total);
-RIDDLE_IO_API void riddle_io_progress_update(riddle_io_progress *bar, double done);  /* cheap: at most 10 prints a second; one clock read */
-RIDDLE_IO_API void riddle_io_progress_end(riddle_io_progress *bar, const char *how); /* "what: how 3.2 s"; how NULL: "done in" */
-RIDDLE_IO_API double riddle_io_seconds(void);                                        /* wall clock [s], origin arbitrary */
+/* Cheap: at most 10 prints a second; one clock read. */
+RIDDLE_IO_API void riddle_io_progress_update(riddle_io_progress *bar, double done);
+/* "what: how 3.2 s"; how NULL: "done in" */
+RIDDLE_IO_API void riddle_io_progress_end(riddle_io_progress *bar, const char *how);
+/* Wall clock [s], origin arbitrary. */
+RIDDLE_IO_API double riddle_io_seconds(void);
 
-/* ============================================== >>shared with riddle_plot.h ================================================ */
+/* ========================================= >>shared with riddle_plot.h ============================================ */
 
 #include <locale.h>
 #include <stdlib.h>
@@ -201,8 +224,10 @@ RIDDLE_IO_API double riddle_io_seconds(void);                                   
 /* Hands on "what: why" and returns the status. what comes from outside: control characters become '?'. */
 static inline riddle_io_status riddle_io__fail(riddle_io_status status, const char *what, const char *why) {
     char line[1000];
-    const size_t length = what ? strlen(what) : 0, room = 800; /* of a longer path the end: the reason must fit in too */
-    snprintf(line, sizeof line, "%s%.800s: %s", length > room ? "..." : "", what ? what + (length > room ? length - room : 0) : "", why);
+    /* of a longer path the end: the reason must fit in too */
+    const size_t length = what ? strlen(what) : 0, room = 800;
+    snprintf(line, sizeof line, "%s%.800s: %s", length > room ? "..." : "",
+             what ? what + (length > room ? length - room : 0) : "", why);
     for (char *c = line; *c; c++)
         if ((unsigned char)*c < 32 || *c == 127) *c = '?';
     RIDDLE_IO_FAIL(line);
@@ -240,7 +265,7 @@ static inline int riddle_io__letters_of(const char *text) {
 
 #ifdef RIDDLE_IO__BODIES
 
-/* ====================================================== >>files: bodies ===================================================== */
+/* ================================================= >>files: bodies ================================================ */
 
 #include <errno.h>
 #include <fcntl.h>
@@ -261,7 +286,7 @@ static inline int riddle_io__letters_of(const char *text) {
 #endif
 
 RIDDLE_IO_API const char *riddle_io_status_text(riddle_io_status status) {
-#define RIDDLE_IO__TEXT(name, text)                                                                                                        \
+#define RIDDLE_IO__TEXT(name, text)                                                                                    \
     case name: return text;
     switch (status) {
         RIDDLE_IO_STATUSES(RIDDLE_IO__TEXT)
@@ -278,7 +303,8 @@ static inline char *riddle_io__joined(const char *a, const char *between, const 
     return text;
 }
 
-/* Copies a conversion such as "%-*.3lg" of a format to `spec`, with numbers in place of its stars. Returns what follows it. */
+/* Copies a conversion such as "%-*.3lg" of a format to `spec`, with numbers in place of its stars. Returns
+   what follows it. */
 static inline const char *riddle_io__conversion(const char *at, char *spec, size_t size, va_list *arguments) {
     size_t n = 0;
     for (; n + 16 < size; at++) {
@@ -347,7 +373,9 @@ static inline char *riddle_io__temporary_name(const char *path, int attempt) {
     return text;
 }
 
-static inline bool riddle_io__is_standard_output(const char *path) { return strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0; }
+static inline bool riddle_io__is_standard_output(const char *path) {
+    return strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0;
+}
 
 static inline bool riddle_io__is_folder(const char *path) {
     struct stat info;
@@ -382,7 +410,8 @@ static inline FILE *riddle_io__create(const char *name) {
 static inline FILE *riddle_io__open_beside(const char *path, char **temporary) {
     struct stat info;
     *temporary = NULL;
-    if (riddle_io__is_standard_output(path)) return stdout; /* where it is redirected to a file, that file must not be replaced */
+    /* Where it is redirected to a file, that file must not be replaced. */
+    if (riddle_io__is_standard_output(path)) return stdout;
     if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
         if (S_ISDIR(info.st_mode)) {
             errno = EISDIR;
@@ -417,9 +446,11 @@ static inline void riddle_io__forget(char *temporary, bool unwanted) {
     riddle_io__release(temporary);
 }
 
-/* Returns a path whose links are resolved, so that a link stays one and its target is replaced; NULL where there is nothing yet. */
+/* Returns a path whose links are resolved, so that a link stays one and its target is replaced; NULL where there is
+   nothing yet. */
 static inline char *riddle_io__resolved(const char *path) {
-#if !defined(_WIN32) && (defined(_DEFAULT_SOURCE) || defined(_XOPEN_SOURCE) || defined(__APPLE__)) /* else it is not declared */
+/* else it is not declared */
+#if !defined(_WIN32) && (defined(_DEFAULT_SOURCE) || defined(_XOPEN_SOURCE) || defined(__APPLE__))
     char *real = riddle_io__is_standard_output(path) ? NULL : realpath(path, NULL), *copy = NULL;
     if (real) {
         copy = riddle_io__joined(real, "", "");
@@ -496,7 +527,8 @@ RIDDLE_IO_API riddle_io_status riddle_io_print(riddle_io_file *file, const char 
     va_list arguments;
     va_start(arguments, format);
     errno = 0;
-    bool worked = point ? vfprintf(file->stream, format, arguments) >= 0 : riddle_io__print(file->stream, format, &arguments);
+    bool worked =
+        point ? vfprintf(file->stream, format, arguments) >= 0 : riddle_io__print(file->stream, format, &arguments);
     va_end(arguments);
     return riddle_io__after(file, worked);
 }
@@ -553,7 +585,8 @@ RIDDLE_IO_API riddle_io_status riddle_io_close(riddle_io_file *file) {
 }
 
 static inline riddle_io_status riddle_io__say(riddle_io_status status, char *message, size_t size, const char *why) {
-    if (message && size && snprintf(message, size, "%s", why) < 0) *message = '\0'; /* a shorter buffer has its beginning */
+    /* a shorter buffer has its beginning */
+    if (message && size && snprintf(message, size, "%s", why) < 0) *message = '\0';
     return status;
 }
 
@@ -579,8 +612,8 @@ RIDDLE_IO_API riddle_io_status riddle_io_make_folder(const char *path, char *mes
         if (why && !riddle_io__is_folder(trial)) failed = why == EEXIST ? ENOTDIR : why;
         *c = '/';
     }
-    riddle_io_status status =
-        failed ? riddle_io__say(RIDDLE_IO_NOT_WRITTEN, message, size, strerror(failed)) : riddle_io_can_write(trial, message, size);
+    riddle_io_status status = failed ? riddle_io__say(RIDDLE_IO_NOT_WRITTEN, message, size, strerror(failed))
+                                     : riddle_io_can_write(trial, message, size);
     riddle_io__release(trial);
     return status;
 }
@@ -592,7 +625,7 @@ RIDDLE_IO_API const char *riddle_io_path(char *buffer, size_t size, const char *
     return buffer;
 }
 
-/* ================================================== >>ParaView: bodies ================================================== */
+/* =============================================== >>ParaView: bodies =============================================== */
 
 static inline riddle_io_array riddle_io__view(const char *name, int components) {
     riddle_io_array a = {name, components, 1, {NULL, NULL, NULL}, NULL, NULL};
@@ -624,7 +657,9 @@ RIDDLE_IO_API riddle_io_array riddle_io_vector_stride(const char *name, const do
     return a;
 }
 
-RIDDLE_IO_API riddle_io_array riddle_io_vector(const char *name, const double *xyz) { return riddle_io_vector_stride(name, xyz, 3); }
+RIDDLE_IO_API riddle_io_array riddle_io_vector(const char *name, const double *xyz) {
+    return riddle_io_vector_stride(name, xyz, 3);
+}
 
 RIDDLE_IO_API riddle_io_array riddle_io_vector3(const char *name, const double *x, const double *y, const double *z) {
     riddle_io_array a = riddle_io__view(name, 3);
@@ -657,7 +692,9 @@ static inline void riddle_io__put_float(riddle_io__stream *s, double value) {
     riddle_io__put(s, bits, 4);
 }
 
-static inline uint64_t riddle_io__array_bytes(const riddle_io_array *a, int n) { return 4 * (uint64_t)a->components * (uint64_t)n; }
+static inline uint64_t riddle_io__array_bytes(const riddle_io_array *a, int n) {
+    return 4 * (uint64_t)a->components * (uint64_t)n;
+}
 
 static inline void riddle_io__put_array(riddle_io__stream *s, const riddle_io_array *a, int n) {
     riddle_io__put(s, riddle_io__array_bytes(a, n), 8);
@@ -700,8 +737,10 @@ static inline void riddle_io__describe_ints(riddle_io_file *file, const char *na
 }
 
 static inline void riddle_io__head(riddle_io_file *file, const char *type) {
-    riddle_io_print(
-        file, "<?xml version=\"1.0\"?>\n<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n", type);
+    riddle_io_print(file,
+                    "<?xml version=\"1.0\"?>\n<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"LittleEndian\" "
+                    "header_type=\"UInt64\">\n",
+                    type);
 }
 
 static inline riddle_io__stream *riddle_io__begin_appended(riddle_io_file *file) {
@@ -750,22 +789,26 @@ static inline bool riddle_io__are_cells(int n_points, int n_cells, const int *en
 }
 
 static inline riddle_io_status riddle_io__polydata(const char *folder, const char *name, const char *cell_kind, int n,
-                                                   riddle_io_array position, int n_cells, const int *ends, const int *corners,
-                                                   const riddle_io_array *arrays, int n_arrays) {
+                                                   riddle_io_array position, int n_cells, const int *ends,
+                                                   const int *corners, const riddle_io_array *arrays, int n_arrays) {
     bool vertices = strcmp(cell_kind, "Verts") == 0;
-    if (!riddle_io__are_whole(arrays, n_arrays, n) || !riddle_io__are_whole(&position, 1, n) || position.components != 3)
-        return riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, name, "an array is missing, or the number of points is negative");
+    if (!riddle_io__are_whole(arrays, n_arrays, n) || !riddle_io__are_whole(&position, 1, n) ||
+        position.components != 3)
+        return riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, name,
+                               "an array is missing, or the number of points is negative");
     if (!vertices && !riddle_io__are_cells(n, n_cells, ends, corners))
-        return riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, name, "the ends of the cells do not rise, or a corner is no point");
+        return riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, name,
+                               "the ends of the cells do not rise, or a corner is no point");
     int n_corners = vertices ? n : n_cells > 0 ? ends[n_cells - 1] : 0;
     riddle_io_file *file = riddle_io_open(folder, name);
     if (!file) return RIDDLE_IO_NOT_WRITTEN;
     uint64_t offset = 0;
     riddle_io__head(file, "PolyData");
-    riddle_io_print(
-        file,
-        "<PolyData>\n<Piece NumberOfPoints=\"%d\" NumberOfVerts=\"%d\" NumberOfLines=\"%d\" NumberOfStrips=\"0\" NumberOfPolys=\"%d\">\n",
-        n, vertices ? n : 0, strcmp(cell_kind, "Lines") == 0 ? n_cells : 0, strcmp(cell_kind, "Polys") == 0 ? n_cells : 0);
+    riddle_io_print(file,
+                    "<PolyData>\n<Piece NumberOfPoints=\"%d\" NumberOfVerts=\"%d\" NumberOfLines=\"%d\" "
+                    "NumberOfStrips=\"0\" NumberOfPolys=\"%d\">\n",
+                    n, vertices ? n : 0, strcmp(cell_kind, "Lines") == 0 ? n_cells : 0,
+                    strcmp(cell_kind, "Polys") == 0 ? n_cells : 0);
     riddle_io_print(file, "<PointData>\n");
     for (int i = 0; i < n_arrays; i++) riddle_io__describe(file, &arrays[i], n, &offset);
     riddle_io_print(file, "</PointData>\n<Points>\n");
@@ -796,29 +839,34 @@ RIDDLE_IO_API riddle_io_status riddle_io_points(const char *folder, const char *
     return riddle_io__polydata(folder, name, "Verts", n, position, n, NULL, NULL, arrays, n_arrays);
 }
 
-RIDDLE_IO_API riddle_io_status riddle_io_lines(const char *folder, const char *name, int n_points, riddle_io_array position, int n_cells,
-                                               const int *ends, const int *corners, const riddle_io_array *arrays, int n_arrays) {
+RIDDLE_IO_API riddle_io_status riddle_io_lines(const char *folder, const char *name, int n_points,
+                                               riddle_io_array position, int n_cells, const int *ends,
+                                               const int *corners, const riddle_io_array *arrays, int n_arrays) {
     return riddle_io__polydata(folder, name, "Lines", n_points, position, n_cells, ends, corners, arrays, n_arrays);
 }
 
-RIDDLE_IO_API riddle_io_status riddle_io_polygons(const char *folder, const char *name, int n_points, riddle_io_array position, int n_cells,
-                                                  const int *ends, const int *corners, const riddle_io_array *arrays, int n_arrays) {
+RIDDLE_IO_API riddle_io_status riddle_io_polygons(const char *folder, const char *name, int n_points,
+                                                  riddle_io_array position, int n_cells, const int *ends,
+                                                  const int *corners, const riddle_io_array *arrays, int n_arrays) {
     return riddle_io__polydata(folder, name, "Polys", n_points, position, n_cells, ends, corners, arrays, n_arrays);
 }
 
-RIDDLE_IO_API riddle_io_status riddle_io_cells(const char *folder, const char *name, const int size[3], const double origin[3],
-                                               const double spacing[3], const riddle_io_array *arrays, int n_arrays) {
+RIDDLE_IO_API riddle_io_status riddle_io_cells(const char *folder, const char *name, const int size[3],
+                                               const double origin[3], const double spacing[3],
+                                               const riddle_io_array *arrays, int n_arrays) {
     double cells = size ? (double)size[0] * size[1] * size[2] : 0.0;
     if (!(size && origin && spacing && size[0] > 0 && size[1] > 0 && size[2] > 0 && cells < 2147483647.0))
         return riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, name, "a grid of no cells, or of 2^31 or more");
     int n = size[0] * size[1] * size[2];
-    if (!riddle_io__are_whole(arrays, n_arrays, n)) return riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, name, "an array is missing");
+    if (!riddle_io__are_whole(arrays, n_arrays, n))
+        return riddle_io__fail(RIDDLE_IO_BAD_ARGUMENT, name, "an array is missing");
     riddle_io_file *file = riddle_io_open(folder, name);
     if (!file) return RIDDLE_IO_NOT_WRITTEN;
     uint64_t offset = 0;
     riddle_io__head(file, "ImageData");
-    riddle_io_print(file, "<ImageData WholeExtent=\"0 %d 0 %d 0 %d\" Origin=\"%.9g %.9g %.9g\" Spacing=\"%.9g %.9g %.9g\">\n", size[0],
-                    size[1], size[2], origin[0], origin[1], origin[2], spacing[0], spacing[1], spacing[2]);
+    riddle_io_print(file,
+                    "<ImageData WholeExtent=\"0 %d 0 %d 0 %d\" Origin=\"%.9g %.9g %.9g\" Spacing=\"%.9g %.9g %.9g\">\n",
+                    size[0], size[1], size[2], origin[0], origin[1], origin[2], spacing[0], spacing[1], spacing[2]);
     riddle_io_print(file, "<Piece Extent=\"0 %d 0 %d 0 %d\">\n<CellData>\n", size[0], size[1], size[2]);
     for (int i = 0; i < n_arrays; i++) riddle_io__describe(file, &arrays[i], n, &offset);
     riddle_io_print(file, "</CellData>\n</Piece>\n</ImageData>\n");
@@ -857,7 +905,8 @@ static inline char *riddle_io__copy(const char *text, size_t length) {
 }
 
 static inline void riddle_io__frame_name(const riddle_io_series *series, int i, char *text, size_t size) {
-    snprintf(text, size, "%s_%04d.%s", series->stem, i, series->frames[i].extension); /* it fits: the lengths were checked */
+    /* It fits: the lengths were checked. */
+    snprintf(text, size, "%s_%04d.%s", series->stem, i, series->frames[i].extension);
 }
 
 /* Notes which of the named frames are there now. The others are looked for again: a caller may write them late. */
@@ -878,13 +927,14 @@ static inline bool riddle_io__look_for_frames(riddle_io_series *series) {
 static inline riddle_io_status riddle_io__write_index(riddle_io_series *series) {
     char name[sizeof series->current];
     const char *slash = riddle_io__last_slash(series->stem);
-    const size_t folder = slash ? (size_t)(slash - series->stem) + 1 : 0; /* readers look for a frame beside the index */
+    /* Readers look for a frame beside the index. */
+    const size_t folder = slash ? (size_t)(slash - series->stem) + 1 : 0;
     if (!riddle_io__look_for_frames(series)) return riddle_io__no_memory(series->stem);
     snprintf(name, sizeof name, "%s.pvd", series->stem);
     riddle_io_file *file = riddle_io_open(series->folder, name);
     if (!file) return RIDDLE_IO_NOT_WRITTEN;
-    riddle_io_print(file,
-                    "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n<Collection>\n");
+    riddle_io_print(file, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
+                          "byte_order=\"LittleEndian\">\n<Collection>\n");
     for (int i = 0; i < series->n; i++) {
         if (series->frames[i].state != RIDDLE_IO__THERE) continue;
         riddle_io__frame_name(series, i, name, sizeof name);
@@ -937,7 +987,8 @@ RIDDLE_IO_API const char *riddle_io_series_name_as(riddle_io_series *series, dou
     }
     if (series->n == series->capacity) {
         const int capacity = 2 * series->capacity + 64;
-        riddle_io__frame *frames = (riddle_io__frame *)RIDDLE_IO_REALLOC(series->frames, (size_t)capacity * sizeof *frames);
+        riddle_io__frame *frames =
+            (riddle_io__frame *)RIDDLE_IO_REALLOC(series->frames, (size_t)capacity * sizeof *frames);
         if (!frames) {
             riddle_io__no_memory(series->stem);
             return NULL;
@@ -968,7 +1019,7 @@ RIDDLE_IO_API riddle_io_status riddle_io_series_close(riddle_io_series *series) 
     return status;
 }
 
-/* =============================================== >>tables and progress: bodies ============================================== */
+/* ========================================== >>tables and progress: bodies ========================================= */
 
 static inline void riddle_io__append(riddle_io_table *t, const char *text, size_t length) {
     if (t->used + length + 1 > t->capacity) {
@@ -1039,7 +1090,8 @@ static inline void riddle_io__print_table(const riddle_io_table *t, FILE *stream
         int column = i % t->columns, pad = width[column] - riddle_io__letters_of(at);
         bool last = column == t->columns - 1;
         if (column) fputs(last && !*at ? "" : "  ", stream); /* no blanks at the end of a line */
-        fprintf(stream, "%*s%s%*s", left[column] || (last && !*at) ? 0 : pad, "", at, left[column] && !last ? pad : 0, "");
+        fprintf(stream, "%*s%s%*s", left[column] || (last && !*at) ? 0 : pad, "", at, left[column] && !last ? pad : 0,
+                "");
         if (last || i == t->cells - 1) fputc('\n', stream);
         if (i == t->columns - 1) riddle_io__rule(width, t->columns, stream);
     }

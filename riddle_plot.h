@@ -1,4 +1,5 @@
-/* riddle_plot.h: figures as SVG: lines, points, bands, error bars, bars, heat maps, discs to scale. A file is whole or absent.
+/* riddle_plot.h: figures as SVG: lines, points, bands, error bars, bars, heat maps, discs to scale. A file is whole or
+   absent.
 
    #include "riddle_plot.h"
 
@@ -10,18 +11,20 @@
        return riddle_plot_write(figure, NULL, "/dev/null");                    // folder and file: "out", "ball.svg"
    }
 
-   Figures  SVG 1.1: panels in rows and columns; axes, units, a legend that keeps off the data. Colours: Okabe & Ito (2008); van der Walt &
-            Smith (2015).
-   Units    the caller's: labels are written as they are given. Lengths of figures are in points (1/72 inch). Numbers have a decimal point,
-            whatever locale the host has set.
-   Errors   a function that fails hands one line to RIDDLE_IO_FAIL, and nothing half written is left. Every function takes the NULL that
-            riddle_plot_new returned and does nothing. A figure that ran out of memory says so when it is written.
+   Figures  SVG 1.1: panels in rows and columns; axes, units, a legend that keeps off the data. Colours: Okabe & Ito
+            (2008); van der Walt & Smith (2015).
+   Units    the caller's: labels are written as they are given. Lengths of figures are in points (1/72 inch). Numbers
+            have a decimal point, whatever locale the host has set.
+   Errors   a function that fails hands one line to RIDDLE_IO_FAIL, and nothing half written is left. Every function
+            takes the NULL that riddle_plot_new returned and does nothing. A figure that ran out of memory says so when
+            it is written.
    Hooks    those of riddle_io.h, set before the inclusion: RIDDLE_IO_FAIL, RIDDLE_IO_REALLOC, RIDDLE_IO_FREE.
    Memory   a figure lives from riddle_plot_new to riddle_plot_write or riddle_plot_free. Data given to it are copied.
    Threads  no state but the caller's figures: one figure is used by one thread at a time.
    Bits     the same calls give the same file with the same C library.
-   Linking  with riddle_io.h beside it. Every function is static inline; for one shared copy #define RIDDLE_PLOT_API extern before every
-            inclusion, and RIDDLE_PLOT_IMPLEMENTATION as well in one file; riddle_io.h has its own switch.
+   Linking  with riddle_io.h beside it. Every function is static inline; for one shared copy #define RIDDLE_PLOT_API
+            extern before every inclusion, and RIDDLE_PLOT_IMPLEMENTATION as well in one file; riddle_io.h has its own
+            switch.
    Not here: other formats than SVG, three dimensions, dates on an axis. */
 #ifndef RIDDLE_PLOT_H
 #define RIDDLE_PLOT_H
@@ -43,45 +46,59 @@
 extern "C" {
 #endif
 
-/* ====================================================== >>declarations ====================================================== */
+/* ================================================= >>declarations ================================================= */
 
-/* Values that are not finite (or not positive on a log axis) are left out and break a line. Text is UTF-8 and is escaped. Panels without a
-   call stay empty. A series with the label NULL or "" is not in the legend. */
+/* Values that are not finite (or not positive on a log axis) are left out and break a line. Text is UTF-8 and is
+   escaped. Panels without a call stay empty. A series with the label NULL or "" is not in the legend. */
 typedef struct riddle_plot riddle_plot;
 
-RIDDLE_PLOT_API riddle_plot *riddle_plot_new(const char *title, int rows, int columns);   /* title may be NULL; 1 to 6 rows and columns */
-RIDDLE_PLOT_API void riddle_plot_panel_size(riddle_plot *p, double width, double height); /* of each; default 540 x 360 for one panel */
-RIDDLE_PLOT_API riddle_io_status riddle_plot_write(riddle_plot *p, const char *folder, const char *name); /* always frees the figure */
-RIDDLE_PLOT_API void riddle_plot_free(riddle_plot *p);                                                    /* instead of writing it */
+/* title may be NULL; 1 to 6 rows and columns */
+RIDDLE_PLOT_API riddle_plot *riddle_plot_new(const char *title, int rows, int columns);
+/* Of each; default 540 x 360 for one panel. */
+RIDDLE_PLOT_API void riddle_plot_panel_size(riddle_plot *p, double width, double height);
+/* Always frees the figure. */
+RIDDLE_PLOT_API riddle_io_status riddle_plot_write(riddle_plot *p, const char *folder, const char *name);
+/* Instead of writing it. */
+RIDDLE_PLOT_API void riddle_plot_free(riddle_plot *p);
 
 /* Chooses the panel that the following calls work on. */
 RIDDLE_PLOT_API void riddle_plot_panel(riddle_plot *p, int row, int column, const char *x_label, const char *y_label);
 RIDDLE_PLOT_API void riddle_plot_title(riddle_plot *p, const char *title); /* of the panel */
 RIDDLE_PLOT_API void riddle_plot_log_x(riddle_plot *p);
 RIDDLE_PLOT_API void riddle_plot_log_y(riddle_plot *p);
-RIDDLE_PLOT_API void riddle_plot_range_x(riddle_plot *p, double low, double high); /* default: the data with a small margin */
+/* default: the data with a small margin */
+RIDDLE_PLOT_API void riddle_plot_range_x(riddle_plot *p, double low, double high);
 RIDDLE_PLOT_API void riddle_plot_range_y(riddle_plot *p, double low, double high);
 RIDDLE_PLOT_API void riddle_plot_equal(riddle_plot *p);          /* same length for one unit on both axes */
-RIDDLE_PLOT_API void riddle_plot_legend_outside(riddle_plot *p); /* right of the panel; default: inside where no data are, else outside */
+/* Says that the panel is drawn to scale, as a section of a machine: as riddle_plot_equal, and a bar of a round length
+   in the given unit, such as "mm", instead of axes and their labels. NULL: axes. */
+RIDDLE_PLOT_API void riddle_plot_scale_bar(riddle_plot *p, const char *unit);
+/* right of the panel; default: inside where no data are, else outside */
+RIDDLE_PLOT_API void riddle_plot_legend_outside(riddle_plot *p);
 
 /* Add a series of n points. Each takes the next colour. */
 RIDDLE_PLOT_API void riddle_plot_line(riddle_plot *p, const char *label, const double *x, const double *y, int n);
 RIDDLE_PLOT_API void riddle_plot_points(riddle_plot *p, const char *label, const double *x, const double *y, int n);
-RIDDLE_PLOT_API void riddle_plot_band(riddle_plot *p, const char *label, const double *x, const double *low, const double *high, int n);
-RIDDLE_PLOT_API void riddle_plot_error_bars(riddle_plot *p, const char *label, const double *x, const double *y, const double *plus_minus,
-                                            int n);
-/* Adds shaded discs, for spheres to scale: x, y and radius in the axes' unit; with riddle_plot_equal. They are drawn in the given
-   order. */
-RIDDLE_PLOT_API void riddle_plot_discs(riddle_plot *p, const char *label, const double *x, const double *y, const double *radius, int n);
+RIDDLE_PLOT_API void riddle_plot_band(riddle_plot *p, const char *label, const double *x, const double *low,
+                                      const double *high, int n);
+RIDDLE_PLOT_API void riddle_plot_error_bars(riddle_plot *p, const char *label, const double *x, const double *y,
+                                            const double *plus_minus, int n);
+/* Adds shaded discs, for spheres to scale: x, y and radius in the axes' unit; with riddle_plot_equal. They are drawn in
+   the given order. */
+RIDDLE_PLOT_API void riddle_plot_discs(riddle_plot *p, const char *label, const double *x, const double *y,
+                                       const double *radius, int n);
 /* Adds bars beside each other, one group for each name; call again for the next series of the same groups. */
-RIDDLE_PLOT_API void riddle_plot_bars(riddle_plot *p, const char *label, const char *const *names, const double *values, int n);
-/* Adds a heat map of values[row][column], row 0 at the bottom, between the given corners, and a colour bar with its label at the right. */
-RIDDLE_PLOT_API void riddle_plot_heat(riddle_plot *p, const char *label, const double *values, int columns, int rows, double x0, double x1,
-                                      double y0, double y1);
+RIDDLE_PLOT_API void riddle_plot_bars(riddle_plot *p, const char *label, const char *const *names, const double *values,
+                                      int n);
+/* Adds a heat map of values[row][column], row 0 at the bottom, between the given corners, and a colour bar with its
+   label at the right. */
+RIDDLE_PLOT_API void riddle_plot_heat(riddle_plot *p, const char *label, const double *values, int columns, int rows,
+                                      double x0, double x1, double y0, double y1);
 /* Sets the range of the colours of the heat map just added, for comparing panels; default: the range of its values. */
 RIDDLE_PLOT_API void riddle_plot_heat_range(riddle_plot *p, double low, double high);
 
-/* Says that the values of the heat map just added are the classes 0, 1 .. n-1 with these names: the bar shows one colour each. */
+/* Says that the values of the heat map just added are the classes 0, 1 .. n-1 with these names: the bar shows one
+   colour each. */
 RIDDLE_PLOT_API void riddle_plot_heat_classes(riddle_plot *p, const char *const *names, int n);
 
 /* The appearance of the series just added. */
@@ -94,10 +111,12 @@ enum {
     RIDDLE_PLOT_STEPS = 32,
     RIDDLE_PLOT_NO_LINE = 64
 };
-enum { RIDDLE_PLOT_NEXT = -1, RIDDLE_PLOT_SAME = -2, RIDDLE_PLOT_GREY = -3, RIDDLE_PLOT_BLACK = -4 }; /* colours; 0 .. 7 from the palette */
+/* colours; 0 .. 7 from the palette */
+enum { RIDDLE_PLOT_NEXT = -1, RIDDLE_PLOT_SAME = -2, RIDDLE_PLOT_GREY = -3, RIDDLE_PLOT_BLACK = -4 };
 RIDDLE_PLOT_API void riddle_plot_style(riddle_plot *p, int flags, int colour);
 
-/* Draw reference lines over the whole panel, and text at a place in data coordinates (or at a share 0..1 of the panel). */
+/* Draw reference lines over the whole panel, and text at a place in data coordinates (or at a share 0..1
+   of the panel). */
 RIDDLE_PLOT_API void riddle_plot_horizontal(riddle_plot *p, const char *label, double y);
 RIDDLE_PLOT_API void riddle_plot_vertical(riddle_plot *p, const char *label, double x);
 RIDDLE_PLOT_API void riddle_plot_text(riddle_plot *p, double x, double y, const char *text);
@@ -109,7 +128,7 @@ RIDDLE_PLOT_API void riddle_plot_text_share(riddle_plot *p, double x_share, doub
 #include <stdbool.h>
 #include <stdint.h>
 
-/* ========================================================= >>bodies ========================================================= */
+/* ==================================================== >>bodies ==================================================== */
 
 /* ---- what a figure holds ---- */
 
@@ -152,7 +171,7 @@ typedef struct {
 
 typedef struct {
     bool used, equal, legend_outside, legend_above;
-    char *title;
+    char *title, *unit; /* unit: of the scale bar; NULL: axes */
     riddle_plot__axis x, y;
     riddle_plot__series *all;
     int n, capacity, next_colour;
@@ -167,10 +186,11 @@ struct riddle_plot {
     bool failed; /* out of memory */
 };
 
-/* Returns a colour of Okabe & Ito (2008), which the colour-blind can tell apart; brown replaces their yellow, which is too pale for a
-   line. */
+/* Returns a colour of Okabe & Ito (2008), which the colour-blind can tell apart; brown replaces their yellow, which is
+   too pale for a line. */
 static inline const char *riddle_plot__palette(int colour) {
-    static const char *const colours[8] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5C2E", "#555555"};
+    static const char *const colours[8] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
+                                           "#E69F00", "#56B4E9", "#7A5C2E", "#555555"};
     return colours[colour & 7];
 }
 
@@ -243,6 +263,7 @@ RIDDLE_PLOT_API void riddle_plot_free(riddle_plot *p) {
         for (int k = 0; k < a->n; k++) riddle_plot__free_series(&a->all[k]);
         riddle_io__release(a->all);
         riddle_io__release(a->title);
+        riddle_io__release(a->unit);
         riddle_io__release(a->x.label);
         riddle_io__release(a->y.label);
     }
@@ -306,17 +327,27 @@ RIDDLE_PLOT_API void riddle_plot_equal(riddle_plot *p) {
     if (a) a->equal = true;
 }
 
+RIDDLE_PLOT_API void riddle_plot_scale_bar(riddle_plot *p, const char *unit) {
+    riddle_plot__panel *a = riddle_plot__current(p);
+    if (!a) return;
+    riddle_io__release(a->unit);
+    a->unit = riddle_plot__copy_text(p, unit);
+    a->equal = a->equal || unit;
+}
+
 RIDDLE_PLOT_API void riddle_plot_legend_outside(riddle_plot *p) {
     riddle_plot__panel *a = riddle_plot__current(p);
     if (a) a->legend_outside = true;
 }
 
-static inline riddle_plot__series *riddle_plot__add(riddle_plot *p, riddle_plot__series_kind kind, const char *label, int n) {
+static inline riddle_plot__series *riddle_plot__add(riddle_plot *p, riddle_plot__series_kind kind, const char *label,
+                                                    int n) {
     riddle_plot__panel *a = riddle_plot__current(p);
     if (!a) return NULL;
     if (a->n == a->capacity) {
         int capacity = 2 * a->capacity + 8;
-        riddle_plot__series *larger = (riddle_plot__series *)RIDDLE_IO_REALLOC(a->all, (size_t)capacity * sizeof *larger);
+        riddle_plot__series *larger =
+            (riddle_plot__series *)RIDDLE_IO_REALLOC(a->all, (size_t)capacity * sizeof *larger);
         if (!larger) {
             p->failed = true;
             return NULL;
@@ -333,15 +364,17 @@ static inline riddle_plot__series *riddle_plot__add(riddle_plot *p, riddle_plot_
     return s;
 }
 
-static inline riddle_plot__series *riddle_plot__add_coloured(riddle_plot *p, riddle_plot__series_kind kind, const char *label,
-                                                             const double *x, const double *y, const double *z, int n) {
+static inline riddle_plot__series *riddle_plot__add_coloured(riddle_plot *p, riddle_plot__series_kind kind,
+                                                             const char *label, const double *x, const double *y,
+                                                             const double *z, int n) {
     riddle_plot__series *s = riddle_plot__add(p, kind, label, n);
     if (!s) return NULL;
     s->x = riddle_plot__copy_numbers(p, x, n);
     s->y = riddle_plot__copy_numbers(p, y, n);
     s->z = riddle_plot__copy_numbers(p, z, n);
     if ((!s->x && kind != RIDDLE_PLOT__BARS) || !s->y) s->n = 0;
-    if (!s->z && (z || kind == RIDDLE_PLOT__BAND || kind == RIDDLE_PLOT__ERROR_BARS || kind == RIDDLE_PLOT__DISCS)) s->n = 0;
+    if (!s->z && (z || kind == RIDDLE_PLOT__BAND || kind == RIDDLE_PLOT__ERROR_BARS || kind == RIDDLE_PLOT__DISCS))
+        s->n = 0;
     s->colour = riddle_plot__current(p)->next_colour++ % 8;
     return s;
 }
@@ -354,16 +387,18 @@ RIDDLE_PLOT_API void riddle_plot_points(riddle_plot *p, const char *label, const
     riddle_plot__add_coloured(p, RIDDLE_PLOT__POINTS, label, x, y, NULL, n);
 }
 
-RIDDLE_PLOT_API void riddle_plot_band(riddle_plot *p, const char *label, const double *x, const double *low, const double *high, int n) {
+RIDDLE_PLOT_API void riddle_plot_band(riddle_plot *p, const char *label, const double *x, const double *low,
+                                      const double *high, int n) {
     riddle_plot__add_coloured(p, RIDDLE_PLOT__BAND, label, x, low, high, n);
 }
 
-RIDDLE_PLOT_API void riddle_plot_error_bars(riddle_plot *p, const char *label, const double *x, const double *y, const double *plus_minus,
-                                            int n) {
+RIDDLE_PLOT_API void riddle_plot_error_bars(riddle_plot *p, const char *label, const double *x, const double *y,
+                                            const double *plus_minus, int n) {
     riddle_plot__add_coloured(p, RIDDLE_PLOT__ERROR_BARS, label, x, y, plus_minus, n);
 }
 
-RIDDLE_PLOT_API void riddle_plot_discs(riddle_plot *p, const char *label, const double *x, const double *y, const double *radius, int n) {
+RIDDLE_PLOT_API void riddle_plot_discs(riddle_plot *p, const char *label, const double *x, const double *y,
+                                       const double *radius, int n) {
     riddle_plot__add_coloured(p, RIDDLE_PLOT__DISCS, label, x, y, radius, n);
 }
 
@@ -374,7 +409,8 @@ static inline void riddle_plot__name(riddle_plot *p, riddle_plot__series *s, con
     for (int i = 0; i < s->named; i++) s->names[i] = riddle_plot__copy_text(p, names[i]);
 }
 
-RIDDLE_PLOT_API void riddle_plot_bars(riddle_plot *p, const char *label, const char *const *names, const double *values, int n) {
+RIDDLE_PLOT_API void riddle_plot_bars(riddle_plot *p, const char *label, const char *const *names, const double *values,
+                                      int n) {
     riddle_plot__series *s = riddle_plot__add_coloured(p, RIDDLE_PLOT__BARS, label, NULL, values, NULL, n);
     if (!s || !names) {
         if (s) s->n = 0;
@@ -384,8 +420,8 @@ RIDDLE_PLOT_API void riddle_plot_bars(riddle_plot *p, const char *label, const c
     riddle_plot__name(p, s, names, s->n);
 }
 
-RIDDLE_PLOT_API void riddle_plot_heat(riddle_plot *p, const char *label, const double *values, int columns, int rows, double x0, double x1,
-                                      double y0, double y1) {
+RIDDLE_PLOT_API void riddle_plot_heat(riddle_plot *p, const char *label, const double *values, int columns, int rows,
+                                      double x0, double x1, double y0, double y1) {
     double corners[4] = {x0, x1, y0, y1};
     if (columns < 1 || rows < 1 || columns > 100000000 / rows) return;
     riddle_plot__series *s = riddle_plot__add(p, RIDDLE_PLOT__HEAT, label, 4);
@@ -400,14 +436,17 @@ RIDDLE_PLOT_API void riddle_plot_heat(riddle_plot *p, const char *label, const d
 RIDDLE_PLOT_API void riddle_plot_heat_range(riddle_plot *p, double low, double high) {
     riddle_plot__panel *a = riddle_plot__current(p);
     const double ends[2] = {low, high};
-    if (!a || a->n == 0 || a->all[a->n - 1].kind != RIDDLE_PLOT__HEAT || !(low < high) || !(high - low < HUGE_VAL)) return;
+    if (!a || a->n == 0 || a->all[a->n - 1].kind != RIDDLE_PLOT__HEAT || !(low < high) || !(high - low < HUGE_VAL))
+        return;
     riddle_io__release(a->all[a->n - 1].z);
     a->all[a->n - 1].z = riddle_plot__copy_numbers(p, ends, 2);
 }
 
 RIDDLE_PLOT_API void riddle_plot_heat_classes(riddle_plot *p, const char *const *names, int n) {
     riddle_plot__panel *a = riddle_plot__current(p);
-    if (!a || a->n == 0 || a->all[a->n - 1].kind != RIDDLE_PLOT__HEAT || a->all[a->n - 1].names || !names || n < 1 || n > 64) return;
+    if (!a || a->n == 0 || a->all[a->n - 1].kind != RIDDLE_PLOT__HEAT || a->all[a->n - 1].names || !names || n < 1 ||
+        n > 64)
+        return;
     riddle_plot_heat_range(p, -0.5, n - 0.5);
     riddle_plot__name(p, &a->all[a->n - 1], names, n);
 }
@@ -423,7 +462,8 @@ RIDDLE_PLOT_API void riddle_plot_style(riddle_plot *p, int flags, int colour) {
     else s->colour = colour >= 0 ? colour % 8 : colour;
 }
 
-static inline void riddle_plot__add_at(riddle_plot *p, riddle_plot__series_kind kind, const char *label, double x, double y) {
+static inline void riddle_plot__add_at(riddle_plot *p, riddle_plot__series_kind kind, const char *label, double x,
+                                       double y) {
     riddle_plot__series *s = riddle_plot__add(p, kind, label, 1);
     if (!s) return;
     s->x = riddle_plot__copy_numbers(p, &x, 1);
@@ -449,7 +489,9 @@ RIDDLE_PLOT_API void riddle_plot_text_share(riddle_plot *p, double x_share, doub
 
 /* ---- axes ---- */
 
-static inline bool riddle_plot__can_show(const riddle_plot__axis *a, double v) { return v - v == 0.0 && (!a->log || v > 0.0); }
+static inline bool riddle_plot__can_show(const riddle_plot__axis *a, double v) {
+    return v - v == 0.0 && (!a->log || v > 0.0);
+}
 
 static inline void riddle_plot__include(const riddle_plot__axis *a, double v, double *low, double *high) {
     if (!riddle_plot__can_show(a, v)) return;
@@ -509,9 +551,10 @@ static inline double riddle_plot__nice_step(double span, int wanted, int *minor)
     return power * (m <= 1.41 ? 1.0 : m <= 3.16 ? 2.0 : m <= 7.07 ? 5.0 : 10.0);
 }
 
-/* Makes the ticks of a linear axis. Returns their number. *exponent: 10^exponent is divided out of the labels and is written at the end of
-   the axis. */
-static inline int riddle_plot__linear_ticks(const riddle_plot__axis *a, int wanted, riddle_plot__tick *ticks, int *exponent) {
+/* Makes the ticks of a linear axis. Returns their number. *exponent: 10^exponent is divided out of the labels and is
+   written at the end of the axis. */
+static inline int riddle_plot__linear_ticks(const riddle_plot__axis *a, int wanted, riddle_plot__tick *ticks,
+                                            int *exponent) {
     int minor, n = 0;
     double step = riddle_plot__nice_step(a->high - a->low, wanted, &minor), fine = step / minor,
            largest = fmax(fabs(a->low), fabs(a->high));
@@ -520,7 +563,8 @@ static inline int riddle_plot__linear_ticks(const riddle_plot__axis *a, int want
     int decimals = *exponent - digits;
     if (decimals < 0) decimals = 0;
     if (decimals > 12) decimals = 12;
-    for (double k = ceil(a->low / fine - 1e-9); k * fine <= a->high + 1e-9 * step && n < RIDDLE_PLOT__MOST_TICKS; k += 1.0) {
+    for (double k = ceil(a->low / fine - 1e-9); k * fine <= a->high + 1e-9 * step && n < RIDDLE_PLOT__MOST_TICKS;
+         k += 1.0) {
         riddle_plot__tick *t = &ticks[n++];
         t->at = k * fine;
         t->major = fabs(k / minor - floor(k / minor + 0.5)) < 1e-6;
@@ -574,15 +618,18 @@ static inline int riddle_plot__log_ticks(const riddle_plot__axis *a, int wanted,
             t->major = m == 1 && e % every == 0;
             t->letters = 0;
             t->text[0] = '\0';
-            if (few && (m == 2 || m == 5 || steps_shown <= 6)) t->major = true; /* too few powers of ten to read it by */
+            /* Too few powers of ten to read it by. */
+            if (few && (m == 2 || m == 5 || steps_shown <= 6)) t->major = true;
             if (t->major) riddle_plot__power_text(t, m, e, plain);
         }
     }
     return n;
 }
 
-/* Makes the ticks of an axis. A logarithmic axis within a factor of two gets linear ones: it has no useful powers of ten. */
-static inline int riddle_plot__make_ticks(const riddle_plot__axis *a, int wanted, riddle_plot__tick *ticks, int *exponent) {
+/* Makes the ticks of an axis. A logarithmic axis within a factor of two gets linear ones: it has no useful
+   powers of ten. */
+static inline int riddle_plot__make_ticks(const riddle_plot__axis *a, int wanted, riddle_plot__tick *ticks,
+                                          int *exponent) {
     *exponent = 0;
     if (a->log && a->high / a->low > 2.0) return riddle_plot__log_ticks(a, wanted, ticks);
     return riddle_plot__linear_ticks(a, wanted, ticks, exponent);
@@ -594,7 +641,10 @@ static inline double riddle_plot__text_width(const char *text, double size) {
     double w = 0.0;
     for (; *text; text++) {
         if (((unsigned char)*text & 0xC0) == 0x80) continue;
-        w += strchr("iljtfr.,:;'|()[] ", *text) ? 0.35 : strchr("mwMW", *text) ? 0.92 : *text >= 'A' && *text <= 'Z' ? 0.70 : 0.62;
+        w += strchr("iljtfr.,:;'|()[] ", *text) ? 0.35
+             : strchr("mwMW", *text)            ? 0.92
+             : *text >= 'A' && *text <= 'Z'     ? 0.70
+                                                : 0.62;
     }
     return w * size;
 }
@@ -610,7 +660,8 @@ static inline void riddle_plot__escaped(riddle_io_file *f, const char *text) {
     }
 }
 
-static inline void riddle_plot__text_at(riddle_io_file *f, double x, double y, const char *anchor, const char *style, const char *text) {
+static inline void riddle_plot__text_at(riddle_io_file *f, double x, double y, const char *anchor, const char *style,
+                                        const char *text) {
     if (!text || !*text) return;
     riddle_io_print(f, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\" class=\"%s\">", x, y, anchor, style);
     riddle_plot__escaped(f, text);
@@ -633,9 +684,10 @@ static inline double riddle_plot__fitting(const char *text, double size, double 
 }
 
 static inline void riddle_plot__upright_label(riddle_io_file *f, double x, double y, double room, const char *text) {
-    riddle_io_print(
-        f, "<text transform=\"translate(%.1f %.1f) rotate(-90)\" text-anchor=\"middle\" class=\"label\" style=\"font-size:%.1fpx\">", x, y,
-        riddle_plot__fitting(text, RIDDLE_PLOT__LABEL_SIZE, room));
+    riddle_io_print(f,
+                    "<text transform=\"translate(%.1f %.1f) rotate(-90)\" text-anchor=\"middle\" class=\"label\" "
+                    "style=\"font-size:%.1fpx\">",
+                    x, y, riddle_plot__fitting(text, RIDDLE_PLOT__LABEL_SIZE, room));
     riddle_plot__escaped(f, text);
     riddle_io_print(f, "</text>\n");
 }
@@ -655,7 +707,9 @@ static inline void riddle_plot__heat_colour(double share01, int rgb[3]) {
     for (int i = 0; i < 3; i++) rgb[i] = (int)(map[k][i] + (s - k) * (map[k + 1][i] - map[k][i]) + 0.5);
 }
 
-static inline double riddle_plot__px(const riddle_plot__panel *a, double x) { return a->at.x + a->at.width * riddle_plot__share(&a->x, x); }
+static inline double riddle_plot__px(const riddle_plot__panel *a, double x) {
+    return a->at.x + a->at.width * riddle_plot__share(&a->x, x);
+}
 
 static inline double riddle_plot__py(const riddle_plot__panel *a, double y) {
     return a->at.y + a->at.height * (1.0 - riddle_plot__share(&a->y, y));
@@ -668,14 +722,17 @@ static inline bool riddle_plot__visible(const riddle_plot__panel *a, double x, d
 /* Limits a coordinate to a range that renderers accept. */
 static inline double riddle_plot__limited(double v) { return v < -1e5 ? -1e5 : v > 1e5 ? 1e5 : v; }
 
-static inline void riddle_plot__draw_path(riddle_io_file *f, const riddle_plot__panel *a, const riddle_plot__series *s) {
+static inline void riddle_plot__draw_path(riddle_io_file *f, const riddle_plot__panel *a,
+                                          const riddle_plot__series *s) {
     const char *dash = s->flags & RIDDLE_PLOT_DASHED   ? " stroke-dasharray=\"8 5\""
                        : s->flags & RIDDLE_PLOT_DOTTED ? " stroke-dasharray=\"2 4\""
                                                        : "";
     double width = s->flags & RIDDLE_PLOT_THIN ? 1.1 : 2.4;
     riddle_io_print(f,
-                    "<path fill=\"none\" stroke=\"%s\" stroke-width=\"%.1f\" stroke-linejoin=\"round\" stroke-linecap=\"round\"%s%s d=\"",
-                    riddle_plot__colour_of(s), width, dash, s->flags & RIDDLE_PLOT_FAINT ? " stroke-opacity=\"0.35\"" : "");
+                    "<path fill=\"none\" stroke=\"%s\" stroke-width=\"%.1f\" stroke-linejoin=\"round\" "
+                    "stroke-linecap=\"round\"%s%s d=\"",
+                    riddle_plot__colour_of(s), width, dash,
+                    s->flags & RIDDLE_PLOT_FAINT ? " stroke-opacity=\"0.35\"" : "");
     bool pen_down = false;
     double last_x = 0.0, last_y = 0.0;
     for (int i = 0; i < s->n; i++) {
@@ -683,7 +740,8 @@ static inline void riddle_plot__draw_path(riddle_io_file *f, const riddle_plot__
             pen_down = false;
             continue;
         }
-        double x = riddle_plot__limited(riddle_plot__px(a, s->x[i])), y = riddle_plot__limited(riddle_plot__py(a, s->y[i]));
+        double x = riddle_plot__limited(riddle_plot__px(a, s->x[i])),
+               y = riddle_plot__limited(riddle_plot__py(a, s->y[i]));
         bool last = i + 1 == s->n || !riddle_plot__visible(a, s->x[i + 1], s->y[i + 1]);
         if (pen_down && !last && fabs(x - last_x) < 0.3 && fabs(y - last_y) < 0.3) continue;
         if (pen_down && s->flags & RIDDLE_PLOT_STEPS) riddle_io_print(f, "H%.2f", x);
@@ -696,24 +754,29 @@ static inline void riddle_plot__draw_path(riddle_io_file *f, const riddle_plot__
 }
 
 /* Draws a marker; each colour has its own shape, for readers who cannot tell the colours apart. */
-static inline void riddle_plot__draw_marker(riddle_io_file *f, const riddle_plot__series *s, double x, double y, double r) {
+static inline void riddle_plot__draw_marker(riddle_io_file *f, const riddle_plot__series *s, double x, double y,
+                                            double r) {
     switch (s->colour < 0 ? 0 : s->colour % 4) {
     case 1:
-        riddle_io_print(f, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\"/>\n", x - 0.9 * r, y - 0.9 * r, 1.8 * r, 1.8 * r);
+        riddle_io_print(f, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\"/>\n", x - 0.9 * r, y - 0.9 * r,
+                        1.8 * r, 1.8 * r);
         break;
-    case 2: riddle_io_print(f, "<path d=\"M%.2f %.2fl%.2f %.2fh%.2fz\"/>\n", x, y - 1.2 * r, 1.15 * r, 2.0 * r, -2.3 * r); break;
+    case 2:
+        riddle_io_print(f, "<path d=\"M%.2f %.2fl%.2f %.2fh%.2fz\"/>\n", x, y - 1.2 * r, 1.15 * r, 2.0 * r, -2.3 * r);
+        break;
     case 3:
-        riddle_io_print(f, "<path d=\"M%.2f %.2fl%.2f %.2fl%.2f %.2fl%.2f %.2fz\"/>\n", x, y - 1.3 * r, 1.3 * r, 1.3 * r, -1.3 * r, 1.3 * r,
-                        -1.3 * r, -1.3 * r);
+        riddle_io_print(f, "<path d=\"M%.2f %.2fl%.2f %.2fl%.2f %.2fl%.2f %.2fz\"/>\n", x, y - 1.3 * r, 1.3 * r,
+                        1.3 * r, -1.3 * r, 1.3 * r, -1.3 * r, -1.3 * r);
         break;
     default: riddle_io_print(f, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%.2f\"/>\n", x, y, r);
     }
 }
 
-static inline void riddle_plot__draw_points(riddle_io_file *f, const riddle_plot__panel *a, const riddle_plot__series *s) {
+static inline void riddle_plot__draw_points(riddle_io_file *f, const riddle_plot__panel *a,
+                                            const riddle_plot__series *s) {
     double r = s->n > 1500 ? 1.4 : s->n > 200 || s->flags & RIDDLE_PLOT_THIN ? 2.4 : 4.0;
-    riddle_io_print(f, "<g fill=\"%s\" stroke=\"white\" stroke-width=\"%s\"%s>\n", riddle_plot__colour_of(s), r > 3.0 ? "0.8" : "0",
-                    s->n > 200 || s->flags & RIDDLE_PLOT_FAINT ? " fill-opacity=\"0.55\"" : "");
+    riddle_io_print(f, "<g fill=\"%s\" stroke=\"white\" stroke-width=\"%s\"%s>\n", riddle_plot__colour_of(s),
+                    r > 3.0 ? "0.8" : "0", s->n > 200 || s->flags & RIDDLE_PLOT_FAINT ? " fill-opacity=\"0.55\"" : "");
     for (int i = 0; i < s->n; i++) {
         if (!riddle_plot__visible(a, s->x[i], s->y[i])) continue;
         double u = riddle_plot__share(&a->x, s->x[i]), v = riddle_plot__share(&a->y, s->y[i]);
@@ -723,9 +786,12 @@ static inline void riddle_plot__draw_points(riddle_io_file *f, const riddle_plot
     riddle_io_print(f, "</g>\n");
 }
 
-static inline double riddle_plot__floor_of(const riddle_plot__axis *a, double v) { return a->log && !(v > 0.0) ? a->low : v; }
+static inline double riddle_plot__floor_of(const riddle_plot__axis *a, double v) {
+    return a->log && !(v > 0.0) ? a->low : v;
+}
 
-static inline void riddle_plot__draw_band(riddle_io_file *f, const riddle_plot__panel *a, const riddle_plot__series *s) {
+static inline void riddle_plot__draw_band(riddle_io_file *f, const riddle_plot__panel *a,
+                                          const riddle_plot__series *s) {
     for (int i = 0; i < s->n;) {
         int end = i;
         while (end < s->n && riddle_plot__visible(a, s->x[end], s->z[end]) && s->y[end] - s->y[end] == 0.0) end++;
@@ -743,13 +809,17 @@ static inline void riddle_plot__draw_band(riddle_io_file *f, const riddle_plot__
     }
 }
 
-static inline bool riddle_plot__has_length(const riddle_plot__series *s, int i) { return s->z[i] >= 0.0 && s->z[i] < HUGE_VAL; }
+static inline bool riddle_plot__has_length(const riddle_plot__series *s, int i) {
+    return s->z[i] >= 0.0 && s->z[i] < HUGE_VAL;
+}
 
-static inline void riddle_plot__draw_error_bars(riddle_io_file *f, const riddle_plot__panel *a, const riddle_plot__series *s) {
+static inline void riddle_plot__draw_error_bars(riddle_io_file *f, const riddle_plot__panel *a,
+                                                const riddle_plot__series *s) {
     riddle_io_print(f, "<g stroke=\"%s\" stroke-width=\"1.6\">\n", riddle_plot__colour_of(s));
     for (int i = 0; i < s->n; i++) {
         if (!riddle_plot__visible(a, s->x[i], s->y[i]) || !riddle_plot__has_length(s, i)) continue;
-        double x = riddle_plot__limited(riddle_plot__px(a, s->x[i])), top = riddle_plot__limited(riddle_plot__py(a, s->y[i] + s->z[i])),
+        double x = riddle_plot__limited(riddle_plot__px(a, s->x[i])),
+               top = riddle_plot__limited(riddle_plot__py(a, s->y[i] + s->z[i])),
                base = riddle_plot__limited(riddle_plot__py(a, riddle_plot__floor_of(&a->y, s->y[i] - s->z[i])));
         riddle_io_print(f, "<path d=\"M%.2f %.2fh8m-4 0V%.2fm-4 0h8\"/>\n", x - 4.0, top, base);
     }
@@ -763,25 +833,29 @@ static inline double riddle_plot__disc_radius(const riddle_plot__panel *a, const
 }
 
 /* Draws discs lit from the upper left: a light spot over the colour, and a dark rim. */
-static inline void riddle_plot__draw_discs(riddle_io_file *f, const riddle_plot__panel *a, const riddle_plot__series *s) {
+static inline void riddle_plot__draw_discs(riddle_io_file *f, const riddle_plot__panel *a,
+                                           const riddle_plot__series *s) {
     const char *colour = riddle_plot__colour_of(s);
-    riddle_io_print(f,
-                    "<radialGradient id=\"ball%s\" cx=\"0.36\" cy=\"0.32\" r=\"0.75\"><stop offset=\"0\" stop-color=\"white\"/>"
-                    "<stop offset=\"0.35\" stop-color=\"%s\"/><stop offset=\"1\" stop-color=\"#222\"/></radialGradient>\n",
-                    colour + 1, colour);
+    riddle_io_print(
+        f,
+        "<radialGradient id=\"ball%s\" cx=\"0.36\" cy=\"0.32\" r=\"0.75\"><stop offset=\"0\" stop-color=\"white\"/>"
+        "<stop offset=\"0.35\" stop-color=\"%s\"/><stop offset=\"1\" stop-color=\"#222\"/></radialGradient>\n",
+        colour + 1, colour);
     riddle_io_print(f, "<g fill=\"url(#ball%s)\">\n", colour + 1);
     for (int i = 0; i < s->n; i++) {
         if (!riddle_plot__visible(a, s->x[i], s->y[i])) continue;
         double r = riddle_plot__disc_radius(a, s, i);
         if (r > 0.0)
-            riddle_io_print(f, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%.2f\"/>\n", riddle_plot__limited(riddle_plot__px(a, s->x[i])),
+            riddle_io_print(f, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%.2f\"/>\n",
+                            riddle_plot__limited(riddle_plot__px(a, s->x[i])),
                             riddle_plot__limited(riddle_plot__py(a, s->y[i])), r);
     }
     riddle_io_print(f, "</g>\n");
 }
 
 /* Finds the place of a bar series among these, and their number. */
-static inline void riddle_plot__bar_place(const riddle_plot__panel *a, const riddle_plot__series *s, int *index, int *count) {
+static inline void riddle_plot__bar_place(const riddle_plot__panel *a, const riddle_plot__series *s, int *index,
+                                          int *count) {
     *index = *count = 0;
     for (int i = 0; i < a->n; i++) {
         if (a->all[i].kind != RIDDLE_PLOT__BARS) continue;
@@ -790,7 +864,8 @@ static inline void riddle_plot__bar_place(const riddle_plot__panel *a, const rid
     }
 }
 
-static inline void riddle_plot__bar_edges(const riddle_plot__panel *a, const riddle_plot__series *s, int i, double *left, double *right) {
+static inline void riddle_plot__bar_edges(const riddle_plot__panel *a, const riddle_plot__series *s, int i,
+                                          double *left, double *right) {
     int index, count;
     riddle_plot__bar_place(a, s, &index, &count);
     double width = 0.78 / count;
@@ -798,15 +873,17 @@ static inline void riddle_plot__bar_edges(const riddle_plot__panel *a, const rid
     *right = *left + width * (count > 1 ? 0.94 : 1.0);
 }
 
-static inline void riddle_plot__draw_bars(riddle_io_file *f, const riddle_plot__panel *a, const riddle_plot__series *s) {
+static inline void riddle_plot__draw_bars(riddle_io_file *f, const riddle_plot__panel *a,
+                                          const riddle_plot__series *s) {
     for (int i = 0; i < s->n; i++) {
         double left, right, base = a->y.log ? a->y.low : fmax(0.0, a->y.low);
         if (!riddle_plot__can_show(&a->y, s->y[i])) continue;
         riddle_plot__bar_edges(a, s, i, &left, &right);
-        double y0 = riddle_plot__limited(riddle_plot__py(a, base)), y1 = riddle_plot__limited(riddle_plot__py(a, s->y[i])),
-               top = fmin(y0, y1);
-        riddle_io_print(f, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"%s\"/>\n", riddle_plot__px(a, left), top,
-                        riddle_plot__px(a, right) - riddle_plot__px(a, left), fabs(y1 - y0), riddle_plot__colour_of(s));
+        double y0 = riddle_plot__limited(riddle_plot__py(a, base)),
+               y1 = riddle_plot__limited(riddle_plot__py(a, s->y[i])), top = fmin(y0, y1);
+        riddle_io_print(f, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"%s\"/>\n",
+                        riddle_plot__px(a, left), top, riddle_plot__px(a, right) - riddle_plot__px(a, left),
+                        fabs(y1 - y0), riddle_plot__colour_of(s));
     }
 }
 
@@ -839,14 +916,17 @@ static inline int riddle_plot__heat_level(double v, double low, double high) {
 }
 
 /* Neighbours of one colour in a row are one rectangle. */
-static inline void riddle_plot__draw_heat(riddle_io_file *f, const riddle_plot__panel *a, const riddle_plot__series *s) {
+static inline void riddle_plot__draw_heat(riddle_io_file *f, const riddle_plot__panel *a,
+                                          const riddle_plot__series *s) {
     double low, high;
     if (s->n == 0 || !riddle_plot__visible(a, s->x[0], s->x[2]) || !riddle_plot__visible(a, s->x[1], s->x[3])) return;
     riddle_plot__heat_range(s, &low, &high);
     riddle_io_print(f, "<g shape-rendering=\"crispEdges\">\n");
     for (int row = 0; row < s->rows; row++) {
-        double y0 = riddle_plot__between(s->x[2], s->x[3], row, s->rows), y1 = riddle_plot__between(s->x[2], s->x[3], row + 1, s->rows);
-        double top = fmin(riddle_plot__py(a, y0), riddle_plot__py(a, y1)), height = fabs(riddle_plot__py(a, y1) - riddle_plot__py(a, y0));
+        double y0 = riddle_plot__between(s->x[2], s->x[3], row, s->rows),
+               y1 = riddle_plot__between(s->x[2], s->x[3], row + 1, s->rows);
+        double top = fmin(riddle_plot__py(a, y0), riddle_plot__py(a, y1)),
+               height = fabs(riddle_plot__py(a, y1) - riddle_plot__py(a, y0));
         for (int i = 0, end; i < s->columns; i = end) {
             const double *values = s->y + (size_t)row * (size_t)s->columns;
             int level = riddle_plot__heat_level(values[i], low, high), rgb[3];
@@ -855,14 +935,16 @@ static inline void riddle_plot__draw_heat(riddle_io_file *f, const riddle_plot__
             riddle_plot__heat_colour((level + 0.5) / 161.0, rgb);
             double x0 = riddle_plot__px(a, riddle_plot__between(s->x[0], s->x[1], i, s->columns)),
                    x1 = riddle_plot__px(a, riddle_plot__between(s->x[0], s->x[1], end, s->columns));
-            riddle_io_print(f, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"#%02x%02x%02x\"/>\n", fmin(x0, x1), top,
-                            fabs(x1 - x0) + 0.3, height + 0.3, (unsigned)rgb[0], (unsigned)rgb[1], (unsigned)rgb[2]);
+            riddle_io_print(f, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"#%02x%02x%02x\"/>\n",
+                            fmin(x0, x1), top, fabs(x1 - x0) + 0.3, height + 0.3, (unsigned)rgb[0], (unsigned)rgb[1],
+                            (unsigned)rgb[2]);
         }
     }
     riddle_io_print(f, "</g>\n");
 }
 
-static inline void riddle_plot__draw_colour_bar(riddle_io_file *f, const riddle_plot__panel *a, const riddle_plot__series *s) {
+static inline void riddle_plot__draw_colour_bar(riddle_io_file *f, const riddle_plot__panel *a,
+                                                const riddle_plot__series *s) {
     double low, high;
     riddle_plot__heat_range(s, &low, &high);
     riddle_plot__axis scale = {low, high, false, false, NULL};
@@ -875,18 +957,21 @@ static inline void riddle_plot__draw_colour_bar(riddle_io_file *f, const riddle_
         int rgb[3];
         riddle_plot__heat_colour((i + 0.5) / parts, rgb);
         riddle_io_print(f, "<rect x=\"%.1f\" y=\"%.2f\" width=\"14\" height=\"%.2f\" fill=\"#%02x%02x%02x\"/>\n", x,
-                        y + height * (parts - 1 - i) / parts, height / parts + 0.4, (unsigned)rgb[0], (unsigned)rgb[1], (unsigned)rgb[2]);
+                        y + height * (parts - 1 - i) / parts, height / parts + 0.4, (unsigned)rgb[0], (unsigned)rgb[1],
+                        (unsigned)rgb[2]);
     }
     riddle_io_print(f, "</g>\n");
     for (int i = 0; i < s->named; i++) {
-        riddle_plot__text_at(f, x + 23.0, y + height * (s->named - i - 0.5) / s->named + 5.0, "start", "tick", s->names[i]);
+        riddle_plot__text_at(f, x + 23.0, y + height * (s->named - i - 0.5) / s->named + 5.0, "start", "tick",
+                             s->names[i]);
         widest = fmax(widest, riddle_plot__text_width(s->names[i], RIDDLE_PLOT__TICK_SIZE));
     }
     for (int i = 0; i < n && !s->named; i++) {
         if (!ticks[i].major) continue;
         double at = y + height * (1.0 - riddle_plot__share(&scale, ticks[i].at));
-        riddle_io_print(f, "<path d=\"M%.1f %.1fh5\" stroke=\"#333\"/><text x=\"%.1f\" y=\"%.1f\" class=\"tick\">%s</text>\n", x + 14.0, at,
-                        x + 23.0, at + 5.0, ticks[i].text);
+        riddle_io_print(
+            f, "<path d=\"M%.1f %.1fh5\" stroke=\"#333\"/><text x=\"%.1f\" y=\"%.1f\" class=\"tick\">%s</text>\n",
+            x + 14.0, at, x + 23.0, at + 5.0, ticks[i].text);
         widest = fmax(widest, 0.58 * RIDDLE_PLOT__TICK_SIZE * ticks[i].letters);
     }
     if (!s->named) riddle_plot__power_of_ten(f, x, y - 7.0, "start", exponent);
@@ -896,35 +981,41 @@ static inline void riddle_plot__draw_colour_bar(riddle_io_file *f, const riddle_
     }
 }
 
-static inline void riddle_plot__draw_reference(riddle_io_file *f, const riddle_plot__panel *a, const riddle_plot__series *s) {
+static inline void riddle_plot__draw_reference(riddle_io_file *f, const riddle_plot__panel *a,
+                                               const riddle_plot__series *s) {
     bool horizontal = s->kind == RIDDLE_PLOT__HORIZONTAL;
     double v = horizontal ? s->y[0] : s->x[0];
     const riddle_plot__axis *along = horizontal ? &a->y : &a->x;
-    if (!riddle_plot__can_show(along, v) || riddle_plot__share(along, v) < 0.0 || riddle_plot__share(along, v) > 1.0) return;
+    if (!riddle_plot__can_show(along, v) || riddle_plot__share(along, v) < 0.0 || riddle_plot__share(along, v) > 1.0)
+        return;
     const char *dash = s->flags & RIDDLE_PLOT_DOTTED ? "2 4" : "6 4";
     if (horizontal) {
         double y = riddle_plot__py(a, v);
-        riddle_io_print(f, "<path d=\"M%.1f %.2fh%.1f\" stroke=\"%s\" stroke-width=\"1.5\" stroke-dasharray=\"%s\"/>\n", a->at.x, y,
-                        a->at.width, riddle_plot__colour_of(s), dash);
+        riddle_io_print(f, "<path d=\"M%.1f %.2fh%.1f\" stroke=\"%s\" stroke-width=\"1.5\" stroke-dasharray=\"%s\"/>\n",
+                        a->at.x, y, a->at.width, riddle_plot__colour_of(s), dash);
         riddle_plot__text_at(f, a->at.x + a->at.width - 6.0, y - 5.0, "end", "note", s->label);
     } else {
-        double x = riddle_plot__px(a, v), width = s->label ? riddle_plot__text_width(s->label, RIDDLE_PLOT__TICK_SIZE) : 0.0;
+        double x = riddle_plot__px(a, v),
+               width = s->label ? riddle_plot__text_width(s->label, RIDDLE_PLOT__TICK_SIZE) : 0.0;
         bool right = x + width + 8.0 < a->at.x + a->at.width;
-        riddle_io_print(f, "<path d=\"M%.2f %.1fv%.1f\" stroke=\"%s\" stroke-width=\"1.5\" stroke-dasharray=\"%s\"/>\n", x, a->at.y,
-                        a->at.height, riddle_plot__colour_of(s), dash);
+        riddle_io_print(f, "<path d=\"M%.2f %.1fv%.1f\" stroke=\"%s\" stroke-width=\"1.5\" stroke-dasharray=\"%s\"/>\n",
+                        x, a->at.y, a->at.height, riddle_plot__colour_of(s), dash);
         if (right || x - width - 8.0 > a->at.x)
-            riddle_plot__text_at(f, right ? x + 5.0 : x - 5.0, a->at.y + 16.0, right ? "start" : "end", "note", s->label);
+            riddle_plot__text_at(f, right ? x + 5.0 : x - 5.0, a->at.y + 16.0, right ? "start" : "end", "note",
+                                 s->label);
         else if (s->label) { /* along the line */
-            riddle_io_print(f, "<text transform=\"translate(%.2f %.1f) rotate(90)\" class=\"note\">", x + 5.0, a->at.y + 6.0);
+            riddle_io_print(f, "<text transform=\"translate(%.2f %.1f) rotate(90)\" class=\"note\">", x + 5.0,
+                            a->at.y + 6.0);
             riddle_plot__escaped(f, s->label);
             riddle_io_print(f, "</text>\n");
         }
     }
 }
 
-/* Finds where a text in a panel begins. One that would leave the panel at the right is moved to the left. Returns 0 if its place is not
-   visible. */
-static inline int riddle_plot__text_place(const riddle_plot__panel *a, const riddle_plot__series *s, double *x, double *y) {
+/* Finds where a text in a panel begins. One that would leave the panel at the right is moved to the left. Returns 0 if
+   its place is not visible. */
+static inline int riddle_plot__text_place(const riddle_plot__panel *a, const riddle_plot__series *s, double *x,
+                                          double *y) {
     if (s->kind == RIDDLE_PLOT__TEXT_SHARE) {
         *x = a->at.x + a->at.width * s->x[0];
         *y = a->at.y + a->at.height * (1.0 - s->y[0]);
@@ -934,17 +1025,20 @@ static inline int riddle_plot__text_place(const riddle_plot__panel *a, const rid
         *y = riddle_plot__limited(riddle_plot__py(a, s->y[0]));
     }
     const double last =
-        s->label ? a->at.x + a->at.width - RIDDLE_PLOT__PAD - riddle_plot__text_width(s->label, RIDDLE_PLOT__TICK_SIZE) : *x;
+        s->label ? a->at.x + a->at.width - RIDDLE_PLOT__PAD - riddle_plot__text_width(s->label, RIDDLE_PLOT__TICK_SIZE)
+                 : *x;
     if (*x > last) *x = last > a->at.x + RIDDLE_PLOT__PAD ? last : a->at.x + RIDDLE_PLOT__PAD;
     return 1;
 }
 
-static inline void riddle_plot__draw_text(riddle_io_file *f, const riddle_plot__panel *a, const riddle_plot__series *s) {
+static inline void riddle_plot__draw_text(riddle_io_file *f, const riddle_plot__panel *a,
+                                          const riddle_plot__series *s) {
     double x, y;
     if (riddle_plot__text_place(a, s, &x, &y)) riddle_plot__text_at(f, x, y, "start", "note", s->label);
 }
 
-static inline void riddle_plot__draw_series(riddle_io_file *f, const riddle_plot__panel *a, const riddle_plot__series *s) {
+static inline void riddle_plot__draw_series(riddle_io_file *f, const riddle_plot__panel *a,
+                                            const riddle_plot__series *s) {
     if (s->n == 0 && s->kind != RIDDLE_PLOT__DISCS) return; /* the legend uses the gradient that discs define */
     switch (s->kind) {
     case RIDDLE_PLOT__LINE:
@@ -969,9 +1063,12 @@ static inline void riddle_plot__draw_series(riddle_io_file *f, const riddle_plot
 static inline double riddle_plot__entry_width(const riddle_plot__series *s) {
     return RIDDLE_PLOT__SWATCH + 3 * RIDDLE_PLOT__PAD + riddle_plot__text_width(s->label, RIDDLE_PLOT__TICK_SIZE);
 }
-static inline bool riddle_plot__in_legend(const riddle_plot__series *s) { return s->label && *s->label && (s->kind <= RIDDLE_PLOT__BARS); }
+static inline bool riddle_plot__in_legend(const riddle_plot__series *s) {
+    return s->label && *s->label && (s->kind <= RIDDLE_PLOT__BARS);
+}
 
-static inline const riddle_plot__series *riddle_plot__first_of(const riddle_plot__panel *a, riddle_plot__series_kind kind) {
+static inline const riddle_plot__series *riddle_plot__first_of(const riddle_plot__panel *a,
+                                                               riddle_plot__series_kind kind) {
     for (int i = 0; i < a->n; i++)
         if (a->all[i].kind == kind && a->all[i].n > 0) return &a->all[i];
     return NULL;
@@ -996,12 +1093,16 @@ static inline void riddle_plot__find_ranges(riddle_plot__panel *a) {
             if (s->x && s->kind != RIDDLE_PLOT__HORIZONTAL &&
                 (!s->y || s->kind == RIDDLE_PLOT__VERTICAL || riddle_plot__can_show(&a->y, s->y[i])))
                 riddle_plot__include(&a->x, s->x[i], &x0, &x1);
-            if (s->kind == RIDDLE_PLOT__VERTICAL || (s->x && s->kind != RIDDLE_PLOT__HORIZONTAL && !riddle_plot__can_show(&a->x, s->x[i])))
+            if (s->kind == RIDDLE_PLOT__VERTICAL ||
+                (s->x && s->kind != RIDDLE_PLOT__HORIZONTAL && !riddle_plot__can_show(&a->x, s->x[i])))
                 continue;
-            if (a->x.fixed_range && s->x && s->kind != RIDDLE_PLOT__HORIZONTAL && (s->x[i] < a->x.low || s->x[i] > a->x.high)) continue;
+            if (a->x.fixed_range && s->x && s->kind != RIDDLE_PLOT__HORIZONTAL &&
+                (s->x[i] < a->x.low || s->x[i] > a->x.high))
+                continue;
             riddle_plot__include(&a->y, s->y[i], &y0, &y1);
             if (s->kind == RIDDLE_PLOT__BAND) riddle_plot__include(&a->y, s->z[i], &y0, &y1);
-            for (int side = -1; side <= 1 && s->kind == RIDDLE_PLOT__DISCS && riddle_plot__has_length(s, i); side += 2) {
+            for (int side = -1; side <= 1 && s->kind == RIDDLE_PLOT__DISCS && riddle_plot__has_length(s, i);
+                 side += 2) {
                 riddle_plot__include(&a->x, s->x[i] + side * s->z[i], &x0, &x1);
                 riddle_plot__include(&a->y, s->y[i] + side * s->z[i], &y0, &y1);
             }
@@ -1038,7 +1139,8 @@ static inline int riddle_plot__ticks_along(double length, double spacing) {
 
 static inline bool riddle_plot__slanted_names(const riddle_plot__panel *a, const riddle_plot__series *bars) {
     for (int i = 0; i < bars->n; i++)
-        if (bars->names && bars->names[i] && riddle_plot__text_width(bars->names[i], RIDDLE_PLOT__TICK_SIZE) > 0.95 * a->at.width / bars->n)
+        if (bars->names && bars->names[i] &&
+            riddle_plot__text_width(bars->names[i], RIDDLE_PLOT__TICK_SIZE) > 0.95 * a->at.width / bars->n)
             return true;
     return false;
 }
@@ -1048,7 +1150,8 @@ static inline bool riddle_plot__slanted_names(const riddle_plot__panel *a, const
 #define RIDDLE_PLOT__RASTER_Y 48
 typedef bool riddle_plot__raster[RIDDLE_PLOT__RASTER_Y][RIDDLE_PLOT__RASTER_X];
 
-static inline void riddle_plot__stain(riddle_plot__raster r, const riddle_plot__panel *a, double x, double y, double reach) {
+static inline void riddle_plot__stain(riddle_plot__raster r, const riddle_plot__panel *a, double x, double y,
+                                      double reach) {
     double u = (x - a->at.x) / a->at.width, v = (y - a->at.y) / a->at.height;
     int i0 = (int)floor((u - reach / a->at.width) * RIDDLE_PLOT__RASTER_X),
         i1 = (int)floor((u + reach / a->at.width) * RIDDLE_PLOT__RASTER_X);
@@ -1058,14 +1161,17 @@ static inline void riddle_plot__stain(riddle_plot__raster r, const riddle_plot__
         for (int i = i0 < 0 ? 0 : i0; i <= i1 && i < RIDDLE_PLOT__RASTER_X; i++) r[j][i] = true;
 }
 
-static inline void riddle_plot__stain_segment(riddle_plot__raster r, const riddle_plot__panel *a, double x0, double y0, double x1,
-                                              double y1) {
-    double longest = fmax(fabs(x1 - x0) / a->at.width * RIDDLE_PLOT__RASTER_X, fabs(y1 - y0) / a->at.height * RIDDLE_PLOT__RASTER_Y);
+static inline void riddle_plot__stain_segment(riddle_plot__raster r, const riddle_plot__panel *a, double x0, double y0,
+                                              double x1, double y1) {
+    double longest =
+        fmax(fabs(x1 - x0) / a->at.width * RIDDLE_PLOT__RASTER_X, fabs(y1 - y0) / a->at.height * RIDDLE_PLOT__RASTER_Y);
     int steps = 1 + (int)fmin(2.0 * longest, 2000.0);
-    for (int k = 0; k <= steps; k++) riddle_plot__stain(r, a, x0 + (x1 - x0) * k / steps, y0 + (y1 - y0) * k / steps, 3.0);
+    for (int k = 0; k <= steps; k++)
+        riddle_plot__stain(r, a, x0 + (x1 - x0) * k / steps, y0 + (y1 - y0) * k / steps, 3.0);
 }
 
-static inline void riddle_plot__stain_series(riddle_plot__raster r, const riddle_plot__panel *a, const riddle_plot__series *s) {
+static inline void riddle_plot__stain_series(riddle_plot__raster r, const riddle_plot__panel *a,
+                                             const riddle_plot__series *s) {
     if (s->kind == RIDDLE_PLOT__HEAT) {
         memset(r, 1, sizeof(riddle_plot__raster));
         return;
@@ -1074,7 +1180,8 @@ static inline void riddle_plot__stain_series(riddle_plot__raster r, const riddle
         if (s->kind == RIDDLE_PLOT__DISCS) {
             if (riddle_plot__visible(a, s->x[i], s->y[i]))
                 riddle_plot__stain(r, a, riddle_plot__limited(riddle_plot__px(a, s->x[i])),
-                                   riddle_plot__limited(riddle_plot__py(a, s->y[i])), riddle_plot__disc_radius(a, s, i));
+                                   riddle_plot__limited(riddle_plot__py(a, s->y[i])),
+                                   riddle_plot__disc_radius(a, s, i));
         } else if (s->kind == RIDDLE_PLOT__BARS) {
             double left, right;
             if (!riddle_plot__can_show(&a->y, s->y[i])) continue;
@@ -1090,27 +1197,32 @@ static inline void riddle_plot__stain_series(riddle_plot__raster r, const riddle
             riddle_plot__stain_segment(r, a, a->at.x, y, end, y);
             if (s->label)
                 for (int k = 0; k < 3; k++)
-                    riddle_plot__stain_segment(r, a, end - riddle_plot__text_width(s->label, RIDDLE_PLOT__TICK_SIZE) - 6.0, y - 7.0 * k,
-                                               end, y - 7.0 * k);
+                    riddle_plot__stain_segment(r, a,
+                                               end - riddle_plot__text_width(s->label, RIDDLE_PLOT__TICK_SIZE) - 6.0,
+                                               y - 7.0 * k, end, y - 7.0 * k);
         } else if (s->kind == RIDDLE_PLOT__VERTICAL && riddle_plot__can_show(&a->x, s->x[i])) {
             double x = riddle_plot__limited(riddle_plot__px(a, s->x[i]));
             riddle_plot__stain_segment(r, a, x, a->at.y, x, a->at.y + a->at.height);
             if (s->label && *s->label) {
                 double width = riddle_plot__text_width(s->label, RIDDLE_PLOT__TICK_SIZE) + 10.0,
                        start = x + width < a->at.x + a->at.width ? x : x - width;
-                for (int k = 0; k < 3; k++) riddle_plot__stain_segment(r, a, start, a->at.y + 7.0 * k, start + width, a->at.y + 7.0 * k);
+                for (int k = 0; k < 3; k++)
+                    riddle_plot__stain_segment(r, a, start, a->at.y + 7.0 * k, start + width, a->at.y + 7.0 * k);
             }
         } else if (s->kind == RIDDLE_PLOT__TEXT || s->kind == RIDDLE_PLOT__TEXT_SHARE) {
             double x, y;
             for (int k = 0; k < 3 && s->label && riddle_plot__text_place(a, s, &x, &y); k++)
-                riddle_plot__stain_segment(r, a, x, y - 6.0 * k, x + riddle_plot__text_width(s->label, RIDDLE_PLOT__TICK_SIZE),
-                                           y - 6.0 * k);
+                riddle_plot__stain_segment(r, a, x, y - 6.0 * k,
+                                           x + riddle_plot__text_width(s->label, RIDDLE_PLOT__TICK_SIZE), y - 6.0 * k);
         } else if (s->kind <= RIDDLE_PLOT__ERROR_BARS && riddle_plot__visible(a, s->x[i], s->y[i])) {
-            double x = riddle_plot__limited(riddle_plot__px(a, s->x[i])), y = riddle_plot__limited(riddle_plot__py(a, s->y[i]));
-            riddle_plot__stain(r, a, x, y, s->kind == RIDDLE_PLOT__LINE && !(s->flags & RIDDLE_PLOT_MARKED) ? 3.0 : 6.0);
+            double x = riddle_plot__limited(riddle_plot__px(a, s->x[i])),
+                   y = riddle_plot__limited(riddle_plot__py(a, s->y[i]));
+            riddle_plot__stain(r, a, x, y,
+                               s->kind == RIDDLE_PLOT__LINE && !(s->flags & RIDDLE_PLOT_MARKED) ? 3.0 : 6.0);
             if (s->kind == RIDDLE_PLOT__ERROR_BARS && riddle_plot__has_length(s, i))
-                riddle_plot__stain_segment(r, a, x, riddle_plot__limited(riddle_plot__py(a, s->y[i] + s->z[i])), x,
-                                           riddle_plot__limited(riddle_plot__py(a, riddle_plot__floor_of(&a->y, s->y[i] - s->z[i]))));
+                riddle_plot__stain_segment(
+                    r, a, x, riddle_plot__limited(riddle_plot__py(a, s->y[i] + s->z[i])), x,
+                    riddle_plot__limited(riddle_plot__py(a, riddle_plot__floor_of(&a->y, s->y[i] - s->z[i]))));
             if (s->kind == RIDDLE_PLOT__BAND && riddle_plot__can_show(&a->y, s->z[i]))
                 riddle_plot__stain_segment(r, a, x, y, x, riddle_plot__limited(riddle_plot__py(a, s->z[i])));
             bool joined = s->kind == RIDDLE_PLOT__LINE || s->kind == RIDDLE_PLOT__BAND;
@@ -1142,7 +1254,8 @@ static inline bool riddle_plot__place_inside(riddle_plot__panel *a) {
                 for (int ii = i; ii < i + w && free_place; ii++) free_place = !r[jj][ii];
             if (!free_place) continue;
             int from_right = RIDDLE_PLOT__RASTER_X - 1 - (i + w), from_bottom = RIDDLE_PLOT__RASTER_Y - 1 - (j + h);
-            double aside = from_right <= i - 1 ? from_right : i - 1 + 0.4, up = j - 1 <= from_bottom ? j - 1 : from_bottom + 0.8;
+            double aside = from_right <= i - 1 ? from_right : i - 1 + 0.4,
+                   up = j - 1 <= from_bottom ? j - 1 : from_bottom + 0.8;
             if (aside * aside + up * up < best) {
                 best = aside * aside + up * up;
                 a->at.legend_x = a->at.x + a->at.width * i / RIDDLE_PLOT__RASTER_X;
@@ -1169,11 +1282,18 @@ static inline void riddle_plot__lay_out(const riddle_plot *p, riddle_plot__panel
     a->at.top = (a->title ? RIDDLE_PLOT__TITLE_SIZE + 12.0 : 8.0) + (exponent ? 14.0 : 0.0);
     a->at.bottom = 28.0 + (a->x.label ? RIDDLE_PLOT__LABEL_SIZE + 12.0 : 0.0);
     a->at.right = 20.0;
-    const riddle_plot__series *bars = riddle_plot__first_of(a, RIDDLE_PLOT__BARS), *heat = riddle_plot__first_of(a, RIDDLE_PLOT__HEAT);
+    if (a->unit) {
+        a->at.left = a->at.right = 8.0;
+        a->at.top -= exponent ? 14.0 : 0.0;
+        a->at.bottom = 34.0;
+    }
+    const riddle_plot__series *bars = riddle_plot__first_of(a, RIDDLE_PLOT__BARS),
+                              *heat = riddle_plot__first_of(a, RIDDLE_PLOT__HEAT);
     if (bars && riddle_plot__slanted_names(a, bars)) {
         double longest = 0.0;
         for (int i = 0; i < bars->n; i++)
-            if (bars->names && bars->names[i]) longest = fmax(longest, riddle_plot__text_width(bars->names[i], RIDDLE_PLOT__TICK_SIZE));
+            if (bars->names && bars->names[i])
+                longest = fmax(longest, riddle_plot__text_width(bars->names[i], RIDDLE_PLOT__TICK_SIZE));
         a->at.bottom += 0.55 * longest;
         a->at.left = fmax(a->at.left, 0.84 * longest - 0.5 * a->at.width / bars->n + 10.0);
     }
@@ -1184,7 +1304,8 @@ static inline void riddle_plot__lay_out(const riddle_plot *p, riddle_plot__panel
         n = riddle_plot__make_ticks(&scale, 5, ticks, &exponent);
         for (int i = 0; i < n; i++)
             if (ticks[i].major) digits = fmax(digits, 0.58 * RIDDLE_PLOT__TICK_SIZE * ticks[i].letters);
-        for (int i = 0; i < heat->named; i++) digits = fmax(digits, riddle_plot__text_width(heat->names[i], RIDDLE_PLOT__TICK_SIZE));
+        for (int i = 0; i < heat->named; i++)
+            digits = fmax(digits, riddle_plot__text_width(heat->names[i], RIDDLE_PLOT__TICK_SIZE));
         a->at.right += 16.0 + 23.0 + digits + (heat->label && *heat->label ? 26.0 : 0.0);
     }
     double in_a_row = 0.0;
@@ -1197,7 +1318,8 @@ static inline void riddle_plot__lay_out(const riddle_plot *p, riddle_plot__panel
         }
     a->at.legend_height = entries * RIDDLE_PLOT__LEGEND_ROW + RIDDLE_PLOT__PAD;
     if (!entries || (!a->legend_outside && riddle_plot__place_inside(a))) return;
-    a->legend_above = !a->legend_outside && in_a_row < a->at.width - 30.0; /* the left end may hold the axis' exponent */
+    /* The left end may hold the axis' exponent. */
+    a->legend_above = !a->legend_outside && in_a_row < a->at.width - 30.0;
     if (a->legend_above) {
         a->at.legend_x = a->at.width - in_a_row;
         a->at.legend_y = -RIDDLE_PLOT__LEGEND_ROW - RIDDLE_PLOT__PAD / 2.0;
@@ -1231,15 +1353,16 @@ static inline void riddle_plot__draw_axes(riddle_io_file *f, const riddle_plot__
 }
 
 /* Draws the names of the groups below the frame. Returns the room that slanted ones take. */
-static inline double riddle_plot__draw_names(riddle_io_file *f, const riddle_plot__panel *a, const riddle_plot__series *bars) {
+static inline double riddle_plot__draw_names(riddle_io_file *f, const riddle_plot__panel *a,
+                                             const riddle_plot__series *bars) {
     bool slanted = riddle_plot__slanted_names(a, bars);
     double room = 0.0, base = a->at.y + a->at.height;
     for (int i = 0; i < bars->n && bars->names; i++) {
         const char *name = bars->names[i] ? bars->names[i] : "";
         if (slanted) room = fmax(room, 0.55 * riddle_plot__text_width(name, RIDDLE_PLOT__TICK_SIZE));
-        riddle_io_print(f, "<text class=\"tick\" text-anchor=\"%s\" transform=\"translate(%.1f %.1f)%s\">", slanted ? "end" : "middle",
-                        riddle_plot__px(a, (double)i) + (slanted ? 5.0 : 0.0), base + (slanted ? 14.0 : 20.0),
-                        slanted ? " rotate(-33)" : "");
+        riddle_io_print(f, "<text class=\"tick\" text-anchor=\"%s\" transform=\"translate(%.1f %.1f)%s\">",
+                        slanted ? "end" : "middle", riddle_plot__px(a, (double)i) + (slanted ? 5.0 : 0.0),
+                        base + (slanted ? 14.0 : 20.0), slanted ? " rotate(-33)" : "");
         riddle_plot__escaped(f, name);
         riddle_io_print(f, "</text>\n");
     }
@@ -1254,9 +1377,10 @@ static inline void riddle_plot__draw_x_numbers(riddle_io_file *f, const riddle_p
         double x = riddle_plot__px(a, ticks[i].at), half = 0.29 * RIDDLE_PLOT__TICK_SIZE * ticks[i].letters;
         if (!ticks[i].major || x - half < free_from) continue;
         free_from = x + half + 5.0;
-        riddle_io_print(
-            f, "<path class=\"mark\" d=\"M%.2f %.1fv5\"/><text x=\"%.2f\" y=\"%.1f\" text-anchor=\"middle\" class=\"tick\">%s</text>\n", x,
-            base, x, base + 21.0, ticks[i].text);
+        riddle_io_print(f,
+                        "<path class=\"mark\" d=\"M%.2f %.1fv5\"/><text x=\"%.2f\" y=\"%.1f\" text-anchor=\"middle\" "
+                        "class=\"tick\">%s</text>\n",
+                        x, base, x, base + 21.0, ticks[i].text);
     }
     riddle_plot__power_of_ten(f, a->at.x + a->at.width + 14.0, base + 40.0, "end", exponent);
 }
@@ -1271,13 +1395,15 @@ static inline int riddle_plot__draw_y_numbers(riddle_io_file *f, const riddle_pl
         if (!ticks[i].major || y > free_below) continue;
         free_below = y - RIDDLE_PLOT__TICK_SIZE - 1.0;
         widest = fmax(widest, 0.58 * RIDDLE_PLOT__TICK_SIZE * ticks[i].letters);
-        riddle_io_print(
-            f, "<path class=\"mark\" d=\"M%.1f %.2fh-5\"/><text x=\"%.1f\" y=\"%.2f\" text-anchor=\"end\" class=\"tick\">%s</text>\n",
-            a->at.x, y, a->at.x - 9.0, y + 5.0, ticks[i].text);
+        riddle_io_print(f,
+                        "<path class=\"mark\" d=\"M%.1f %.2fh-5\"/><text x=\"%.1f\" y=\"%.2f\" text-anchor=\"end\" "
+                        "class=\"tick\">%s</text>\n",
+                        a->at.x, y, a->at.x - 9.0, y + 5.0, ticks[i].text);
     }
     riddle_plot__power_of_ten(f, a->at.x - 8.0, a->at.y - 7.0, "start", exponent);
     if (a->y.label && *a->y.label)
-        riddle_plot__upright_label(f, a->at.x - 14.0 - widest - 8.0, a->at.y + 0.5 * a->at.height, a->at.height + 24.0, a->y.label);
+        riddle_plot__upright_label(f, a->at.x - 14.0 - widest - 8.0, a->at.y + 0.5 * a->at.height, a->at.height + 24.0,
+                                   a->y.label);
     return exponent;
 }
 
@@ -1285,16 +1411,32 @@ static inline void riddle_plot__draw_frame(riddle_io_file *f, const riddle_plot_
     const riddle_plot__layout *at = &a->at;
     const riddle_plot__series *bars = riddle_plot__first_of(a, RIDDLE_PLOT__BARS);
     double names = 0.0, above = 10.0;
-    riddle_io_print(f, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" class=\"frame\"/>\n", at->x, at->y, at->width,
-                    at->height);
+    riddle_io_print(f, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" class=\"frame\"/>\n", at->x, at->y,
+                    at->width, at->height);
     if (bars) names = riddle_plot__draw_names(f, a, bars);
     else riddle_plot__draw_x_numbers(f, a);
     int exponent = riddle_plot__draw_y_numbers(f, a);
-    riddle_plot__text_at(f, at->x + 0.5 * at->width, at->y + at->height + 28.0 + RIDDLE_PLOT__LABEL_SIZE + names, "middle", "label",
-                         a->x.label);
+    riddle_plot__text_at(f, at->x + 0.5 * at->width, at->y + at->height + 28.0 + RIDDLE_PLOT__LABEL_SIZE + names,
+                         "middle", "label", a->x.label);
     if (a->legend_above) above += RIDDLE_PLOT__LEGEND_ROW;
     else if (exponent) above += 14.0;
     riddle_plot__text_at(f, at->x, at->y - above, "start", "title", a->title);
+}
+
+/* Draws a bar of a round length, at most a quarter of the panel, below its lower left corner. */
+static inline void riddle_plot__draw_scale_bar(riddle_io_file *f, const riddle_plot__panel *a) {
+    const double unit = a->at.width / (a->x.high - a->x.low), most = 0.25 * a->at.width / unit,
+                 power = pow(10.0, floor(log10(most)));
+    const double length = power * (most >= 5.0 * power   ? 5.0
+                                   : most >= 2.0 * power ? 2.0
+                                                         : 1.0),
+                 y = a->at.y + a->at.height + 26.0;
+    char text[60];
+    if (!(length > 0.0 && length < 1e300)) return;
+    snprintf(text, sizeof text, "%.6g %.30s", length, a->unit);
+    riddle_io__use_point(text);
+    riddle_io_print(f, "<path class=\"bar\" d=\"M%.1f %.1fv8m0 -4h%.2fm0 -4v8\"/>\n", a->at.x, y - 4.0, length * unit);
+    riddle_plot__text_at(f, a->at.x + 0.5 * length * unit, y - 7.0, "middle", "tick", text);
 }
 
 static inline void riddle_plot__draw_legend(riddle_io_file *f, const riddle_plot__panel *a) {
@@ -1304,7 +1446,9 @@ static inline void riddle_plot__draw_legend(riddle_io_file *f, const riddle_plot
     for (int k = 0; k < a->n; k++) entries += riddle_plot__in_legend(&a->all[k]);
     if (!entries) return;
     if (!a->legend_outside && !a->legend_above)
-        riddle_io_print(f, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" rx=\"4\" fill=\"white\" fill-opacity=\"0.85\"/>\n",
+        riddle_io_print(f,
+                        "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" rx=\"4\" fill=\"white\" "
+                        "fill-opacity=\"0.85\"/>\n",
                         at->legend_x, at->legend_y, at->legend_width, at->legend_height);
     for (int k = 0; k < a->n; k++) {
         const riddle_plot__series *s = &a->all[k];
@@ -1314,9 +1458,10 @@ static inline void riddle_plot__draw_legend(riddle_io_file *f, const riddle_plot
                            : s->flags & RIDDLE_PLOT_DOTTED ? " stroke-dasharray=\"2 4\""
                                                            : "";
         if (s->kind == RIDDLE_PLOT__LINE && !(s->flags & RIDDLE_PLOT_NO_LINE))
-            riddle_io_print(f, "<path d=\"M%.1f %.1fh%.0f\" stroke=\"%s\" stroke-width=\"%s\" stroke-linecap=\"round\"%s%s/>\n", x, middle,
-                            RIDDLE_PLOT__SWATCH, riddle_plot__colour_of(s), s->flags & RIDDLE_PLOT_THIN ? "1.1" : "2.4", dash,
-                            s->flags & RIDDLE_PLOT_FAINT ? " stroke-opacity=\"0.35\"" : "");
+            riddle_io_print(
+                f, "<path d=\"M%.1f %.1fh%.0f\" stroke=\"%s\" stroke-width=\"%s\" stroke-linecap=\"round\"%s%s/>\n", x,
+                middle, RIDDLE_PLOT__SWATCH, riddle_plot__colour_of(s), s->flags & RIDDLE_PLOT_THIN ? "1.1" : "2.4",
+                dash, s->flags & RIDDLE_PLOT_FAINT ? " stroke-opacity=\"0.35\"" : "");
         if (s->kind == RIDDLE_PLOT__POINTS || s->kind == RIDDLE_PLOT__ERROR_BARS ||
             (s->kind == RIDDLE_PLOT__LINE && s->flags & RIDDLE_PLOT_MARKED)) {
             riddle_io_print(f, "<g fill=\"%s\">", riddle_plot__colour_of(s));
@@ -1324,11 +1469,12 @@ static inline void riddle_plot__draw_legend(riddle_io_file *f, const riddle_plot
             riddle_io_print(f, "</g>");
         }
         if (s->kind == RIDDLE_PLOT__DISCS)
-            riddle_io_print(f, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"8\" fill=\"url(#ball%s)\"/>\n", x + RIDDLE_PLOT__SWATCH / 2.0, middle,
-                            riddle_plot__colour_of(s) + 1);
+            riddle_io_print(f, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"8\" fill=\"url(#ball%s)\"/>\n",
+                            x + RIDDLE_PLOT__SWATCH / 2.0, middle, riddle_plot__colour_of(s) + 1);
         if (s->kind == RIDDLE_PLOT__BAND || s->kind == RIDDLE_PLOT__BARS)
-            riddle_io_print(f, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.0f\" height=\"12\" fill=\"%s\"%s/>\n", x, middle - 6.0,
-                            RIDDLE_PLOT__SWATCH, riddle_plot__colour_of(s), s->kind == RIDDLE_PLOT__BAND ? " fill-opacity=\"0.22\"" : "");
+            riddle_io_print(f, "<rect x=\"%.1f\" y=\"%.1f\" width=\"%.0f\" height=\"12\" fill=\"%s\"%s/>\n", x,
+                            middle - 6.0, RIDDLE_PLOT__SWATCH, riddle_plot__colour_of(s),
+                            s->kind == RIDDLE_PLOT__BAND ? " fill-opacity=\"0.22\"" : "");
         riddle_plot__text_at(f, x + RIDDLE_PLOT__SWATCH + RIDDLE_PLOT__PAD, middle + 5.0, "start", "note", s->label);
         if (a->legend_above) x += riddle_plot__entry_width(s);
         else y += RIDDLE_PLOT__LEGEND_ROW;
@@ -1337,27 +1483,35 @@ static inline void riddle_plot__draw_legend(riddle_io_file *f, const riddle_plot
 
 static inline void riddle_plot__draw_panel(riddle_io_file *f, const riddle_plot__panel *a, int number) {
     const riddle_plot__series *heat = riddle_plot__first_of(a, RIDDLE_PLOT__HEAT);
-    riddle_io_print(f, "<clipPath id=\"c%d\"><rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/></clipPath>\n", number, a->at.x,
-                    a->at.y, a->at.width, a->at.height);
-    if (!heat) riddle_plot__draw_axes(f, a);
+    riddle_io_print(f, "<clipPath id=\"c%d\"><rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/></clipPath>\n",
+                    number, a->at.x, a->at.y, a->at.width, a->at.height);
+    if (!heat && !a->unit) riddle_plot__draw_axes(f, a);
     /* markers on the edge are drawn whole, what can leave the panel is cut */
     riddle_io_print(f, "<g clip-path=\"url(#c%d)\">\n", number);
     for (int k = 0; k < a->n; k++)
-        if (a->all[k].kind != RIDDLE_PLOT__POINTS && a->all[k].kind < RIDDLE_PLOT__TEXT) riddle_plot__draw_series(f, a, &a->all[k]);
+        if (a->all[k].kind != RIDDLE_PLOT__POINTS && a->all[k].kind < RIDDLE_PLOT__TEXT)
+            riddle_plot__draw_series(f, a, &a->all[k]);
     riddle_io_print(f, "</g>\n");
-    riddle_plot__draw_frame(f, a);
+    if (!a->unit) riddle_plot__draw_frame(f, a);
+    else riddle_plot__text_at(f, a->at.x, a->at.y - (a->legend_above ? 31.0 : 10.0), "start", "title", a->title);
+    if (a->unit) riddle_plot__draw_scale_bar(f, a);
     for (int k = 0; k < a->n; k++)
-        if (a->all[k].kind == RIDDLE_PLOT__POINTS || a->all[k].kind >= RIDDLE_PLOT__TEXT) riddle_plot__draw_series(f, a, &a->all[k]);
+        if (a->all[k].kind == RIDDLE_PLOT__POINTS || a->all[k].kind >= RIDDLE_PLOT__TEXT)
+            riddle_plot__draw_series(f, a, &a->all[k]);
     if (heat) riddle_plot__draw_colour_bar(f, a, heat);
     riddle_plot__draw_legend(f, a);
 }
 
 static inline const char *riddle_plot__style(void) {
-    return "<style>text{font-family:Inter,'Helvetica Neue',Helvetica,Arial,'Liberation Sans','DejaVu Sans',sans-serif;fill:#222}"
-           ".tick{font-size:14px;fill:#333}.label{font-size:15px}.title{font-size:16px;font-weight:600}.head{font-weight:600}"
-           ".note{font-size:14px;paint-order:stroke;stroke:#fff;stroke-width:3px;stroke-linejoin:round}" /* legible on bars */
+    return "<style>text{font-family:Inter,'Helvetica Neue',Helvetica,Arial,'Liberation Sans','DejaVu "
+           "Sans',sans-serif;fill:#222}"
+           ".tick{font-size:14px;fill:#333}.label{font-size:15px}.title{font-size:16px;font-weight:600}.head{font-"
+           "weight:600}"
+           /* Legible on bars. */
+           ".note{font-size:14px;paint-order:stroke;stroke:#fff;stroke-width:3px;stroke-linejoin:round}"
            ".up{font-size:10px}.grid path{stroke:#dcdcdc;stroke-width:1}"
-           ".grid .minor{stroke:#f1f1f1}.frame{fill:none;stroke:#444;stroke-width:1.2}.mark{stroke:#444;stroke-width:1.2}</style>\n";
+           ".grid .minor{stroke:#f1f1f1}.frame{fill:none;stroke:#444;stroke-width:1.2}"
+           ".mark{stroke:#444;stroke-width:1.2}.bar{fill:none;stroke:#222;stroke-width:1.8}</style>\n";
 }
 
 /* Gives every panel its place. Panels of a column are below each other, those of a row beside each other. */
@@ -1399,7 +1553,8 @@ RIDDLE_PLOT_API riddle_io_status riddle_plot_write(riddle_plot *p, const char *f
     double width = 0.0, height = 0.0;
     riddle_plot__place_panels(p, p->title && *p->title ? 38.0 : 4.0, &width, &height);
     /* a title that is too long for the figure gets smaller letters; bold ones are a quarter wider */
-    double title_size = 19.0, title_width = p->title ? 1.25 * riddle_plot__text_width(p->title, title_size) + 30.0 : 0.0;
+    double title_size = 19.0,
+           title_width = p->title ? 1.25 * riddle_plot__text_width(p->title, title_size) + 30.0 : 0.0;
     if (title_width > width) title_size = fmax(13.0, title_size * width / title_width);
     width = fmax(width, title_width * title_size / 19.0);
     riddle_io_file *f = riddle_io_open(folder, name);
@@ -1407,8 +1562,9 @@ RIDDLE_PLOT_API riddle_io_status riddle_plot_write(riddle_plot *p, const char *f
         riddle_plot_free(p);
         return RIDDLE_IO_NOT_WRITTEN;
     }
-    riddle_io_print(f, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" viewBox=\"0 0 %.0f %.0f\">\n", width,
-                    height, width, height);
+    riddle_io_print(
+        f, "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%.0f\" height=\"%.0f\" viewBox=\"0 0 %.0f %.0f\">\n",
+        width, height, width, height);
     riddle_io_print(f, "%s<rect width=\"100%%\" height=\"100%%\" fill=\"white\"/>\n", riddle_plot__style());
     if (p->title) {
         riddle_io_print(f, "<text x=\"16\" y=\"27\" class=\"head\" font-size=\"%.1f\">", title_size);

@@ -1,4 +1,5 @@
-/* screen_models.h: how much of each size class is still on a screen: evaluate, step, fit and predict, in batch or along a deck.
+/* screen_models.h: how much of each size class is still on a screen: evaluate, step, fit and predict, in batch or along
+   a deck.
 
        #include "screen_models.h"
        #include <stdio.h>
@@ -13,39 +14,45 @@
            printf("%s: %.3f of 5 mm, %.3f of 7 mm after 5 s\n", screen_status_text(status), retained[0], retained[2]);
        }
 
-   Models (E&K = Elskamp and Kruggel-Emden 2019, whose equation numbers are used; extended there by moisture M)
-     SCREEN_FIRST_ORDER  0  Y = exp(-k t), eq 29                                                    k alpha gamma
-     SCREEN_DONG         1  Y = (1 - p Y)^N, eq 25 in two readings; p eq 23, 24; N eq 28, 26         k alpha gamma [beta delta]
-     SCREEN_SUBASINGHE   2  stratification, then passage: two first-order steps, eq 31, 34, 35      k_s alpha gamma k_p beta delta
-     SCREEN_SOLDINGER    3  stratification that slows as fines leave, bottom layer, eq 36-43        k_s alpha gamma k_p beta delta
-   Every rate is k x^exponent with x = A f (1-M)^moisture_exponent / (sqrt(d g) size_ratio): screen_rate(). The size_ratio is d/a in
-   model 0, 1 in model 1, and d/d_av for k_s, d/a for k_p in models 2 and 3. d: size of the class, a: aperture, d_av: mean size.
-   Exponent and moisture_exponent are alpha, gamma for k and k_s, and beta, delta for k_p. Beta, delta of model 1 are those of eq 26, for
-   a deck only: screen_attempts_deck().
+   Models, each with its parameters (E&K = Elskamp and Kruggel-Emden 2019, whose equation numbers are used; extended
+   there by moisture M)
+     SCREEN_FIRST_ORDER  0  k alpha gamma: Y = exp(-k t), eq 29
+     SCREEN_DONG         1  k alpha gamma [beta delta]: Y = (1 - p Y)^N, eq 25 in two readings; p eq 23, 24; N eq 28, 26
+     SCREEN_SUBASINGHE   2  k_s alpha gamma k_p beta delta: stratification, then passage, two first-order steps, eq 31,
+                            34, 35
+     SCREEN_SOLDINGER    3  k_s alpha gamma k_p beta delta: stratification that slows as fines leave, bottom layer, eq
+                            36-43
+   Every rate is k x^exponent with x = A f (1-M)^moisture_exponent / (sqrt(d g) size_ratio): screen_rate(). The
+   size_ratio is d/a in model 0, 1 in model 1, and d/d_av for k_s, d/a for k_p in models 2 and 3. d: size of the class,
+   a: aperture, d_av: mean size. Exponent and moisture_exponent are alpha, gamma for k and k_s, and beta, delta for k_p.
+   Beta, delta of model 1 are those of eq 26, for a deck only: screen_attempts_deck().
 
    What is in it
      >>laws        pure functions of scalars
      >>predict     curves of a case, partition curve, time to a recovery; screen_step() for flowsheet simulators
      >>soldinger   positive, mass-conserving integrator of model 3, adaptive or with a fixed step
-     >>fit         bounded multi-start fit by the paper's deviation or by least squares; what the data leave open; profiles
+     >>fit         bounded multi-start fit by the paper's deviation or by least squares; what the data leave open;
+                   profiles
      >>bands       mean, spread and confidence bands of a prediction
      >>separation  d50, imperfection, misplaced fractions
      >>feed        classes from a sieve curve, Rosin-Rammler or lognormal
      >>deck        a steady deck: what stays and passes along it, bed depth, efficiency, capacity
 
    Units: SI; fractions, not percent; radians. Arrays are [class][time], time fastest.
-   Errors: a function that returns a status leaves NaN in its outputs if that is not SCREEN_OK, unless its comment says otherwise; laws
-   return NaN outside their domain.
-   Memory: only screen_predict of model 3, screen_time_to, screen_fit, screen_profile and screen_band ask for any, through the hook
-   def.memory, and give it back before they return.
+   Errors: a function that returns a status leaves NaN in its outputs if that is not SCREEN_OK, unless its comment says
+   otherwise; laws return NaN outside their domain.
+   Memory: only screen_predict of model 3, screen_time_to, screen_fit, screen_profile and screen_band ask for any,
+   through the hook def.memory, and give it back before they return.
    Threads: no state outside the arguments; calls on different objects may run at the same time.
-   Determinism: same input, same bits, on every machine and build that keeps IEEE arithmetic (-ffp-contract=off); random numbers come
-   from a seed.
-   What it does not do: motion of single grains (dem.h); how apertures block (blocking.h: its free fraction goes into def.free_fraction).
-   Models 0, 1, 2 do not know the load: the same curve for any mass on the deck, unless load_exponent says how passage depends on it; nor
-   does model 3 where stratification is instant, as in its published set. Model 3 depends on how the feed is cut into classes: two halves
-   of a class pass half as fast. Outside the range of a fit the models extrapolate: set def.domain to be told (SCREEN_OUTSIDE).
-   Settings: SCREEN_API extern everywhere and SCREEN_IMPLEMENTATION in one file give one compiled copy; default is static inline. */
+   Determinism: same input, same bits, on every machine and build that keeps IEEE arithmetic (-ffp-contract=off); random
+   numbers come from a seed.
+   What it does not do: motion of single grains (dem.h); how apertures block (blocking.h: its free fraction goes into
+   def.free_fraction). Models 0, 1, 2 do not know the load: the same curve for any mass on the deck, unless
+   load_exponent says how passage depends on it; nor does model 3 where stratification is instant, as in its published
+   set. Model 3 depends on how the feed is cut into classes: two halves of a class pass half as fast. Outside the range
+   of a fit the models extrapolate: set def.domain to be told (SCREEN_OUTSIDE).
+   Settings: SCREEN_API extern everywhere and SCREEN_IMPLEMENTATION in one file give one compiled copy; default is
+   static inline. */
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "screen_models.h needs NaN and signed zero: compile without -ffast-math"
 #endif
@@ -66,32 +73,34 @@
 extern "C" {
 #endif
 
-/* ---- status ------------------------------------------------------------------------------------------------------------------------- */
+/* ---- status ------------------------------------------------------------------------------------------------------ */
 
-#define SCREEN_STATUSES(X)                                                                                                                 \
-    X(SCREEN_OK, "ok")                                                                                                                     \
-    X(SCREEN_NO_MEMORY, "out of memory")                                                                                                   \
-    X(SCREEN_BAD_POINTER, "an array that is needed is null")                                                                               \
-    X(SCREEN_BAD_DEF, "a field of screen_def is out of range: screen_check_def names it")                                                  \
-    X(SCREEN_BAD_MODEL, "no such model, or the model has no form for this deck")                                                           \
-    X(SCREEN_BAD_OPERATION, "amplitude [m], frequency [Hz] or inclination [rad] out of range")                                             \
-    X(SCREEN_MOISTURE_IN_PERCENT, "moisture is a mass fraction in [0, 1): this looks like percent")                                        \
-    X(SCREEN_BAD_MOISTURE, "moisture is a mass fraction in [0, 1)")                                                                        \
-    X(SCREEN_BAD_PARAMETERS, "a rate constant is not positive or a parameter is not finite")                                               \
-    X(SCREEN_NOT_FINITE, "these parameters give a rate that is not finite")                                                                \
-    X(SCREEN_BAD_TIMES, "times are negative, not finite or not strictly rising")                                                           \
-    X(SCREEN_DATA_NOT_FINITE, "retained data hold a NaN or an infinity")                                                                   \
-    X(SCREEN_DATA_IN_PERCENT, "retained data are fractions in [0, 1]: these look like percent")                                            \
-    X(SCREEN_DATA_OUT_OF_RANGE, "retained data lie below 0 or above 1")                                                                    \
-    X(SCREEN_DATA_NOT_MONOTONE, "retained data rise with time")                                                                            \
-    X(SCREEN_TOO_FEW_POINTS, "fewer data points than parameters to fit")                                                                   \
-    X(SCREEN_BAD_BOUNDS, "a bound is NaN, low above high, or a rate constant's bound is not positive and finite")                          \
-    X(SCREEN_BAD_OPTION, "an option is out of range")                                                                                      \
-    X(SCREEN_BAD_ARGUMENT, "an argument is out of range")                                                                                  \
-    X(SCREEN_TOO_MANY_STEPS, "the integrator of model 3 needs more than a million steps")                                                  \
-    X(SCREEN_NOT_REACHED, "the wanted value is not reached in the given range")                                                            \
-    X(SCREEN_OUTSIDE, "the answer is there, but outside the range that the parameters were fitted in: screen_outside names what")          \
-    X(SCREEN_BAD_CURVE, "sizes must rise, the share passing rise with them within 0..1, and some of the feed be below the aperture")       \
+#define SCREEN_STATUSES(X)                                                                                             \
+    X(SCREEN_OK, "ok")                                                                                                 \
+    X(SCREEN_NO_MEMORY, "out of memory")                                                                               \
+    X(SCREEN_BAD_POINTER, "an array that is needed is null")                                                           \
+    X(SCREEN_BAD_DEF, "a field of screen_def is out of range: screen_check_def names it")                              \
+    X(SCREEN_BAD_MODEL, "no such model, or the model has no form for this deck")                                       \
+    X(SCREEN_BAD_OPERATION, "amplitude [m], frequency [Hz] or inclination [rad] out of range")                         \
+    X(SCREEN_MOISTURE_IN_PERCENT, "moisture is a mass fraction in [0, 1): this looks like percent")                    \
+    X(SCREEN_BAD_MOISTURE, "moisture is a mass fraction in [0, 1)")                                                    \
+    X(SCREEN_BAD_PARAMETERS, "a rate constant is not positive or a parameter is not finite")                           \
+    X(SCREEN_NOT_FINITE, "these parameters give a rate that is not finite")                                            \
+    X(SCREEN_BAD_TIMES, "times are negative, not finite or not strictly rising")                                       \
+    X(SCREEN_DATA_NOT_FINITE, "retained data hold a NaN or an infinity")                                               \
+    X(SCREEN_DATA_IN_PERCENT, "retained data are fractions in [0, 1]: these look like percent")                        \
+    X(SCREEN_DATA_OUT_OF_RANGE, "retained data lie below 0 or above 1")                                                \
+    X(SCREEN_DATA_NOT_MONOTONE, "retained data rise with time")                                                        \
+    X(SCREEN_TOO_FEW_POINTS, "fewer data points than parameters to fit")                                               \
+    X(SCREEN_BAD_BOUNDS, "a bound is NaN, low above high, or a rate constant's bound is not positive and finite")      \
+    X(SCREEN_BAD_OPTION, "an option is out of range")                                                                  \
+    X(SCREEN_BAD_ARGUMENT, "an argument is out of range")                                                              \
+    X(SCREEN_TOO_MANY_STEPS, "the integrator of model 3 needs more than a million steps")                              \
+    X(SCREEN_NOT_REACHED, "the wanted value is not reached in the given range")                                        \
+    X(SCREEN_OUTSIDE,                                                                                                  \
+      "the answer is there, but outside the range that the parameters were fitted in: screen_outside names what")      \
+    X(SCREEN_BAD_CURVE,                                                                                                \
+      "sizes must rise, the share passing rise with them within 0..1, and some of the feed be below the aperture")     \
     X(SCREEN_LOAD_UNKNOWN, "the model does not know the load (load_exponent 0): no capacity follows from it")
 
 typedef enum screen_status {
@@ -103,7 +112,7 @@ typedef enum screen_status {
 /* Returns one sentence; "unknown status" for anything else. Never null. */
 SCREEN_API const char *screen_status_text(screen_status status);
 
-/* ---- configuration ------------------------------------------------------------------------------------------------------------------ */
+/* ---- configuration ----------------------------------------------------------------------------------------------- */
 
 enum { SCREEN_MAX_PARAMETERS = 6 };
 
@@ -121,15 +130,15 @@ typedef enum screen_average {
     SCREEN_AVERAGE_GIVEN      /* def.average_diameter */
 } screen_average;
 
-/* What the mass ratio m_p,l,i/m_p,l,i,0 of eq 25 is. docs/screen_models.md weighs the two readings: the published parameters belong to
-   the second. */
+/* What the mass ratio m_p,l,i/m_p,l,i,0 of eq 25 is. docs/screen_models.md weighs the two readings: the published
+   parameters belong to the second. */
 typedef enum screen_ratio {
     SCREEN_RATIO_RETAINED, /* Y itself: Y = (1 - p Y)^N, implicit */
     SCREEN_RATIO_GRAIN     /* mass of one grain over def.ratio_mass: Y = (1 - p ratio)^N; default */
 } screen_ratio;
 
-/* The range of the data to which parameters were fitted: lowest and highest. Of a fit: result.domain; of the published sets:
-   screen_published_domain(). */
+/* The range of the data to which parameters were fitted: lowest and highest. Of a fit: result.domain; of the published
+   sets: screen_published_domain(). */
 typedef struct screen_domain {
     double amplitude[2], frequency[2], moisture[2], inclination[2]; /* [m] [Hz] [-] [rad] */
     double diameter[2], aperture[2];                                /* [m] */
@@ -138,15 +147,15 @@ typedef struct screen_domain {
     int classes[2];                                                 /* number of undersize classes */
 } screen_domain;
 
-#define SCREEN_OUTSIDES(X)                                                                                                                 \
-    X(SCREEN_OUTSIDE_AMPLITUDE, 1, "amplitude")                                                                                            \
-    X(SCREEN_OUTSIDE_FREQUENCY, 2, "frequency")                                                                                            \
-    X(SCREEN_OUTSIDE_MOISTURE, 4, "moisture")                                                                                              \
-    X(SCREEN_OUTSIDE_INCLINATION, 8, "inclination")                                                                                        \
-    X(SCREEN_OUTSIDE_DIAMETER, 16, "grain size")                                                                                           \
-    X(SCREEN_OUTSIDE_APERTURE, 32, "aperture")                                                                                             \
-    X(SCREEN_OUTSIDE_LOAD, 64, "load of the deck, which the model does not know")                                                          \
-    X(SCREEN_OUTSIDE_CLASSES, 128, "number of classes, on which model 3 depends")                                                          \
+#define SCREEN_OUTSIDES(X)                                                                                             \
+    X(SCREEN_OUTSIDE_AMPLITUDE, 1, "amplitude")                                                                        \
+    X(SCREEN_OUTSIDE_FREQUENCY, 2, "frequency")                                                                        \
+    X(SCREEN_OUTSIDE_MOISTURE, 4, "moisture")                                                                          \
+    X(SCREEN_OUTSIDE_INCLINATION, 8, "inclination")                                                                    \
+    X(SCREEN_OUTSIDE_DIAMETER, 16, "grain size")                                                                       \
+    X(SCREEN_OUTSIDE_APERTURE, 32, "aperture")                                                                         \
+    X(SCREEN_OUTSIDE_LOAD, 64, "load of the deck, which the model does not know")                                      \
+    X(SCREEN_OUTSIDE_CLASSES, 128, "number of classes, on which model 3 depends")                                      \
     X(SCREEN_OUTSIDE_TIME, 256, "time")
 enum screen_outside_flag {
 #define SCREEN__ENUM(name, value, text) name = value,
@@ -155,31 +164,35 @@ enum screen_outside_flag {
         SCREEN_OUTSIDE_NOTHING = 0
 };
 
-/* Memory hook, like realloc: fn(user, old, old_size, new_size). new_size 0 frees and returns null; null: out of memory. */
+/* Memory hook, like realloc: fn(user, old, old_size, new_size). new_size 0 frees and returns null; null:
+   out of memory. */
 typedef struct screen_memory {
-    void *(*fn)(void *user, void *old, size_t old_size, size_t new_size); /* null: the C library's realloc and free (default) */
+    void *(*fn)(void *user, void *old, size_t old_size, size_t new_size); /* null: the C library's realloc and
+                                                                             free (default) */
     void *user;
 } screen_memory;
 
-/* The deck and its feed. Made by screen_default_def(), which gives the batch screen of E&K section 4, then set classes and diameters. */
+/* The deck and its feed. Made by screen_default_def(), which gives the batch screen of E&K section 4, then set classes
+   and diameters. */
 typedef struct screen_def {
     double aperture; /* a, clear width of a square aperture [m], > 0; 0.008 */
     double wire;     /* w, wire diameter [m], >= 0; 0.002; model 1 */
     double duration; /* t_end of eq 28 [s], > 0; 20; model 1 in batch */
     double gravity;  /* g [m/s2], > 0; 9.81 */
-    int continuous;  /* 0 (default): batch, the coordinate is time [s]. 1: deck, the coordinate is length [m] and k_s, k_p are in 1/m;
-                             models 0, 1, 2 */
+    int continuous;  /* 0 (default): batch, the coordinate is time [s]. 1: deck, the coordinate is length [m] and k_s,
+                             k_p are in 1/m; models 0, 1, 2 */
     int classes;     /* undersize classes, >= 1; the default 0 must be set */
-    const double *diameters; /* d_i [classes] [m], each in (0, aperture), or up to aperture + worn_by; not owned; the default null must
-                                be set */
-    const double *shares;    /* S_inf,i = m_i,0/m_0 [classes], mass of a class over the mass of all undersize [-], > 0, sum 1 to 1e-6;
-                                not owned; null (default): equal shares */
+    const double *diameters; /* d_i [classes] [m], each in (0, aperture), or up to aperture + worn_by; not owned; the
+                                default null must be set */
+    const double *shares;    /* S_inf,i = m_i,0/m_0 [classes], mass of a class over the mass of all undersize [-], > 0,
+                                sum 1 to 1e-6; not owned; null (default): equal shares */
     screen_average average;  /* SCREEN_AVERAGE_UNDERSIZE; models 2, 3 */
     double average_diameter; /* d_av [m], > 0; 0.006; read with SCREEN_AVERAGE_GIVEN only */
     /* Model 1 only */
     screen_ratio ratio; /* SCREEN_RATIO_GRAIN, the reading of the published parameters */
     double density;     /* of a grain [kg/m3], > 0; 2534.1; read with SCREEN_RATIO_GRAIN only, as the next */
-    double ratio_mass;  /* mass that a grain's is measured in [kg], > 0; 0.001: grams, as in the paper's Table 2. k belongs to it */
+    double ratio_mass;  /* mass that a grain's is measured in [kg], > 0; 0.001: grams, as in the paper's Table 2. k
+                           belongs to it */
     /* Model 3 only */
     double undersize_mass;  /* m_0 [kg], > 0; 0.94 */
     double oversize_mass;   /* M_0 (1 - Q_0), what cannot pass [kg], >= 0; 0.47 */
@@ -187,26 +200,35 @@ typedef struct screen_def {
     double deck_area;       /* W^2 [m2], > 0; 0.02835, a disc of 0.19 m */
     double bulk_density;    /* rho_b [kg/m3], > 0; 1500 */
     double bottom_limit;    /* B_p = B_mP/m_0, capacity of the bottom layer [-], > 0; infinity (default): no limit */
-    double tolerance;       /* error of retained that is allowed in a step of the adaptive integrator [-], [1e-14, 1e-2]; 1e-9; the same
-                               for the stratified part where it matters to the retained, 1000 times that elsewhere */
-    double fixed_step;      /* > 0 [s]: steps of this length without error control, stable and positive for any; 0 (default): adaptive */
+    double tolerance;       /* error of retained that is allowed in a step of the adaptive integrator [-], [1e-14,
+                               1e-2]; 1e-9; the same for the stratified part where it matters to the retained, 1000
+                               times that elsewhere */
+    double fixed_step;      /* > 0 [s]: steps of this length without error control, stable and positive for any; 0
+                               (default): adaptive */
     /* Properties of a plant that the paper's test sieve lacks: all are off by default, in every model and call */
     double dead_time;            /* nothing is counted below before this [s] ([m] on a deck), >= 0; 0 */
     double never_passes;         /* share of every class that never passes [-], [0, 1); 0 */
-    int free_points;             /* free fraction of the holes over time: numbers in the next two, >= 0; 0: all holes are free */
-    const double *free_time;     /* [free_points] rising [s] ([m]); straight lines between, constant outside; not owned; null */
-    const double *free_fraction; /* [free_points] [-], [0, 1]; from blocking.h or counted. It slows passage, not stratification */
-    double aperture_ratio;       /* length over width of an opening, >= 1, infinite for rods; 1: square. Width is aperture; model 1 */
-    int project_aperture;        /* 1: an inclined deck counts with the aperture and the wire as projected from above, a cos(inclination); 0
-                                    (default). Model 1 on a deck has eq 23 for that and does not read it */
+    int free_points;             /* free fraction of the holes over time: numbers in the next two, >= 0; 0: all
+                                    holes are free */
+    const double *free_time;     /* [free_points] rising [s] ([m]); straight lines between, constant outside;
+                                    not owned; null */
+    const double *free_fraction; /* [free_points] [-], [0, 1]; from blocking.h or counted. It slows passage, not
+                                    stratification */
+    double aperture_ratio;       /* length over width of an opening, >= 1, infinite for rods; 1: square. Width is
+                                    aperture; model 1 */
+    int project_aperture;        /* 1: an inclined deck counts with the aperture and the wire as projected from above, a
+                                    cos(inclination); 0 (default). Model 1 on a deck has eq 23 for that and
+                                    does not read it */
     double worn_share;           /* share of the holes that are wider, [0, 1]; 0 */
-    double worn_by;        /* by this [m], >= 0; 0. Classes up to aperture + worn_by may then stand in diameters: what wear lets through */
-    double load_exponent;  /* rates of passage are multiplied by (load_reference/load)^this, load = all mass over deck_area; >= 0; 0: the
-                              load has no influence (but for stratification in model 3); 1: holes per mass of feed decide */
+    double worn_by;        /* by this [m], >= 0; 0. Classes up to aperture + worn_by may then stand in diameters: what
+                              wear lets through */
+    double load_exponent;  /* rates of passage are multiplied by (load_reference/load)^this, load = all mass over
+                              deck_area; >= 0; 0: the load has no influence (but for stratification in model 3); 1:
+                              holes per mass of feed decide */
     double load_reference; /* load at which the parameters were fitted [kg/m2], > 0; 49.7, that of the paper; read with
                               an exponent only */
-    const screen_domain *domain; /* range of the fit: outside, screen_predict, screen_partition and screen_time_to fill their outputs and
-                                    return SCREEN_OUTSIDE; not owned; null (default): not checked */
+    const screen_domain *domain; /* range of the fit: outside, screen_predict, screen_partition and screen_time_to fill
+                                    their outputs and return SCREEN_OUTSIDE; not owned; null (default): not checked */
     screen_memory memory;        /* the C library's */
     uint32_t cookie;             /* set by screen_default_def */
 } screen_def;
@@ -221,16 +243,18 @@ typedef struct screen_operation {
 
 SCREEN_API screen_def screen_default_def(void);
 
-/* Returns SCREEN_OK, or the reason and, where field is not null, the name of the first bad field (a string constant; null when ok). */
+/* Returns SCREEN_OK, or the reason and, where field is not null, the name of the first bad field (a string constant;
+   null when ok). */
 SCREEN_API screen_status screen_check_def(const screen_def *def, const char **field);
 SCREEN_API screen_status screen_check_operation(const screen_operation *operation);
 
 /* Returns the number of parameters of a model: 3 3 6 6, and 5 for model 1 on a continuous deck; 0 for no such model. */
 SCREEN_API int screen_parameter_count(screen_model model, int continuous);
-/* Returns "k", "alpha", "gamma", ... in the order of the table at the top; null outside it. Rate constants are "k", "k_s", "k_p". */
+/* Returns "k", "alpha", "gamma", ... in the order of the table at the top; null outside it. Rate constants are "k",
+   "k_s", "k_p". */
 SCREEN_API const char *screen_parameter_name(screen_model model, int index);
-/* Copies the set that E&K section 5.3 prints for all 27 cases to parameters[SCREEN_MAX_PARAMETERS], 0 where the model has fewer.
-   SCREEN_BAD_MODEL for model 0, which has none there. */
+/* Copies the set that E&K section 5.3 prints for all 27 cases to parameters[SCREEN_MAX_PARAMETERS], 0 where the model
+   has fewer. SCREEN_BAD_MODEL for model 0, which has none there. */
 SCREEN_API screen_status screen_published(screen_model model, double *parameters);
 
 /* Returns the domain of the 27 cases to which they were fitted. */
@@ -243,41 +267,45 @@ SCREEN_API unsigned screen_outside(const screen_domain *domain, const screen_def
 /* Returns the name of one flag; "unknown flag" for anything else. */
 SCREEN_API const char *screen_outside_text(unsigned flag);
 
-/* ---- predict ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- predict ----------------------------------------------------------------------------------------------------- */
 
 /* Curves of one case.
-     parameters  [screen_parameter_count]; rate constants > 0 [1/s], or [1/m] on a deck, or [-] (model 1); exponents any finite
+     parameters  [screen_parameter_count]; rate constants > 0 [1/s], or [1/m] on a deck, or [-] (model 1); exponents any
+                 finite
      times       [times] rising from >= 0 [s]; lengths [m] on a deck
      retained    out [classes][times] Y, mass still on the screen over initial mass of the class, eq 21 [-]
      stratified  out [classes][times] S/S_inf, what has ever reached the bottom layer (models 0, 1: 1) [-]; may be null
      bottom      out [classes][times] B/S_inf, what lies in the bottom layer now (models 0, 1: Y) [-]; may be null
    Y = bottom + 1 - stratified. Errors: as the statuses. */
 SCREEN_API screen_status screen_predict(const screen_def *def, screen_model model, const double *parameters,
-                                        const screen_operation *operation, int times, const double *time, double *retained,
-                                        double *stratified, double *bottom);
+                                        const screen_operation *operation, int times, const double *time,
+                                        double *retained, double *stratified, double *bottom);
 
-/* Returns the paper's deviation of a case (section 5.3): mean of |model - data| over points = classes x times [-]. NaN for points < 1. */
+/* Returns the paper's deviation of a case (section 5.3): mean of |model - data| over points = classes x times [-]. NaN
+   for points < 1. */
 SCREEN_API double screen_deviation(int points, const double *model, const double *data);
 
-/* Computes the partition curve at one time [s] (length [m]): fraction of each diameter that stays, 1 for d >= aperture. diameters [n] [m],
-   > 0, any order; partition out [n] [-]. Models 0, 1, 2, whose classes are independent; the classes of def matter only through d_av.
-   SCREEN_BAD_MODEL for model 3: its passage depends on how the feed is cut into classes. */
+/* Computes the partition curve at one time [s] (length [m]): fraction of each diameter that stays, 1 for d >= aperture.
+   diameters [n] [m], > 0, any order; partition out [n] [-]. Models 0, 1, 2, whose classes are independent; the classes
+   of def matter only through d_av. SCREEN_BAD_MODEL for model 3: its passage depends on how the feed is cut
+   into classes. */
 SCREEN_API screen_status screen_partition(const screen_def *def, screen_model model, const double *parameters,
-                                          const screen_operation *operation, double time, int n, const double *diameters,
-                                          double *partition);
+                                          const screen_operation *operation, double time, int n,
+                                          const double *diameters, double *partition);
 
-/* Finds the time [s] (length [m]) at which the given share of all undersize [-], [0, 1), has passed, to 1e-12 of limit; SCREEN_NOT_REACHED
-   if later than limit, which is > 0. */
+/* Finds the time [s] (length [m]) at which the given share of all undersize [-], [0, 1), has passed, to 1e-12 of limit;
+   SCREEN_NOT_REACHED if later than limit, which is > 0. */
 SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model model, const double *parameters,
                                         const screen_operation *operation, double recovery, double limit, double *time);
 
 /* Scratch of model 3 in a screen_bed: nothing to keep or to set. */
 typedef struct screen__layer {
-    double log_w, log_factors, layers, b, b_free, volume, scale, decrement, c[3], u[3], y[2], x_of[5], y_of[5], u_next, y_next, u_best,
-        y_best;
+    double log_w, log_factors, layers, b, b_free, volume, scale, decrement, c[3], u[3], y[2], x_of[5], y_of[5], u_next,
+        y_next, u_best, y_best;
 } screen__layer;
 
-/* One class of a bed that a flowsheet simulator steps. The caller owns an array [classes]; masses [kg] may be changed between steps. */
+/* One class of a bed that a flowsheet simulator steps. The caller owns an array [classes]; masses [kg] may be changed
+   between steps. */
 typedef struct screen_bed {
     double fed;    /* given to the deck so far, >= top + bottom; model 1 reads Y = (top + bottom)/fed */
     double top;    /* on the deck, not yet stratified (models 0, 1: stays 0) */
@@ -294,13 +322,14 @@ SCREEN_API screen_status screen_bed_init(const screen_def *def, screen_model mod
      feed    [classes] laid on top of the bed at the start of the step [kg], >= 0; null: none
      dt      [s], >= 0 and finite (length [m] on a deck)
      passed  out [classes] mass through the mesh in this step [kg]; may be null
-   fed = top + bottom + passed stays true to round-off; a refused step changes no mass. Constant inputs give the closed forms whatever the
-   steps. Model 1 continues at the N that belongs to Y = (top + bottom)/fed (on a deck beta < 0 is needed: N must rise with the length).
-   Model 3 measures all masses in units of def.undersize_mass. */
-SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
-                                     double dt, const double *feed, screen_bed *bed, double *passed);
+   fed = top + bottom + passed stays true to round-off; a refused step changes no mass. Constant inputs give the closed
+   forms whatever the steps. Model 1 continues at the N that belongs to Y = (top + bottom)/fed (on a deck beta < 0 is
+   needed: N must rise with the length). Model 3 measures all masses in units of def.undersize_mass. */
+SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, const double *parameters,
+                                     const screen_operation *operation, double dt, const double *feed, screen_bed *bed,
+                                     double *passed);
 
-/* ---- fit ---------------------------------------------------------------------------------------------------------------------------- */
+/* ---- fit --------------------------------------------------------------------------------------------------------- */
 
 /* Measured or simulated curves of one operation. Nothing is owned. */
 typedef struct screen_case {
@@ -320,8 +349,9 @@ typedef struct screen_where {
 #define SCREEN_MOST_STARTS 10000
 #define SCREEN_MOST_ITERATIONS 100000
 
-/* Returns the half-width, in standard errors, of a range that holds the share `level` of Student's t with dof degrees of freedom (whole
-   numbers; others are rounded down), the normal distribution from 1e6 on. level (0, 1), dof >= 1. NaN outside. Student 1908. */
+/* Returns the half-width, in standard errors, of a range that holds the share `level` of Student's t with dof degrees
+   of freedom (whole numbers; others are rounded down), the normal distribution from 1e6 on. level (0, 1), dof >= 1. NaN
+   outside. Student 1908. */
 SCREEN_API double screen_student(double level, double dof);
 
 typedef enum screen_loss {
@@ -334,35 +364,41 @@ typedef struct screen_fit_options {
     int starts;                         /* random starts, 1 .. SCREEN_MOST_STARTS; 20 */
     int iterations;                     /* of one start in all, 1 .. SCREEN_MOST_ITERATIONS; 400 */
     uint64_t seed;                      /* any; 1 */
-    const double *start;                /* [parameters] replaces the first random start; not owned; null: none (default) */
-    double low[SCREEN_MAX_PARAMETERS];  /* bounds, as the parameters: rate constants 1e-12 .. 1e12 (> 0), alpha, beta -50 .. 50, */
+    const double *start;                /* [parameters] replaces the first random start; not owned; null:
+                                           none (default) */
+    double low[SCREEN_MAX_PARAMETERS];  /* bounds, as the parameters: rate constants 1e-12 .. 1e12 (> 0), alpha,
+                                           beta -50 .. 50, */
     double high[SCREEN_MAX_PARAMETERS]; /* gamma, delta -1000 .. 1000. low = high holds a parameter. */
     double data_error; /* accuracy of the data [-], > 0; 1e-3: a parameter is judged by an error of at least this
                           size */
-    double shrink;     /* >= 0 [-]: adds half of this x (exponent/5)^2 and x (exponent x moisture exponent/20)^2 to the deviation (all of
-                      it to the mean square), so that few cases do not drive exponents far for a small gain: the fit is the minimum of the
-                      sum. 0 (default): the plain minimum; 3e-4 is a mild choice */
-    double data_tolerance;   /* rise with time, or excess over 1 or below 0, that is taken for noise [-], >= 0; 0.01. Where the scatter of
-                              the curves themselves is larger, 8 times that scatter */
-    const screen_def *decks; /* [cases] a deck and a feed for each case (aperture, wire, classes, masses ...): all but the numerics and the
-                                memory, which are those of the def given; not owned; null (default): the def given for all */
-    const double *class_weights; /* [classes], with decks those of all cases one after the other: how well each class is known, as 1 /
-                                    (standard error)^2 in any unit, >= 0, in each case one > 0. A residual counts with the root of it, in
-                                    the fit and in all that is said of it. 0: the class is left out (models 2, 3: not of the feed). Not
-                                    owned; null (default): all alike */
+    double shrink;     /* >= 0 [-]: adds half of this x (exponent/5)^2 and x (exponent x moisture exponent/20)^2 to the
+                      deviation (all of it to the mean square), so that few cases do not drive exponents far for a small
+                      gain: the fit is the minimum of the sum. 0 (default): the plain minimum; 3e-4 is a mild choice */
+    double data_tolerance;   /* rise with time, or excess over 1 or below 0, that is taken for noise [-], >= 0; 0.01.
+                              Where the scatter of the curves themselves is larger, 8 times that scatter */
+    const screen_def *decks; /* [cases] a deck and a feed for each case (aperture, wire, classes, masses ...): all but
+                                the numerics and the memory, which are those of the def given; not owned; null
+                                (default): the def given for all */
+    const double *class_weights; /* [classes], with decks those of all cases one after the other: how well each class is
+                                    known, as 1 / (standard error)^2 in any unit, >= 0, in each case one > 0. A residual
+                                    counts with the root of it, in the fit and in all that is said of it. 0: the class
+                                    is left out (models 2, 3: not of the feed). Not owned; null (default): all alike */
     uint32_t cookie;
 } screen_fit_options;
 
-/* Order and number of the parameters as screen_parameter_name. An "error" of a rate constant is that of its natural logarithm. */
+/* Order and number of the parameters as screen_parameter_name. An "error" of a rate constant is that of its
+   natural logarithm. */
 typedef struct screen_fit_result {
     screen_model model;
     int parameters;
     double parameter[SCREEN_MAX_PARAMETERS];
     double deviation;                    /* mean over cases of the deviation of a case [-] */
-    double rms;                          /* root mean square of model - data [-]; both weighted, where there are class_weights */
-    double error[SCREEN_MAX_PARAMETERS]; /* standard error; infinite: no influence; NaN: at its bound, see its range. Residuals that
-                                            correlate with their neighbours count as fewer points */
-    double dof;                          /* degrees of freedom of the errors: points that count, less the free parameters; at least 1 */
+    double rms;                          /* root mean square of model - data [-]; both weighted, where there are
+                                            class_weights */
+    double error[SCREEN_MAX_PARAMETERS]; /* standard error; infinite: no influence; NaN: at its bound, see its range.
+                                            Residuals that correlate with their neighbours count as fewer points */
+    double dof;                          /* degrees of freedom of the errors: points that count, less the free
+                                            parameters; at least 1 */
     double student;                      /* half-width of the ranges in errors: screen_student(0.95, dof) */
     double low[SCREEN_MAX_PARAMETERS];   /* 95 % range: parameter -+ student errors (a rate constant by a factor), cut
                                             at the bounds. Errors are those of the model linearised at the fit. Where
@@ -370,82 +406,94 @@ typedef struct screen_fit_result {
                                             within the range, which then holds a little too rarely */
     double high[SCREEN_MAX_PARAMETERS];
     double correlation[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS];
-    int determined[SCREEN_MAX_PARAMETERS]; /* 0: the range reaches farther than ln 2 (rate constant) or max(1, |value|) (exponent) on either
-                                              side: the data leave it open */
+    int determined[SCREEN_MAX_PARAMETERS]; /* 0: the range reaches farther than ln 2 (rate constant) or max(1, |value|)
+                                              (exponent) on either side: the data leave it open */
     int at_bound[SCREEN_MAX_PARAMETERS];   /* 1: stands at a bound that is not low = high */
     int undetermined;                      /* number of parameters that are not determined */
     int starts;                            /* made */
-    int starts_at_best;                    /* of them ended within 1e-6 of the best sum of loss and price (options.shrink) */
+    int starts_at_best;                    /* of them ended within 1e-6 of the best sum of loss and price
+                                              (options.shrink) */
     long evaluations;                      /* of the curves of all cases */
-    screen_where where;                    /* first bad datum when the data are refused; else the largest rise, -1 without one */
+    screen_where where;                    /* first bad datum when the data are refused; else the largest rise,
+                                              -1 without one */
     int rises;                             /* points that exceed an earlier one by more than the tolerance */
     double largest_rise;                   /* [-] */
-    double scatter;                        /* of single points about smooth curves, from the data alone [-]; 0 where it cannot be told */
-    double case_error;  /* root mean square error of a case that was not fitted [-], from residuals of whole cases, which contain the
-                           model's own error; used by screen_fit_band */
+    double scatter;                        /* of single points about smooth curves, from the data alone [-]; 0 where it
+                                              cannot be told */
+    double case_error;  /* root mean square error of a case that was not fitted [-], from residuals of whole cases,
+                           which contain the model's own error; used by screen_fit_band */
     screen_ratio ratio; /* the reading of eq 25 and the mass that the parameters belong to */
     double ratio_mass;
     screen_domain domain; /* of the data */
     double
-        coefficient[SCREEN_MAX_PARAMETERS]; /* ln k + .., exponent, exponent x moisture exponent: what the rates are linear in; read by */
-    double factor[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS]; /* screen_sample: Cholesky factor of the coefficients' covariance */
+        coefficient[SCREEN_MAX_PARAMETERS]; /* ln k + .., exponent, exponent x moisture exponent: what the rates are
+                                               linear in; read by */
+    double factor[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS]; /* screen_sample: Cholesky factor of the
+                                                                    coefficients' covariance */
     double centre[4]; /* mean log speed and log (1 - M) of the data, for each rate; read by screen_sample */
 } screen_fit_result;
 
 SCREEN_API screen_fit_options screen_default_fit_options(screen_model model);
 
-/* Checks whether the curves can be fitted, and whether they fall. where (may be null): the first bad datum. tolerance as
-   options.data_tolerance, but noise above it is refused; screen_fit takes the scatter of the data for its tolerance and only notes
-   rises. */
+/* Checks whether the curves can be fitted, and whether they fall. where (may be null): the first bad datum. tolerance
+   as options.data_tolerance, but noise above it is refused; screen_fit takes the scatter of the data for its tolerance
+   and only notes rises. */
 SCREEN_API screen_status screen_check_cases(const screen_def *def, int cases, const screen_case *data, double tolerance,
                                             screen_where *where);
 
-/* Fits one parameter set to all cases given: bounded Levenberg-Marquardt in the coefficients of the log rates, from several random starts,
-   first on a rounded, then on the sharp absolute deviation. Model 2: exchanging the two steps gives the same curves, so the data cannot
-   tell which is which; the slower is called stratification, as in the published set, unless the bounds forbid it. Parameters without
-   influence (moisture exponents when M is the same in all cases, exponents when A f and d are, delta of a deck when the inclination is) are
-   held at 0, or at options->start, or the nearest bound; elsewhere only as far as k would leave its bounds. Where M alone differs, the data
-   tell alpha x gamma only: alpha is held at 1 then. Every parameter is also tried at its bounds, the others fitted again, so that no bound
-   gives a better fit. Curves that rise are accepted; result->rises counts them. options may be null (defaults). Errors: as the statuses;
-   result->where is set for bad data, result->parameters is 0 after any. */
+/* Fits one parameter set to all cases given: bounded Levenberg-Marquardt in the coefficients of the log rates, from
+   several random starts, first on a rounded, then on the sharp absolute deviation. Model 2: exchanging the two steps
+   gives the same curves, so the data cannot tell which is which; the slower is called stratification, as in the
+   published set, unless the bounds forbid it. Parameters without influence (moisture exponents when M is the same in
+   all cases, exponents when A f and d are, delta of a deck when the inclination is) are held at 0, or at
+   options->start, or the nearest bound; elsewhere only as far as k would leave its bounds. Where M alone differs, the
+   data tell alpha x gamma only: alpha is held at 1 then. Every parameter is also tried at its bounds, the others fitted
+   again, so that no bound gives a better fit. Curves that rise are accepted; result->rises counts them. options may be
+   null (defaults). Errors: as the statuses; result->where is set for bad data, result->parameters is 0 after any. */
 SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
                                     const screen_fit_options *options, screen_fit_result *result);
 
-/* Finds the profile range of one parameter (index): how far it may move, all others fitted again, before the loss (deviation [-] or mean
-   square, with the price of options->shrink) rises by rise > 0; cut at the bounds: from bound to bound for one without influence. result is
-   a fit to the same cases with the same options. */
-SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const screen_case *data, const screen_fit_options *options,
-                                        const screen_fit_result *result, int index, double rise, double *low, double *high);
+/* Finds the profile range of one parameter (index): how far it may move, all others fitted again, before the loss
+   (deviation [-] or mean square, with the price of options->shrink) rises by rise > 0; cut at the bounds: from bound to
+   bound for one without influence. result is a fit to the same cases with the same options. */
+SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const screen_case *data,
+                                        const screen_fit_options *options, const screen_fit_result *result, int index,
+                                        double rise, double *low, double *high);
 
-/* Draws parameter sets from the normal distribution about a fit: out sets[n][SCREEN_MAX_PARAMETERS]. A direction that the data leave open
-   has the spread 2 of a log rate or exponent (20 of a product with a moisture exponent). Bounds of options (null: defaults) hold. */
-SCREEN_API screen_status screen_sample(const screen_fit_result *result, const screen_fit_options *options, uint64_t seed, int n,
-                                       double *sets);
+/* Draws parameter sets from the normal distribution about a fit: out sets[n][SCREEN_MAX_PARAMETERS]. A direction that
+   the data leave open has the spread 2 of a log rate or exponent (20 of a product with a moisture exponent). Bounds of
+   options (null: defaults) hold. */
+SCREEN_API screen_status screen_sample(const screen_fit_result *result, const screen_fit_options *options,
+                                       uint64_t seed, int n, double *sets);
 
-/* Computes the band of a prediction of new data, from parameters drawn from the fit and the error that the model makes on whole cases
-   (result.case_error), which a band of the curve alone lacks. def: the deck of the prediction; level (0, 1), as 0.95. mean, low, high out
-   [classes][times] [-]; each may be null. Draws 200 sets; seed: any. */
-SCREEN_API screen_status screen_fit_band(const screen_def *def, const screen_fit_result *result, const screen_fit_options *options,
-                                         const screen_operation *operation, int times, const double *time, double level, uint64_t seed,
-                                         double *mean, double *low, double *high);
+/* Computes the band of a prediction of new data, from parameters drawn from the fit and the error that the model makes
+   on whole cases (result.case_error), which a band of the curve alone lacks. def: the deck of the prediction; level (0,
+   1), as 0.95. mean, low, high out [classes][times] [-]; each may be null. Draws 200 sets; seed: any. */
+SCREEN_API screen_status screen_fit_band(const screen_def *def, const screen_fit_result *result,
+                                         const screen_fit_options *options, const screen_operation *operation,
+                                         int times, const double *time, double level, uint64_t seed, double *mean,
+                                         double *low, double *high);
 
-/* Computes mean, spread and confidence band of a prediction over parameter sets (from screen_sample, from refits, from seeds).
+/* Computes mean, spread and confidence band of a prediction over parameter sets (from screen_sample, from refits, from
+   seeds).
      sets     [n][SCREEN_MAX_PARAMETERS], n >= 2; sets that give no finite curve are left out
      times    rising from >= 0 [s] or [m], as in screen_predict
-     scatter  spread of single measurements about the model to be added [-], >= 0: result.case_error for new data; 0 for the band of the
-              curve alone, which holds too few of them
+     scatter  spread of single measurements about the model to be added [-], >= 0: result.case_error for new data; 0 for
+              the band of the curve alone, which holds too few of them
      seed     any; read with scatter > 0
      level    share of the distribution inside the band, (0, 1), as 0.95
      mean, spread, low, high  out [classes][times] [-]; each may be null */
 SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, int n, const double *sets,
-                                     const screen_operation *operation, int times, const double *time, double scatter, uint64_t seed,
-                                     double level, double *mean, double *spread, double *low, double *high);
+                                     const screen_operation *operation, int times, const double *time, double scatter,
+                                     uint64_t seed, double level, double *mean, double *spread, double *low,
+                                     double *high);
 
-/* ---- separation --------------------------------------------------------------------------------------------------------------------- */
+/* ---- separation -------------------------------------------------------------------------------------------------- */
 
 typedef struct screen_separation {
-    double d25, d50, d75;       /* sizes of which 25, 50, 75 % stay [m], linear between the points; NaN when not between two of them. Of a
-                                   curve that also falls: d50 where it rises through 50 % last, d25 and d75 the next below and above */
+    double d25, d50, d75;       /* sizes of which 25, 50, 75 % stay [m], linear between the points; NaN when not between
+                                   two of them. Of a curve that also falls: d50 where it rises through 50 % last, d25
+                                   and d75 the next below and above */
     double ecart;               /* probable error (d75 - d25)/2 [m] */
     double imperfection;        /* (d75 - d25)/(2 d50) [-]; 0 is a perfect cut */
     double recovery;            /* undersize passed / undersize fed [-]; NaN without undersize */
@@ -456,41 +504,43 @@ typedef struct screen_separation {
     double yield;               /* passed / fed [-] */
 } screen_separation;
 
-/* Computes measures of a deck from a partition curve of any model or experiment. diameters [n] rising [m]; feed [n] mass of each class (any
-   unit), >= 0, sum > 0; partition [n] fraction that stays, [0, 1]; cut > 0 [m]: classes below it are undersize. SCREEN_NOT_REACHED when
-   only the sizes are missing: the rest is valid. */
-SCREEN_API screen_status screen_measure(int n, const double *diameters, const double *feed, const double *partition, double cut,
-                                        screen_separation *out);
+/* Computes measures of a deck from a partition curve of any model or experiment. diameters [n] rising [m]; feed [n]
+   mass of each class (any unit), >= 0, sum > 0; partition [n] fraction that stays, [0, 1]; cut > 0 [m]: classes below
+   it are undersize. SCREEN_NOT_REACHED when only the sizes are missing: the rest is valid. */
+SCREEN_API screen_status screen_measure(int n, const double *diameters, const double *feed, const double *partition,
+                                        double cut, screen_separation *out);
 
-/* Computes the 95 % range of each of these from the standard errors of the measured shares: measured value +- 1.96 deviations of 1000 drawn
-   sets (normal, cut at 0 and, of the partition, at 1). feed_sd [n] [as feed], >= 0, null: the feed is exact; partition_sd [n] [-], >= 0. A
-   field whose value more than 1 in 20 sets do not have is NaN. seed: any; memory may be null (the C library's). Statuses as screen_measure;
-   SCREEN_NO_MEMORY. */
+/* Computes the 95 % range of each of these from the standard errors of the measured shares: measured value +- 1.96
+   deviations of 1000 drawn sets (normal, cut at 0 and, of the partition, at 1). feed_sd [n] [as feed], >= 0, null: the
+   feed is exact; partition_sd [n] [-], >= 0. A field whose value more than 1 in 20 sets do not have is NaN. seed: any;
+   memory may be null (the C library's). Statuses as screen_measure; SCREEN_NO_MEMORY. */
 SCREEN_API screen_status screen_measure_range(int n, const double *diameters, const double *feed, const double *feed_sd,
-                                              const double *partition, const double *partition_sd, double cut, uint64_t seed,
-                                              const screen_memory *memory, screen_separation *low, screen_separation *high);
+                                              const double *partition, const double *partition_sd, double cut,
+                                              uint64_t seed, const screen_memory *memory, screen_separation *low,
+                                              screen_separation *high);
 
-/* ---- feed --------------------------------------------------------------------------------------------------------------------------- */
+/* ---- feed -------------------------------------------------------------------------------------------------------- */
 
-/* Returns the mass share finer than d [m] of a Rosin-Rammler (1933) feed, 1 - exp(-(d/d63)^n), and of a lognormal one with median d50 and
-   geometric standard deviation sg > 1. d >= 0, d63, d50, n > 0. */
+/* Returns the mass share finer than d [m] of a Rosin-Rammler (1933) feed, 1 - exp(-(d/d63)^n), and of a lognormal one
+   with median d50 and geometric standard deviation sg > 1. d >= 0, d63, d50, n > 0. */
 static inline double screen_rosin_rammler(double d, double d63, double n);
 static inline double screen_lognormal(double d, double d50, double sg);
 
-/* Divides the undersize of a feed into classes by its sieve curve: equal shares of the mass below the aperture, each with its mean size by
-   mass. With this division the mean of the classes, d_av, does not depend on their number, and the results of models 0, 1 and 2 converge
-   with it; model 3 depends on it.
-     size [points] rising > 0 [m]; passing [points] mass share finer [-], not falling; straight lines between; what lies below the first
-     size is taken to lie between 0 and it
-     aperture  [m]; diameters [classes] out [m], rising; shares [classes] out, may be null (all are 1/classes); undersize: share of the feed
-     below the aperture [-], may be null. SCREEN_BAD_CURVE also where the curve ends below the aperture with less than 1. */
-SCREEN_API screen_status screen_classes(int points, const double *size, const double *passing, double aperture, int classes,
-                                        double *diameters, double *shares, double *undersize);
+/* Divides the undersize of a feed into classes by its sieve curve: equal shares of the mass below the aperture, each
+   with its mean size by mass. With this division the mean of the classes, d_av, does not depend on their number, and
+   the results of models 0, 1 and 2 converge with it; model 3 depends on it.
+     size [points] rising > 0 [m]; passing [points] mass share finer [-], not falling; straight lines between; what lies
+     below the first size is taken to lie between 0 and it
+     aperture  [m]; diameters [classes] out [m], rising; shares [classes] out, may be null (all are 1/classes);
+     undersize: share of the feed below the aperture [-], may be null. SCREEN_BAD_CURVE also where the curve ends below
+     the aperture with less than 1. */
+SCREEN_API screen_status screen_classes(int points, const double *size, const double *passing, double aperture,
+                                        int classes, double *diameters, double *shares, double *undersize);
 
-/* ---- steady deck -------------------------------------------------------------------------------------------------------------------- */
+/* ---- steady deck ------------------------------------------------------------------------------------------------- */
 
-/* A deck that is fed all the time. The bed travels as a plug: a slice of it is a batch of the load feed/(width velocity), whose age is the
-   place over the velocity. */
+/* A deck that is fed all the time. The bed travels as a plug: a slice of it is a batch of the load feed/(width
+   velocity), whose age is the place over the velocity. */
 typedef struct screen_duty {
     double feed;     /* all that is fed [kg/s], > 0 */
     double width;    /* [m], > 0 */
@@ -503,30 +553,36 @@ typedef struct screen_flow {
     double load_end, depth_end;   /* at the end of the deck */
     double residence;             /* length/velocity [s] */
     double passed, stays;         /* [kg/s]; their sum is the feed */
-    double efficiency;            /* undersize that passed over undersize fed [-]; undersize: smaller than def.aperture */
+    double efficiency;            /* undersize that passed over undersize fed [-]; undersize: smaller than
+                                     def.aperture */
     double purity;                /* undersize in what passes [-]; below 1 with worn holes; NaN if nothing passes */
     double undersize_in_overflow; /* undersize in what stays [-] */
 } screen_flow;
 
-/* Computes a steady deck whose feed has the composition of def: its classes with their shares make up undersize_mass, oversize_mass cannot
-   pass, and the duty sets the sum of the masses. The time of a model is the age of a slice with continuous 0, and its place with 1.
+/* Computes a steady deck whose feed has the composition of def: its classes with their shares make up undersize_mass,
+   oversize_mass cannot pass, and the duty sets the sum of the masses. The time of a model is the age of a slice with
+   continuous 0, and its place with 1.
      places    > 0; results stand at length (j + 1)/places
-     retained  out [classes][places] mass flow of a class on the deck over that fed [-]: the last column is the partition curve
+     retained  out [classes][places] mass flow of a class on the deck over that fed [-]: the last column is the
+               partition curve
      depth     out [places] of the bed [m]; may be null
-     passed    out [classes] through the deck [kg/s]: the feed of a deck below, on which it is taken to fall at its head; may be null */
+     passed    out [classes] through the deck [kg/s]: the feed of a deck below, on which it is taken to fall at its
+               head; may be null */
 SCREEN_API screen_status screen_steady(const screen_def *def, screen_model model, const double *parameters,
-                                       const screen_operation *operation, const screen_duty *duty, int places, double *retained,
-                                       double *depth, double *passed, screen_flow *flow);
+                                       const screen_operation *operation, const screen_duty *duty, int places,
+                                       double *retained, double *depth, double *passed, screen_flow *flow);
 
-/* Finds the largest feed [kg/s] at which the deck of a duty (whose feed is not read) reaches an efficiency (0, 1), to 1e-9 of it.
-   SCREEN_LOAD_UNKNOWN where passage does not depend on the load; SCREEN_NOT_REACHED where no load between 1e-6 and 1e6 kg/m2 does. */
+/* Finds the largest feed [kg/s] at which the deck of a duty (whose feed is not read) reaches an efficiency (0, 1),
+   to 1e-9 of it. SCREEN_LOAD_UNKNOWN where passage does not depend on the load; SCREEN_NOT_REACHED where no load
+   between 1e-6 and 1e6 kg/m2 does. */
 SCREEN_API screen_status screen_capacity(const screen_def *def, screen_model model, const double *parameters,
-                                         const screen_operation *operation, const screen_duty *duty, double efficiency, double *feed);
+                                         const screen_operation *operation, const screen_duty *duty, double efficiency,
+                                         double *feed);
 
-/* ---- laws: static inline in every mode ---------------------------------------------------------------------------------------------- */
-/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ. Identical in every
-   Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the copies). Within 5 ulp unless
-   stated; NaN outside the domain. */
+/* ---- laws: static inline in every mode --------------------------------------------------------------------------- */
+/* >>portable-math: exp, log, sin and related functions with the same bits on every machine; those of libm differ.
+   Identical in every Riddle header that needs it (base/portable_math.h is the master, tests/check_headers compares the
+   copies). Within 5 ulp unless stated; NaN outside the domain. */
 /* clang-format off */
 #ifndef RIDDLE_PORTABLE_MATH
 #define RIDDLE_PORTABLE_MATH
@@ -590,7 +646,9 @@ static inline double riddle_log(double x) {
     return e * RIDDLE_LN2_HI + (riddle__log1p_small(m - 1.0) + e * RIDDLE_LN2_LO);
 }
 
-static inline double riddle_log1p(double x) { return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x); }
+static inline double riddle_log1p(double x) {
+    return x > -0.29 && x < 0.4 ? riddle__log1p_small(x) : riddle_log(1.0 + x);
+}
 
 /* Returns x^y for x >= 0; relative error about (2 + |y log x|) ulp. */
 static inline double riddle_pow(double x, double y) {
@@ -690,16 +748,18 @@ static inline double riddle_asin(double x) {
 #endif /* RIDDLE_PORTABLE_MATH */
 /* clang-format on */
 /* <<portable-math */
-/* >>student-t: Student's t by the incomplete beta function. Identical in every Riddle header that needs it (base/student.h is the master,
-   tests/check_headers compares the copies). */
+/* >>student-t: Student's t by the incomplete beta function. Identical in every Riddle header that needs it
+   (base/student.h is the master, tests/check_headers compares the copies). */
 /* clang-format off */
 #ifndef RIDDLE_STUDENT
 #define RIDDLE_STUDENT
-/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20 on. */
+/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20
+   on. */
 static inline double riddle__log_beta_half(double a) {
     double ratio = 1.0;
     for (; a < 20.0; a += 1.0) ratio *= (a + 0.5) / a;
-    const double z = 1.0 / (a * a), series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
+    const double z = 1.0 / (a * a);
+    const double series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
     return 0.57236494292470008707 - 0.5 * riddle_log(a) + series + riddle_log(ratio);
 }
 
@@ -736,8 +796,8 @@ static inline double riddle__student_tail(double freedom, double t, double *dens
     return 1.0 - front * riddle__beta_fraction(b, a, rest) / b;
 }
 
-/* Returns the half-width, in standard errors, of a range that holds the share `confidence` of Student's t. NaN outside of confidence in
-   (0, 1), freedom > 0. Student 1908. */
+/* Returns the half-width, in standard errors, of a range that holds the share `confidence` of Student's t. NaN outside
+   of confidence in (0, 1), freedom > 0. Student 1908. */
 static inline double riddle_student(double confidence, double freedom) {
     if (!(confidence > 0.0 && confidence < 1.0 && freedom > 0.0)) return (double)NAN;
     if (freedom > 1e8) freedom = 1e8; /* the normal distribution, to 1e-8 */
@@ -761,13 +821,15 @@ static inline double riddle_student(double confidence, double freedom) {
 
 /* >>laws. NaN outside the domain that each comment gives. */
 
-/* Returns the dimensionless screen velocity x = A f (1-M)^moisture_exponent / (sqrt(d g) size_ratio) raised to exponent, times k. It is the
-   rate of every model: size_ratio 1 in eqs 27, 28 (model 1) [-]; d/d_av in eqs 32, 34, 43 (k_s of models 2, 3) [1/s]; d/aperture in eqs 33,
-   35, 40 (k_p of models 2, 3, and k of model 0, which has their form) [1/s]. def.ratio is another ratio, of masses. k >= 0; amplitude [m],
-   frequency [Hz], d [m], g [m/s2], size_ratio > 0; moisture [0, 1); exponents any. Overflow gives infinity. */
-static inline double screen_rate(double k, double exponent, double moisture_exponent, double amplitude, double frequency, double moisture,
-                                 double d, double size_ratio, double g) {
-    if (!(k >= 0.0 && amplitude > 0.0 && frequency > 0.0 && moisture >= 0.0 && moisture < 1.0 && d > 0.0 && size_ratio > 0.0 && g > 0.0))
+/* Returns the dimensionless screen velocity x = A f (1-M)^moisture_exponent / (sqrt(d g) size_ratio) raised to
+   exponent, times k. It is the rate of every model: size_ratio 1 in eqs 27, 28 (model 1) [-]; d/d_av in eqs 32, 34, 43
+   (k_s of models 2, 3) [1/s]; d/aperture in eqs 33, 35, 40 (k_p of models 2, 3, and k of model 0, which has their
+   form) [1/s]. def.ratio is another ratio, of masses. k >= 0; amplitude [m], frequency [Hz], d [m], g [m/s2],
+   size_ratio > 0; moisture [0, 1); exponents any. Overflow gives infinity. */
+static inline double screen_rate(double k, double exponent, double moisture_exponent, double amplitude,
+                                 double frequency, double moisture, double d, double size_ratio, double g) {
+    if (!(k >= 0.0 && amplitude > 0.0 && frequency > 0.0 && moisture >= 0.0 && moisture < 1.0 && d > 0.0 &&
+          size_ratio > 0.0 && g > 0.0))
         return (double)NAN;
     /* one logarithm of each factor: their product may leave the range of a double though the power does not */
     double log_x = riddle_log(amplitude) + riddle_log(frequency) + moisture_exponent * riddle_log1p(-moisture) -
@@ -775,10 +837,11 @@ static inline double screen_rate(double k, double exponent, double moisture_expo
     return k > 0.0 ? riddle_exp(riddle_log(k) + exponent * log_x) : 0.0;
 }
 
-/* Returns the probability to pass in one attempt, eq 23; eq 24 for inclination 0. aperture > 0, wire >= 0, d >= 0 [m], inclination [0,
-   pi/2) [rad]. 0 where the grain does not fit, d >= aperture cos(inclination). */
+/* Returns the probability to pass in one attempt, eq 23; eq 24 for inclination 0. aperture > 0, wire >= 0, d >= 0 [m],
+   inclination [0, pi/2) [rad]. 0 where the grain does not fit, d >= aperture cos(inclination). */
 static inline double screen_passage_probability(double aperture, double wire, double d, double inclination) {
-    if (!(aperture > 0.0 && wire >= 0.0 && d >= 0.0 && inclination >= 0.0 && inclination < 0.5 * RIDDLE_PI)) return (double)NAN;
+    if (!(aperture > 0.0 && wire >= 0.0 && d >= 0.0 && inclination >= 0.0 && inclination < 0.5 * RIDDLE_PI))
+        return (double)NAN;
     double c = inclination > 0.0 ? riddle_cos(inclination) : 1.0, pitch = aperture + wire;
     if (!(d < aperture * c)) return 0.0;
     return (aperture - d) / pitch * ((aperture * c - d) / (pitch * c));
@@ -786,8 +849,10 @@ static inline double screen_passage_probability(double aperture, double wire, do
 
 /* Returns the same for an opening with a given length [m], at least its width, the aperture, which lies across the
    slope; infinite for rods, whose gap alone decides. Eq 23 with another length. */
-static inline double screen_slot_probability(double aperture, double length, double wire, double d, double inclination) {
-    if (!(aperture > 0.0 && length >= aperture && wire >= 0.0 && d >= 0.0 && inclination >= 0.0 && inclination < 0.5 * RIDDLE_PI))
+static inline double screen_slot_probability(double aperture, double length, double wire, double d,
+                                             double inclination) {
+    if (!(aperture > 0.0 && length >= aperture && wire >= 0.0 && d >= 0.0 && inclination >= 0.0 &&
+          inclination < 0.5 * RIDDLE_PI))
         return (double)NAN;
     if (length == aperture) return screen_passage_probability(aperture, wire, d, inclination);
     double c = inclination > 0.0 ? riddle_cos(inclination) : 1.0;
@@ -795,40 +860,47 @@ static inline double screen_slot_probability(double aperture, double length, dou
     return (aperture - d) / (aperture + wire) * (length < HUGE_VAL ? (length * c - d) / ((length + wire) * c) : 1.0);
 }
 
-/* Returns the attempts up to time [s] of a batch that lasts duration [s], eq 28; rate from screen_rate with size_ratio 1. time >= 0,
-   duration > 0. */
+/* Returns the attempts up to time [s] of a batch that lasts duration [s], eq 28; rate from screen_rate with
+   size_ratio 1. time >= 0, duration > 0. */
 static inline double screen_attempts_batch(double rate, double time, double duration) {
     return rate >= 0.0 && time >= 0.0 && duration > 0.0 ? rate * (time / duration) : (double)NAN;
 }
 
-/* Returns the attempts on a deck of the given length [m], eq 26: rate (d/length)^beta inclination^delta. d, length > 0 [m], inclination > 0
-   [rad]. */
-static inline double screen_attempts_deck(double rate, double d, double length, double inclination, double beta, double delta) {
+/* Returns the attempts on a deck of the given length [m], eq 26: rate (d/length)^beta inclination^delta. d,
+   length > 0 [m], inclination > 0 [rad]. */
+static inline double screen_attempts_deck(double rate, double d, double length, double inclination, double beta,
+                                          double delta) {
     if (!(rate >= 0.0 && d > 0.0 && length > 0.0 && inclination > 0.0)) return (double)NAN;
     return rate * riddle_exp(beta * riddle_log(d / length) + delta * riddle_log(inclination));
 }
 
 /* Returns Y of model 0, eq 29: exp(-k t); k >= 0, t >= 0. */
-static inline double screen_first_order(double k, double t) { return k >= 0.0 && t >= 0.0 ? riddle_exp(-(k * t)) : (double)NAN; }
+static inline double screen_first_order(double k, double t) {
+    return k >= 0.0 && t >= 0.0 ? riddle_exp(-(k * t)) : (double)NAN;
+}
 
-/* Returns Y of a single grain after n attempts, eq 22 and Table 1: (1 - p)^n. This is not model 1 of a bed: see screen_dong. p [0, 1], n >=
+/* Returns Y of a single grain after n attempts, eq 22 and Table 1: (1 - p)^n. This is not model 1 of a bed: see
+   screen_dong. p [0, 1], n >=
    0. */
 static inline double screen_single_grain(double p, double n) {
     if (!(p >= 0.0 && p <= 1.0 && n >= 0.0)) return (double)NAN;
     return n == 0.0 ? 1.0 : p < 1.0 ? riddle_exp(n * riddle_log1p(-p)) : 0.0;
 }
 
-/* Returns Y of model 1, eq 25: the root Y in (0, 1] of Y = (1 - p Y)^n, to 4 ulp. p [0, 1], n >= 0 and finite. With s = -ln Y, h(s) = s + n
-   ln(1 - p e^-s) rises and is concave, so it has one root; this lies near Lambert's W(p n) for small p. */
+/* Returns Y of model 1, eq 25: the root Y in (0, 1] of Y = (1 - p Y)^n, to 4 ulp. p [0, 1], n >= 0 and finite. With
+   s = -ln Y, h(s) = s + n ln(1 - p e^-s) rises and is concave, so it has one root; this lies near Lambert's W(p n)
+   for small p. */
 static inline double screen_dong(double p, double n) {
     if (!(p >= 0.0 && p <= 1.0 && n >= 0.0 && n < HUGE_VAL)) return (double)NAN;
     double z = p * n;
     if (z == 0.0) return 1.0;
     double l = riddle_log1p(z), s = l * (1.0 - riddle_log1p(l) / (2.0 + l)), low = 0.0, high = HUGE_VAL;
     for (int i = 0; i < 100; i++) {
-        double less = riddle_expm1(-s), y = s < 0.35 ? 1.0 + less : riddle_exp(-s); /* Y - 1 and Y, each without cancellation */
+        /* Y - 1 and Y, each without cancellation. */
+        double less = riddle_expm1(-s), y = s < 0.35 ? 1.0 + less : riddle_exp(-s);
         double u = p * y, v = (1.0 - p) - p * less;
-        double h = s + n * (u < 0.5 ? riddle_log1p(-u) : riddle_log(v)), slope = 1.0 + n * (u / v), bend = -n * (u / (v * v));
+        double h = s + n * (u < 0.5 ? riddle_log1p(-u) : riddle_log(v)), slope = 1.0 + n * (u / v),
+               bend = -n * (u / (v * v));
         if (h < 0.0) low = s;
         else high = s;
         double next = s - 2.0 * h * slope / (2.0 * slope * slope - h * bend); /* Halley */
@@ -843,8 +915,8 @@ static inline double screen_dong(double p, double n) {
     return y - y * ((riddle_log(y) - n * riddle_log1p(-u)) / (1.0 + n * (u / v)));
 }
 
-/* Returns the mass of one grain over a reference mass [-], the ratio of eq 25 as its text words it; density [kg/m3], d [m], reference [kg],
-   all > 0. */
+/* Returns the mass of one grain over a reference mass [-], the ratio of eq 25 as its text words it; density [kg/m3],
+   d [m], reference [kg], all > 0. */
 static inline double screen_grain_ratio(double density, double d, double reference) {
     if (!(density > 0.0 && d > 0.0 && reference > 0.0)) return (double)NAN;
     return density * (RIDDLE_PI / 6.0) * (d * d * d) / reference;
@@ -860,8 +932,8 @@ static inline double screen__product_error(double a, double b, double product) {
     return ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
 }
 
-/* Returns Y of model 2, eqs 30, 31: (k_s e^(-k_p t) - k_p e^(-k_s t))/(k_s - k_p), symmetric in k_s and k_p; (1 + k t) e^(-k t) where they
-   are equal. k_s, k_p >= 0 and finite [1/s], t >= 0 and finite [s]; or [1/m] and [m]. */
+/* Returns Y of model 2, eqs 30, 31: (k_s e^(-k_p t) - k_p e^(-k_s t))/(k_s - k_p), symmetric in k_s and k_p; (1 + k t)
+   e^(-k t) where they are equal. k_s, k_p >= 0 and finite [1/s], t >= 0 and finite [s]; or [1/m] and [m]. */
 static inline double screen_subasinghe(double k_s, double k_p, double t) {
     double slow = k_s < k_p ? k_s : k_p, fast = k_s < k_p ? k_p : k_s;
     if (!(slow >= 0.0 && fast < HUGE_VAL && k_s == k_s && k_p == k_p && t >= 0.0 && t < HUGE_VAL)) return (double)NAN;
@@ -872,12 +944,16 @@ static inline double screen_subasinghe(double k_s, double k_p, double t) {
     return riddle_exp(-a) * (1.0 - lost) * (1.0 + a * screen__expm1c((fast - slow) * t));
 }
 
-/* Returns the share of model 2 that is not stratified yet, e^(-k_s t) = 1 - S; the bottom layer holds screen_subasinghe() minus this. */
+/* Returns the share of model 2 that is not stratified yet, e^(-k_s t) = 1 - S; the bottom layer holds
+   screen_subasinghe() minus this. */
 static inline double screen_subasinghe_top(double k_s, double t) { return screen_first_order(k_s, t); }
 
-/* Returns the share of fines in the top layer q of model 3, eq 42 [-]; unstratified undersize and oversize [kg], >= 0, sum > 0. */
+/* Returns the share of fines in the top layer q of model 3, eq 42 [-]; unstratified undersize and
+   oversize [kg], >= 0, sum > 0. */
 static inline double screen_fines_share(double unstratified, double oversize) {
-    return unstratified >= 0.0 && oversize >= 0.0 && unstratified + oversize > 0.0 ? unstratified / (unstratified + oversize) : (double)NAN;
+    return unstratified >= 0.0 && oversize >= 0.0 && unstratified + oversize > 0.0
+               ? unstratified / (unstratified + oversize)
+               : (double)NAN;
 }
 
 /* Returns ln(c_q/w_q) = -(2q)^5 of model 3; q [0, 1]. */
@@ -886,34 +962,40 @@ static inline double screen_log_fines_factor(double q) {
     return q >= 0.0 && q <= 1.0 ? -(square * square * two_q) : (double)NAN;
 }
 
-/* Returns ln c_d = -2.5 V/V_av of model 3; volume of a grain of the class and mean volume of grains in the top layer, > 0, same unit. */
+/* Returns ln c_d = -2.5 V/V_av of model 3; volume of a grain of the class and mean volume of grains in the top
+   layer, > 0, same unit. */
 static inline double screen_log_size_factor(double volume, double mean_volume) {
     return volume > 0.0 && mean_volume > 0.0 ? -2.5 * (volume / mean_volume) : (double)NAN;
 }
 
-/* Returns the number of layers of coarse grains in the top layer of model 3, H_t/d_av,c (under eq 41) [-]; mass of the top layer [kg], area
-   [m2], density [kg/m3], diameter [m], all > 0. */
+/* Returns the number of layers of coarse grains in the top layer of model 3, H_t/d_av,c (under eq 41) [-]; mass of the
+   top layer [kg], area [m2], density [kg/m3], diameter [m], all > 0. */
 static inline double screen_top_layers(double mass, double area, double bulk_density, double coarse_diameter) {
     if (!(mass > 0.0 && area > 0.0 && bulk_density > 0.0 && coarse_diameter > 0.0)) return (double)NAN;
     return mass / (area * bulk_density) / coarse_diameter;
 }
 
-/* Returns ln c = ln(c_q c_d/(H_t/d_av,c)) of model 3, eq 41; logarithms, because w_q may be 1e8 and more. layers > 0. */
-static inline double screen_log_stratification(double log_w, double log_fines_factor, double log_size_factor, double layers) {
+/* Returns ln c = ln(c_q c_d/(H_t/d_av,c)) of model 3, eq 41; logarithms, because w_q may be 1e8 and
+   more. layers > 0. */
+static inline double screen_log_stratification(double log_w, double log_fines_factor, double log_size_factor,
+                                               double layers) {
     return layers > 0.0 ? log_w + log_fines_factor + log_size_factor - riddle_log(layers) : (double)NAN;
 }
 
-/* Returns the share of the bottom layer that takes part in passage in model 3: min(1, B_p/B), text under eq 39. bottom >= 0, limit > 0. */
+/* Returns the share of the bottom layer that takes part in passage in model 3: min(1, B_p/B), text under eq 39.
+   bottom >= 0, limit > 0. */
 static inline double screen_bottom_share(double bottom, double limit) {
     return bottom >= 0.0 && limit > 0.0 ? (bottom > limit ? limit / bottom : 1.0) : (double)NAN;
 }
 
-/* Returns the passage of model 3, dR/dt = k B share with k = b Y, eqs 39, 40, on the basis of all undersize [1/s]; all >= 0. */
+/* Returns the passage of model 3, dR/dt = k B share with k = b Y, eqs 39, 40, on the basis of all
+   undersize [1/s]; all >= 0. */
 static inline double screen_passage(double b, double retained, double bottom, double share) {
     return b >= 0.0 && retained >= 0.0 && bottom >= 0.0 && share >= 0.0 ? b * retained * bottom * share : (double)NAN;
 }
 
-/* Returns Y/S_inf = 1/(1 + b S_inf t) of model 3 with instant stratification and no limit of the bottom layer. b, s_inf, t >= 0. */
+/* Returns Y/S_inf = 1/(1 + b S_inf t) of model 3 with instant stratification and no limit of the bottom layer. b,
+   s_inf, t >= 0. */
 static inline double screen_soldinger_limit(double b, double s_inf, double t) {
     return b >= 0.0 && s_inf >= 0.0 && t >= 0.0 ? 1.0 / (1.0 + b * s_inf * t) : (double)NAN;
 }
@@ -939,12 +1021,12 @@ static inline double screen_lognormal(double d, double d50, double sg) {
     return 0.5 + (z < 0.0 ? -0.5 : 0.5) * share;
 }
 
-/* ---- bodies ------------------------------------------------------------------------------------------------------------------------- */
+/* ---- bodies ------------------------------------------------------------------------------------------------------ */
 #ifdef SCREEN__BODIES
 
 SCREEN_API const char *screen_status_text(screen_status status) {
     switch (status) {
-#define SCREEN__TEXT(name, text)                                                                                                           \
+#define SCREEN__TEXT(name, text)                                                                                       \
     case name: return text;
         SCREEN_STATUSES(SCREEN__TEXT)
 #undef SCREEN__TEXT
@@ -958,7 +1040,9 @@ SCREEN_API const char *screen_status_text(screen_status status) {
 
 /* Numbers in an output [classes][times]; 0 where that cannot be known. */
 static inline size_t screen__size(const screen_def *def, int times) {
-    return def && def->cookie == SCREEN__DEF_COOKIE && def->classes > 0 && times > 0 ? (size_t)def->classes * (size_t)times : 0;
+    return def && def->cookie == SCREEN__DEF_COOKIE && def->classes > 0 && times > 0
+               ? (size_t)def->classes * (size_t)times
+               : 0;
 }
 
 /* Passes a status on; a failure leaves NaN in out [n] (may be null), so that it is not mistaken for a result. */
@@ -1012,7 +1096,9 @@ static inline double screen__clip(double x, double low, double high) { return x 
 static inline int screen__positive(double x) { return x > 0.0 && x < HUGE_VAL; }
 
 /* Returns the width of the widest hole [m]: a class below it may pass. */
-static inline double screen__widest(const screen_def *def) { return def->aperture + (def->worn_share > 0.0 ? def->worn_by : 0.0); }
+static inline double screen__widest(const screen_def *def) {
+    return def->aperture + (def->worn_share > 0.0 ? def->worn_by : 0.0);
+}
 
 static inline const char *screen__bad_option(const screen_def *def) {
     if (!(def->dead_time >= 0.0 && def->dead_time < HUGE_VAL)) return "dead_time";
@@ -1021,7 +1107,8 @@ static inline const char *screen__bad_option(const screen_def *def) {
     if (def->free_points > 0 && !def->free_time) return "free_time";
     if (def->free_points > 0 && !def->free_fraction) return "free_fraction";
     for (int i = 0; i < def->free_points; i++) {
-        if (!(fabs(def->free_time[i]) < HUGE_VAL) || (i > 0 && !(def->free_time[i] > def->free_time[i - 1]))) return "free_time";
+        if (!(fabs(def->free_time[i]) < HUGE_VAL) || (i > 0 && !(def->free_time[i] > def->free_time[i - 1])))
+            return "free_time";
         if (!(def->free_fraction[i] >= 0.0 && def->free_fraction[i] <= 1.0)) return "free_fraction";
     }
     if (!(def->aperture_ratio >= 1.0)) return "aperture_ratio";
@@ -1058,7 +1145,8 @@ static inline const char *screen__bad_field(const screen_def *def) {
     const char *bad = screen__bad_option(def);
     if (!bad) bad = screen__bad_classes(def);
     if (bad) return bad;
-    if (def->average != SCREEN_AVERAGE_UNDERSIZE && def->average != SCREEN_AVERAGE_ALL && def->average != SCREEN_AVERAGE_GIVEN)
+    if (def->average != SCREEN_AVERAGE_UNDERSIZE && def->average != SCREEN_AVERAGE_ALL &&
+        def->average != SCREEN_AVERAGE_GIVEN)
         return "average";
     if (!screen__positive(def->average_diameter)) return "average_diameter";
     if (def->ratio != SCREEN_RATIO_RETAINED && def->ratio != SCREEN_RATIO_GRAIN) return "ratio";
@@ -1118,7 +1206,9 @@ static inline int screen__beyond(const double *range, double value) {
     return !(value >= range[0] - 0.01 * fabs(range[0]) && value <= range[1] + 0.01 * fabs(range[1]));
 }
 
-static inline double screen__load_of(const screen_def *def) { return (def->undersize_mass + def->oversize_mass) / def->deck_area; }
+static inline double screen__load_of(const screen_def *def) {
+    return (def->undersize_mass + def->oversize_mass) / def->deck_area;
+}
 
 SCREEN_API unsigned screen_outside(const screen_domain *domain, const screen_def *def, screen_model model,
                                    const screen_operation *operation, double last_time) {
@@ -1140,7 +1230,7 @@ SCREEN_API unsigned screen_outside(const screen_domain *domain, const screen_def
 
 SCREEN_API const char *screen_outside_text(unsigned flag) {
     switch (flag) {
-#define SCREEN__TEXT(name, value, text)                                                                                                    \
+#define SCREEN__TEXT(name, value, text)                                                                                \
     case value: return text;
         SCREEN_OUTSIDES(SCREEN__TEXT)
 #undef SCREEN__TEXT
@@ -1169,9 +1259,10 @@ SCREEN_API screen_domain screen_published_domain(void) {
 }
 
 /* Returns SCREEN_OUTSIDE instead of SCREEN_OK if the result is an extrapolation. */
-static inline screen_status screen__told(screen_status status, const screen_def *def, screen_model model, const screen_operation *operation,
-                                         double last_time) {
-    return !status && def->domain && screen_outside(def->domain, def, model, operation, last_time) ? SCREEN_OUTSIDE : status;
+static inline screen_status screen__told(screen_status status, const screen_def *def, screen_model model,
+                                         const screen_operation *operation, double last_time) {
+    return !status && def->domain && screen_outside(def->domain, def, model, operation, last_time) ? SCREEN_OUTSIDE
+                                                                                                   : status;
 }
 
 static inline void screen__set(double *out, double a, double b, double c, double d, double e, double f) {
@@ -1204,7 +1295,9 @@ static inline void screen__release(const screen_memory *memory, void *block, siz
     else free(block);
 }
 
-static inline double screen__share(const screen_def *def, int i) { return def->shares ? def->shares[i] : 1.0 / def->classes; }
+static inline double screen__share(const screen_def *def, int i) {
+    return def->shares ? def->shares[i] : 1.0 / def->classes;
+}
 
 static inline double screen__average(const screen_def *def) {
     if (def->average == SCREEN_AVERAGE_GIVEN) return def->average_diameter;
@@ -1213,21 +1306,25 @@ static inline double screen__average(const screen_def *def) {
     return def->average == SCREEN_AVERAGE_ALL ? (sum + def->coarse_diameter) / (def->classes + 1) : sum / def->classes;
 }
 
-/* Every rate is log-linear: ln rate = c0 + c1 speed + c2 wet, with c0 = ln k, c1 = exponent, c2 = exponent x moisture exponent. On a deck
-   model 1 adds c3 size + c4 slope. One such triple for models 0 and 1, two for 2 and 3. */
+/* Every rate is log-linear: ln rate = c0 + c1 speed + c2 wet, with c0 = ln k, c1 = exponent, c2 = exponent x moisture
+   exponent. On a deck model 1 adds c3 size + c4 slope. One such triple for models 0 and 1, two for 2 and 3. */
 typedef struct screen__terms {
     double speed[2], wet, size, slope, d;
 } screen__terms;
 
-static inline int screen__rates(screen_model model) { return model == SCREEN_SUBASINGHE || model == SCREEN_SOLDINGER ? 2 : 1; }
+static inline int screen__rates(screen_model model) {
+    return model == SCREEN_SUBASINGHE || model == SCREEN_SOLDINGER ? 2 : 1;
+}
 
-static inline screen__terms screen__terms_of(const screen_def *def, screen_model model, double average, const screen_operation *operation,
-                                             double d) {
+static inline screen__terms screen__terms_of(const screen_def *def, screen_model model, double average,
+                                             const screen_operation *operation, double d) {
     screen__terms t;
-    double log_d = riddle_log(d),
-           dry = riddle_log(operation->amplitude) + riddle_log(operation->frequency) - 0.5 * (log_d + riddle_log(def->gravity));
+    double log_d = riddle_log(d), dry = riddle_log(operation->amplitude) + riddle_log(operation->frequency) -
+                                        0.5 * (log_d + riddle_log(def->gravity));
     double to_aperture = dry - log_d + riddle_log(def->aperture);
-    t.speed[0] = model == SCREEN_DONG ? dry : model == SCREEN_FIRST_ORDER ? to_aperture : dry - log_d + riddle_log(average);
+    t.speed[0] = model == SCREEN_DONG          ? dry
+                 : model == SCREEN_FIRST_ORDER ? to_aperture
+                                               : dry - log_d + riddle_log(average);
     t.speed[1] = to_aperture;
     t.wet = riddle_log1p(-operation->moisture);
     t.size = log_d;
@@ -1236,19 +1333,22 @@ static inline screen__terms screen__terms_of(const screen_def *def, screen_model
     return t;
 }
 
-/* Returns ln of the factors of the rate of passage: the load, and the share of the holes that let a class pass, worn ones at the rate for
-   their size. In model 1 the holes are part of p. */
+/* Returns ln of the factors of the rate of passage: the load, and the share of the holes that let a class pass, worn
+   ones at the rate for their size. In model 1 the holes are part of p. */
 static inline double screen__log_holes(const screen_def *def, screen_model model, double exponent, double d) {
-    double load = def->load_exponent > 0.0 ? def->load_exponent * riddle_log(def->load_reference / screen__load_of(def)) : 0.0;
+    double load =
+        def->load_exponent > 0.0 ? def->load_exponent * riddle_log(def->load_reference / screen__load_of(def)) : 0.0;
     if (model == SCREEN_DONG || (def->worn_share == 0.0 && d < def->aperture)) return load;
     double share = d < def->aperture ? 1.0 - def->worn_share : 0.0;
     if (d < screen__widest(def) && def->worn_share > 0.0)
-        share += def->worn_share * riddle_exp(screen__clip(exponent * riddle_log(screen__widest(def) / def->aperture), -600.0, 600.0));
+        share += def->worn_share *
+                 riddle_exp(screen__clip(exponent * riddle_log(screen__widest(def) / def->aperture), -600.0, 600.0));
     return share > 0.0 ? load + riddle_log(share) : -1e5; /* passes nowhere */
 }
 
 /* Computes ln of the rates of a class, [screen__rates]; coefficients [parameters]. */
-static inline void screen__log_rates(const screen_def *def, screen_model model, const double *c, const screen__terms *t, double *log_rate) {
+static inline void screen__log_rates(const screen_def *def, screen_model model, const double *c, const screen__terms *t,
+                                     double *log_rate) {
     int last = screen__rates(model) - 1;
     for (int r = 0; r <= last; r++) log_rate[r] = c[3 * r] + c[3 * r + 1] * t->speed[r] + c[3 * r + 2] * t->wet;
     if (model == SCREEN_DONG && def->continuous) log_rate[0] += c[3] * t->size + c[4] * t->slope;
@@ -1266,7 +1366,8 @@ static inline double screen__dong_probability(const screen_def *def, double d, d
 }
 
 /* Returns the deck as projected from above. */
-static inline screen_def screen__projected(const screen_def *def, screen_model model, const screen_operation *operation) {
+static inline screen_def screen__projected(const screen_def *def, screen_model model,
+                                           const screen_operation *operation) {
     screen_def seen = *def;
     if (!def->project_aperture || (model == SCREEN_DONG && def->continuous)) return seen;
     double c = operation->inclination > 0.0 ? riddle_cos(operation->inclination) : 1.0;
@@ -1308,8 +1409,8 @@ static inline double screen__exposure(const screen_def *def, double t) {
     return def->dead_time > 0.0 || def->free_points > 0 ? screen__exposure_between(def, def->dead_time, t) : t;
 }
 
-/* Returns the mean free fraction from *from to the next point of its curve, or to `to`, in pieces over which it changes by 0.02 at most.
-   Moves *from to the end of the piece. */
+/* Returns the mean free fraction from *from to the next point of its curve, or to `to`, in pieces over which it changes
+   by 0.02 at most. Moves *from to the end of the piece. */
 static inline double screen__next_free(const screen_def *def, double *from, double to) {
     double start = *from, end = to;
     for (int i = 0; i < def->free_points; i++)
@@ -1324,7 +1425,8 @@ static inline double screen__next_free(const screen_def *def, double *from, doub
     return 0.5 * (a + b);
 }
 
-static inline screen_status screen__coefficients(const screen_def *def, screen_model model, const double *parameters, double *c) {
+static inline screen_status screen__coefficients(const screen_def *def, screen_model model, const double *parameters,
+                                                 double *c) {
     int n = screen_parameter_count(model, def->continuous);
     if (!parameters) return SCREEN_BAD_POINTER;
     if (n == 0 || (model == SCREEN_SOLDINGER && def->continuous)) return SCREEN_BAD_MODEL;
@@ -1352,7 +1454,8 @@ static inline screen_status screen__check_call(const screen_def *def, screen_mod
     for (int j = 0; j < SCREEN_MAX_PARAMETERS; j++) c[j] = 0.0; /* not read after a failure, which gcc does not see */
     if (!status) status = screen_check_operation(operation);
     if (!status) status = screen__coefficients(def, model, parameters, c);
-    if (!status && model == SCREEN_DONG && def->continuous && !(operation->inclination > 0.0)) status = SCREEN_BAD_OPERATION;
+    if (!status && model == SCREEN_DONG && def->continuous && !(operation->inclination > 0.0))
+        status = SCREEN_BAD_OPERATION;
     return status;
 }
 
@@ -1365,10 +1468,11 @@ static inline screen_status screen__check_times(int times, const double *time) {
 }
 
 /* >>soldinger
-   With U = S_inf - S the top layer is a system of its own, dU/dt = -c(U) U, and of the retained Y = U + B each class obeys
-   dY/dt = -b share Y (Y - U): linear in 1/Y. So U decays by an exponential, 1/Y is integrated in closed form, both are positive, B = Y - U
-   never is negative, and what has passed is what is missing: nothing is lost at any step size.
-   u, y are fractions of m_0. Slot 0 is now, slot 1 the state that a sweep works on, slot 2 the top layer half a step ahead of it. */
+   With U = S_inf - S the top layer is a system of its own, dU/dt = -c(U) U, and of the retained Y = U + B each class
+   obeys dY/dt = -b share Y (Y - U): linear in 1/Y. So U decays by an exponential, 1/Y is integrated in closed form,
+   both are positive, B = Y - U never is negative, and what has passed is what is missing: nothing is lost at any step
+   size. u, y are fractions of m_0. Slot 0 is now, slot 1 the state that a sweep works on, slot 2 the top layer half a
+   step ahead of it. */
 
 /* Computes c of every class from the top layer in a slot. SCREEN_NOT_FINITE above e^600 1/s. */
 static inline screen_status screen__stratification(const screen_def *def, screen_bed *bed, int slot) {
@@ -1394,15 +1498,16 @@ static inline screen_status screen__stratification(const screen_def *def, screen
             own->log_factors = log_fines + log_size;
             own->layers = layers;
         } else { /* by its ratio to slot 0, which is near 1 and then costs half as much */
-            own->c[slot] = own->c[0] * (own->layers / layers) * (1.0 + riddle_expm1(log_fines + log_size - own->log_factors));
+            own->c[slot] =
+                own->c[0] * (own->layers / layers) * (1.0 + riddle_expm1(log_fines + log_size - own->log_factors));
             if (!(own->c[slot] < 3.77e260)) return SCREEN_NOT_FINITE;
         }
     }
     return SCREEN_OK;
 }
 
-/* Returns e^-z and sets *mean to its mean over 0 .. z, (1 - e^-z)/z; z >= 0, mostly small: there the order of evaluation has few
-   dependencies. */
+/* Returns e^-z and sets *mean to its mean over 0 .. z, (1 - e^-z)/z; z >= 0, mostly small: there the order of
+   evaluation has few dependencies. */
 static inline double screen__decay(double z, double *mean) {
     double e = z < 0.35 ? 0.0 : riddle_exp(-z), z2 = z * z, z4 = z2 * z2;
     if (z < 0.0625)
@@ -1419,17 +1524,20 @@ static inline void screen__positive_step(const screen_def *def, screen_bed *bed,
     for (int i = 0; i < n && limited; i++) bottom += bed[i].own.y[1] - bed[i].own.u[1];
     if (limited) before = screen_bottom_share(bottom > 0.0 ? bottom : 0.0, def->bottom_limit);
     share = before;
-    for (int pass = 0; pass < 20; pass++) { /* with a limit the mean share of start and end, which is found by repetition */
+    /* with a limit the mean share of start and end, which is found by repetition */
+    for (int pass = 0; pass < 20; pass++) {
         double after = 0.0;
         for (int i = 0; i < n; i++) {
             screen__layer *own = &bed[i].own;
             double mean, first, e = screen__decay(h * own->c[2], &mean), u = own->u[1] * e;
             double bh = own->b * share * h, m = bh * own->u[1] * mean; /* b times the integral of U */
             double decay = screen__decay(m, &first);
-            double second = m < 0.1
-                                ? 0.5 - m * (1.0 / 6 - m * (1.0 / 24 - m * (1.0 / 120 - m * (1.0 / 720 - m * (1.0 / 5040 - m / 40320)))))
-                                : (1.0 - first) / m;
-            /* 1/Y tends to 1/U, which runs from 1/U(0) to 1/U(h): weights that hold both limits, slow and instant stratification */
+            double second =
+                m < 0.1 ? 0.5 - m * (1.0 / 6 -
+                                     m * (1.0 / 24 - m * (1.0 / 120 - m * (1.0 / 720 - m * (1.0 / 5040 - m / 40320)))))
+                        : (1.0 - first) / m;
+            /* 1/Y tends to 1/U, which runs from 1/U(0) to 1/U(h): weights that hold both limits, slow and instant
+               stratification */
             double gain = ((first - second) * e + second) * (2.0 / (1.0 + e));
             double y = own->y[1] / (decay + own->y[1] * bh * gain);
             if (y > own->y[1]) y = own->y[1]; /* only rounding can bring it above, or below U */
@@ -1449,8 +1557,8 @@ static inline void screen__positive_step(const screen_def *def, screen_bed *bed,
     }
 }
 
-/* Makes n steps of length h/n from slot 0, whose c is known, to slot 1, by the midpoint rule of Gragg (1965): slots 1 and 2 are advanced in
-   turn, each over the other, so that the error is a series in h^2. */
+/* Makes n steps of length h/n from slot 0, whose c is known, to slot 1, by the midpoint rule of Gragg (1965): slots 1
+   and 2 are advanced in turn, each over the other, so that the error is a series in h^2. */
 static inline screen_status screen__sweep(const screen_def *def, screen_bed *bed, int n, double h) {
     screen_status status = SCREEN_OK;
     for (int k = 0; k < n && !status; k++) {
@@ -1497,14 +1605,15 @@ static inline screen_status screen__plain_step(const screen_def *def, screen_bed
 
 enum { SCREEN__ORDERS = 5 };
 
-/* Extrapolates the results of 1 to k + 1 steps to order 2 k + 2: the errors in h^2, h^4, .. cancel. Returns the difference from the order
-   before, over the scale of a class; infinite for k = 0. */
+/* Extrapolates the results of 1 to k + 1 steps to order 2 k + 2: the errors in h^2, h^4, .. cancel. Returns the
+   difference from the order before, over the scale of a class; infinite for k = 0. */
 static inline double screen__extrapolate(screen_bed *bed, int n, int k) {
-    const double weight[SCREEN__ORDERS][SCREEN__ORDERS] = {{1.0, 0.0, 0.0, 0.0, 0.0},
-                                                           {-1.0 / 3, 4.0 / 3, 0.0, 0.0, 0.0},
-                                                           {1.0 / 24, -16.0 / 15, 81.0 / 40, 0.0, 0.0},
-                                                           {-1.0 / 360, 16.0 / 45, -729.0 / 280, 1024.0 / 315, 0.0},
-                                                           {1.0 / 8640, -64.0 / 945, 6561.0 / 4480, -16384.0 / 2835, 390625.0 / 72576}};
+    const double weight[SCREEN__ORDERS][SCREEN__ORDERS] = {
+        {1.0, 0.0, 0.0, 0.0, 0.0},
+        {-1.0 / 3, 4.0 / 3, 0.0, 0.0, 0.0},
+        {1.0 / 24, -16.0 / 15, 81.0 / 40, 0.0, 0.0},
+        {-1.0 / 360, 16.0 / 45, -729.0 / 280, 1024.0 / 315, 0.0},
+        {1.0 / 8640, -64.0 / 945, 6561.0 / 4480, -16384.0 / 2835, 390625.0 / 72576}};
     double error = 0.0;
     for (int i = 0; i < n; i++) {
         screen__layer *own = &bed[i].own;
@@ -1528,9 +1637,10 @@ static inline double screen__extrapolate(screen_bed *bed, int n, int k) {
     return error;
 }
 
-/* Tries a step of length h with as many orders as the tolerance needs. *ratio: error over tolerance, accepted up to 1. *grow: factor by
-   which the next step may be longer. */
-static inline screen_status screen__try_step(const screen_def *def, screen_bed *bed, double h, double *ratio, double *grow) {
+/* Tries a step of length h with as many orders as the tolerance needs. *ratio: error over tolerance, accepted up to 1.
+   *grow: factor by which the next step may be longer. */
+static inline screen_status screen__try_step(const screen_def *def, screen_bed *bed, double h, double *ratio,
+                                             double *grow) {
     int k = 0;
     *ratio = HUGE_VAL;
     for (; k < SCREEN__ORDERS && !(*ratio <= 1.0); k++) {
@@ -1579,7 +1689,8 @@ static inline screen_status screen__advance(const screen_def *def, screen_bed *b
         if (!(ratio <= 1.0)) continue;
         for (int i = 0; i < def->classes; i++) {
             screen__layer *own = &bed[i].own;
-            double u = own->u_best, y = own->y_best <= own->y[0] ? own->y_best : own->y[1]; /* extrapolation must stay in bounds */
+            /* Extrapolation must stay in bounds. */
+            double u = own->u_best, y = own->y_best <= own->y[0] ? own->y_best : own->y[1];
             own->y[0] = y > u ? y : u;
             own->u[0] = u;
         }
@@ -1589,8 +1700,8 @@ static inline screen_status screen__advance(const screen_def *def, screen_bed *b
 }
 
 /* Slots of model 3 from the bed and the rates of the operation. */
-static inline screen_status screen__load(const screen_def *def, double average, const double *c, const screen_operation *operation,
-                                         const double *feed, screen_bed *bed) {
+static inline screen_status screen__load(const screen_def *def, double average, const double *c,
+                                         const screen_operation *operation, const double *feed, screen_bed *bed) {
     for (int i = 0; i < def->classes; i++) {
         screen__layer *own = &bed[i].own;
         double d = def->diameters[i], log_rate[2];
@@ -1611,7 +1722,8 @@ static inline screen_status screen__load(const screen_def *def, double average, 
 
 /* Returns Y of model 2, and in slope its derivatives with respect to ln k_s and ln k_p. */
 static inline double screen__subasinghe_slopes(double k_s, double k_p, double t, double *slope) {
-    double slow = k_s < k_p ? k_s : k_p, fast = k_s < k_p ? k_p : k_s, z = (fast - slow) * t, e = riddle_exp(-(slow * t));
+    double slow = k_s < k_p ? k_s : k_p, fast = k_s < k_p ? k_p : k_s, z = (fast - slow) * t,
+           e = riddle_exp(-(slow * t));
     double mean = screen__expm1c(z), by_slow, by_fast; /* e t mean = (e^(-slow t) - e^(-fast t))/(fast - slow) */
     if (z < 1e-3) {
         by_slow = -0.5 + z * (1.0 / 6 - z / 24);
@@ -1626,8 +1738,8 @@ static inline double screen__subasinghe_slopes(double k_s, double k_p, double t,
     return slow * t > 745.2 ? 0.0 : e * (1.0 + slow * t * mean);
 }
 
-/* Returns Y of a class after n attempts in model 1; *slope (may be null) receives dY/d ln n. NaN where p times the grain's ratio exceeds
-   1. */
+/* Returns Y of a class after n attempts in model 1; *slope (may be null) receives dY/d ln n. NaN where p times the
+   grain's ratio exceeds 1. */
 static inline double screen__dong_class(const screen_def *def, double d, double p, double n, double *slope) {
     if (def->ratio == SCREEN_RATIO_GRAIN) {
         double pass = p * screen_grain_ratio(def->density, d, def->ratio_mass), y = screen_single_grain(pass, n);
@@ -1646,21 +1758,22 @@ static inline double screen__dong_attempts(const screen_def *def, double d, doub
 }
 
 /* Advances a class of model 1 by one step from y in (0, 1]. Returns NaN where screen__curves would refuse. */
-static inline double screen__dong_step(const screen_def *def, const double *c, const screen_operation *operation, double d, double rate,
-                                       double y, double dt) {
+static inline double screen__dong_step(const screen_def *def, const double *c, const screen_operation *operation,
+                                       double d, double rate, double y, double dt) {
     double p = screen__dong_probability(def, d, operation->inclination);
     if (p == 0.0) return y; /* the masses stay */
     double n = screen__dong_attempts(def, d, p, y);
     if (!def->continuous) n += screen_attempts_batch(rate, dt, def->duration);
-    else if (dt > 0.0) { /* N grows as length^-beta: find the length that gives the present N, then continue from there */
+    /* N grows as length^-beta: find the length that gives the present N, then continue from there. */
+    else if (dt > 0.0) {
         double reached = n > 0.0 ? riddle_exp(-riddle_log(n / rate) / c[3]) : 0.0;
         if (!(reached >= HUGE_VAL)) n = rate * riddle_exp(-c[3] * riddle_log(reached + dt));
     }
     return n < HUGE_VAL ? screen__dong_class(def, d, p, n, NULL) : (double)NAN;
 }
 
-/* Where a curve goes: [classes][times], the last three may be null. slopes [classes][times][2], models 0 to 2: dY/d ln rate, the second of
-   model 1: dY/d beta by length. */
+/* Where a curve goes: [classes][times], the last three may be null. slopes [classes][times][2], models 0 to 2: dY/d ln
+   rate, the second of model 1: dY/d beta by length. */
 typedef struct screen__out {
     int times;
     const double *time;
@@ -1694,7 +1807,8 @@ static inline void screen__fill_bed(const screen_def *def, screen_model model, s
 
 /* Computes the curves of model 3; a dead time shifts them. */
 static inline screen_status screen__curves_soldinger(const screen_def *def, double average, const double *c,
-                                                     const screen_operation *operation, const screen__out *out, screen_bed *bed) {
+                                                     const screen_operation *operation, const screen__out *out,
+                                                     screen_bed *bed) {
     double now = def->dead_time, hint = 0.0;
     screen__fill_bed(def, SCREEN_SOLDINGER, bed);
     screen_status status = screen__load(def, average, c, operation, NULL, bed);
@@ -1703,7 +1817,8 @@ static inline screen_status screen__curves_soldinger(const screen_def *def, doub
             double from = now, end = out->time[j];
             double free_holes = def->free_points > 0 ? screen__next_free(def, &now, end) : 1.0;
             if (def->free_points == 0) now = end;
-            for (int i = 0; i < def->classes && def->free_points > 0; i++) bed[i].own.b = bed[i].own.b_free * free_holes;
+            for (int i = 0; i < def->classes && def->free_points > 0; i++)
+                bed[i].own.b = bed[i].own.b_free * free_holes;
             status = screen__advance(def, bed, now - from, &hint);
         }
         for (int i = 0; i < def->classes && !status; i++) {
@@ -1717,11 +1832,13 @@ static inline screen_status screen__curves_soldinger(const screen_def *def, doub
 }
 
 /* Computes a curve of model 2 with a varying free fraction: exact over pieces in which it is constant. */
-static inline void screen__curve_of_pieces(const screen_def *def, const double *rate, int klass, const screen__out *out) {
+static inline void screen__curve_of_pieces(const screen_def *def, const double *rate, int klass,
+                                           const screen__out *out) {
     double now = def->dead_time, top = 1.0, y = 1.0;
     for (int j = 0; j < out->times; j++) {
         while (now < out->time[j]) {
-            double from = now, k_p = rate[1] * screen__next_free(def, &now, out->time[j]), h = now - from, at_mesh = y - top;
+            double from = now, k_p = rate[1] * screen__next_free(def, &now, out->time[j]), h = now - from,
+                   at_mesh = y - top;
             y = top * screen_subasinghe(rate[0], k_p, h) + at_mesh * screen_first_order(k_p, h);
             top *= screen_subasinghe_top(rate[0], h);
         }
@@ -1730,8 +1847,9 @@ static inline void screen__curve_of_pieces(const screen_def *def, const double *
 }
 
 /* Computes the curve of a class in model 1. */
-static inline screen_status screen__curve_dong(const screen_def *def, const double *c, const screen_operation *operation, double rate,
-                                               int klass, const screen__out *out) {
+static inline screen_status screen__curve_dong(const screen_def *def, const double *c,
+                                               const screen_operation *operation, double rate, int klass,
+                                               const screen__out *out) {
     double d = def->diameters[klass], p = screen__dong_probability(def, d, operation->inclination);
     for (int j = 0; j < out->times; j++) {
         double t = screen__exposure(def, out->time[j]), slope[2] = {0.0, 0.0}, n = 0.0;
@@ -1756,7 +1874,8 @@ static inline void screen__curve_exponential(const screen_def *def, screen_model
             y = screen_first_order(rate[0], t);
             slope[0] = -rate[0] * t * y;
         } else {
-            y = out->slopes ? screen__subasinghe_slopes(rate[0], rate[1], t, slope) : screen_subasinghe(rate[0], rate[1], t);
+            y = out->slopes ? screen__subasinghe_slopes(rate[0], rate[1], t, slope)
+                            : screen_subasinghe(rate[0], rate[1], t);
             top = out->stratified || out->bottom ? screen_subasinghe_top(rate[0], t) : 0.0;
         }
         screen__write(def, out, klass, j, y, top, slope);
@@ -1764,8 +1883,8 @@ static inline void screen__curve_exponential(const screen_def *def, screen_model
 }
 
 /* Curves from coefficients. bed [classes]: model 3 only. */
-static inline screen_status screen__curves(const screen_def *flat, screen_model model, const double *c, const screen_operation *operation,
-                                           const screen__out *out, screen_bed *bed) {
+static inline screen_status screen__curves(const screen_def *flat, screen_model model, const double *c,
+                                           const screen_operation *operation, const screen__out *out, screen_bed *bed) {
     const screen_def seen = screen__projected(flat, model, operation), *def = &seen;
     double average = screen__average(def);
     if (model == SCREEN_SOLDINGER) return screen__curves_soldinger(def, average, c, operation, out, bed);
@@ -1796,8 +1915,8 @@ static inline screen__out screen__out_of(int times, const double *time, double *
 }
 
 SCREEN_API screen_status screen_predict(const screen_def *def, screen_model model, const double *parameters,
-                                        const screen_operation *operation, int times, const double *time, double *retained,
-                                        double *stratified, double *bottom) {
+                                        const screen_operation *operation, int times, const double *time,
+                                        double *retained, double *stratified, double *bottom) {
     double c[SCREEN_MAX_PARAMETERS];
     screen_status status = screen__check_call(def, model, parameters, operation, c);
     if (!status) status = screen__check_times(times, time);
@@ -1812,7 +1931,8 @@ SCREEN_API screen_status screen_predict(const screen_def *def, screen_model mode
         screen__out out = screen__out_of(times, time, retained);
         out.stratified = stratified;
         out.bottom = bottom;
-        status = screen__told(screen__curves(def, model, c, operation, &out, bed), def, model, operation, time[times - 1]);
+        status =
+            screen__told(screen__curves(def, model, c, operation, &out, bed), def, model, operation, time[times - 1]);
     }
     if (bed) screen__release(&def->memory, bed, n, sizeof *bed);
     screen__leave(status, points, stratified);
@@ -1828,8 +1948,8 @@ SCREEN_API double screen_deviation(int points, const double *model, const double
 }
 
 SCREEN_API screen_status screen_partition(const screen_def *def, screen_model model, const double *parameters,
-                                          const screen_operation *operation, double time, int n, const double *diameters,
-                                          double *partition) {
+                                          const screen_operation *operation, double time, int n,
+                                          const double *diameters, double *partition) {
     double c[SCREEN_MAX_PARAMETERS];
     screen_status status = screen__check_call(def, model, parameters, operation, c);
     if (!status && model == SCREEN_SOLDINGER) status = SCREEN_BAD_MODEL;
@@ -1858,7 +1978,8 @@ SCREEN_API screen_status screen_partition(const screen_def *def, screen_model mo
 }
 
 SCREEN_API screen_status screen_time_to(const screen_def *def, screen_model model, const double *parameters,
-                                        const screen_operation *operation, double recovery, double limit, double *time) {
+                                        const screen_operation *operation, double recovery, double limit,
+                                        double *time) {
     double c[SCREEN_MAX_PARAMETERS];
     if (!time) return SCREEN_BAD_POINTER;
     *time = (double)NAN;
@@ -1911,24 +2032,26 @@ static inline screen__moment screen__moment_of(const screen_def *def, const scre
     return m;
 }
 
-/* Returns the mass on the deck that the model works on: the share that never passes is left out, and the rest is scaled to the full
-   mass. */
+/* Returns the mass on the deck that the model works on: the share that never passes is left out, and the rest is scaled
+   to the full mass. */
 static inline double screen__active(const screen_def *def, double on_deck, double fed) {
     if (def->never_passes == 0.0) return on_deck;
     double active = (on_deck - def->never_passes * fed) / (1.0 - def->never_passes);
     return active > 0.0 ? active : 0.0;
 }
 
-static inline screen_status screen__check_step(const screen_def *def, screen_model model, const double *c, double dt, const double *feed,
-                                               const screen_bed *bed) {
+static inline screen_status screen__check_step(const screen_def *def, screen_model model, const double *c, double dt,
+                                               const double *feed, const screen_bed *bed) {
     if (!bed) return SCREEN_BAD_POINTER;
     if (!(dt >= 0.0 && dt < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
-    if (model == SCREEN_DONG && def->continuous && !(c[3] < 0.0)) return SCREEN_BAD_PARAMETERS; /* N must rise with the length */
+    /* N must rise with the length. */
+    if (model == SCREEN_DONG && def->continuous && !(c[3] < 0.0)) return SCREEN_BAD_PARAMETERS;
     int aged = def->dead_time > 0.0 || def->free_points > 0;
     for (int i = 0; i < def->classes; i++) {
         const screen_bed *b = &bed[i];
         if (feed && !(feed[i] >= 0.0 && feed[i] < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
-        if (!(b->top >= 0.0 && b->bottom >= 0.0 && b->passed >= 0.0 && b->fed < HUGE_VAL && b->top + b->bottom <= b->fed * (1.0 + 1e-12)))
+        if (!(b->top >= 0.0 && b->bottom >= 0.0 && b->passed >= 0.0 && b->fed < HUGE_VAL &&
+              b->top + b->bottom <= b->fed * (1.0 + 1e-12)))
             return SCREEN_BAD_ARGUMENT;
         if (aged && !(b->age >= 0.0 && b->age < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
     }
@@ -1939,7 +2062,8 @@ static inline screen_status screen__check_step(const screen_def *def, screen_mod
 static inline screen_status screen__step_class(const screen_def *def, screen_model model, const double *c,
                                                const screen_operation *operation, double fresh, int i, screen_bed *b) {
     double log_rate[2], rate[2] = {0.0, 0.0}, fed = b->fed + fresh;
-    double before = screen__active(def, b->top + b->bottom + fresh, fed), top = b->top + (screen__rates(model) == 2 ? fresh : 0.0);
+    double before = screen__active(def, b->top + b->bottom + fresh, fed),
+           top = b->top + (screen__rates(model) == 2 ? fresh : 0.0);
     screen__moment m = screen__moment_of(def, b, b->own.c[0]);
     screen__terms terms = screen__terms_of(def, model, screen__average(def), operation, def->diameters[i]);
     screen__log_rates(def, model, c, &terms, log_rate);
@@ -1953,8 +2077,8 @@ static inline screen_status screen__step_class(const screen_def *def, screen_mod
     if (model == SCREEN_FIRST_ORDER) {
         b->own.y[0] = before * screen_first_order(rate[0], m.h * m.free_holes);
     } else if (model == SCREEN_DONG) {
-        double y =
-            screen__dong_step(def, c, operation, def->diameters[i], rate[0], before / fed < 1.0 ? before / fed : 1.0, m.h * m.free_holes);
+        double y = screen__dong_step(def, c, operation, def->diameters[i], rate[0],
+                                     before / fed < 1.0 ? before / fed : 1.0, m.h * m.free_holes);
         if (!(y >= 0.0)) return SCREEN_NOT_FINITE;
         b->own.y[0] = fed * y;
     } else {
@@ -1966,8 +2090,9 @@ static inline screen_status screen__step_class(const screen_def *def, screen_mod
 }
 
 /* Does the same for model 3, for all classes at once. */
-static inline screen_status screen__step_soldinger(const screen_def *def, const double *c, const screen_operation *operation, double dt,
-                                                   const double *feed, screen_bed *bed) {
+static inline screen_status screen__step_soldinger(const screen_def *def, const double *c,
+                                                   const screen_operation *operation, double dt, const double *feed,
+                                                   screen_bed *bed) {
     double hint = 0.0;
     screen_status status = screen__load(def, screen__average(def), c, operation, feed, bed);
     for (int i = 0; i < def->classes && !status; i++) {
@@ -1978,7 +2103,8 @@ static inline screen_status screen__step_soldinger(const screen_def *def, const 
         if (own->u[0] > own->y[0]) own->u[0] = own->y[0];
     }
     screen__moment m = screen__moment_of(def, bed, dt);
-    for (int i = 0; i < def->classes && !status && def->free_points > 0; i++) bed[i].own.b = bed[i].own.b_free * m.free_holes;
+    for (int i = 0; i < def->classes && !status && def->free_points > 0; i++)
+        bed[i].own.b = bed[i].own.b_free * m.free_holes;
     if (!status) status = screen__advance(def, bed, m.h, &hint);
     for (int i = 0; i < def->classes && !status; i++) {
         bed[i].own.u[0] *= def->undersize_mass;
@@ -1988,8 +2114,8 @@ static inline screen_status screen__step_soldinger(const screen_def *def, const 
 }
 
 static inline screen_status screen__step(const screen_def *flat, screen_model model, const double *parameters,
-                                         const screen_operation *operation, double dt, const double *feed, screen_bed *bed,
-                                         double *passed) {
+                                         const screen_operation *operation, double dt, const double *feed,
+                                         screen_bed *bed, double *passed) {
     double c[SCREEN_MAX_PARAMETERS];
     screen_status status = screen__check_call(flat, model, parameters, operation, c);
     if (!status) status = screen__check_step(flat, model, c, dt, feed, bed);
@@ -2012,7 +2138,8 @@ static inline screen_status screen__step(const screen_def *flat, screen_model mo
         else b->bottom += fresh;
         if (!(before > 0.0)) continue;
         held = def->never_passes * b->fed < before ? def->never_passes * b->fed : before;
-        double top = b->own.u[0], after = def->never_passes > 0.0 ? held + (1.0 - def->never_passes) * b->own.y[0] : b->own.y[0];
+        double top = b->own.u[0],
+               after = def->never_passes > 0.0 ? held + (1.0 - def->never_passes) * b->own.y[0] : b->own.y[0];
         if (screen__rates(model) == 1) top = 0.0;
         if (!(after <= before)) after = before; /* rounding only */
         if (!(top <= after)) top = after;
@@ -2024,15 +2151,18 @@ static inline screen_status screen__step(const screen_def *flat, screen_model mo
     return SCREEN_OK;
 }
 
-SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, const double *parameters, const screen_operation *operation,
-                                     double dt, const double *feed, screen_bed *bed, double *passed) {
-    return screen__leave(screen__step(def, model, parameters, operation, dt, feed, bed, passed), screen__size(def, 1), passed);
+SCREEN_API screen_status screen_step(const screen_def *def, screen_model model, const double *parameters,
+                                     const screen_operation *operation, double dt, const double *feed, screen_bed *bed,
+                                     double *passed) {
+    return screen__leave(screen__step(def, model, parameters, operation, dt, feed, bed, passed), screen__size(def, 1),
+                         passed);
 }
 
 /* >>fit
-   Coordinates. The rates are log-linear in the coefficients c (screen__terms), taken about the mean of the terms over all curves, so that
-   c[0] and c[3] are mean log rates; the bounds are a box in q = ln k, exponent, moisture exponent. Steps are made in c, where an exponent
-   passes through 0 without its moisture exponent going through infinity; a parameter at its bound is left out and the step made in q. */
+   Coordinates. The rates are log-linear in the coefficients c (screen__terms), taken about the mean of the terms over
+   all curves, so that c[0] and c[3] are mean log rates; the bounds are a box in q = ln k, exponent, moisture exponent.
+   Steps are made in c, where an exponent passes through 0 without its moisture exponent going through infinity; a
+   parameter at its bound is left out and the step made in q. */
 
 typedef double screen__matrix[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS];
 
@@ -2046,13 +2176,18 @@ typedef struct screen__problem {
     screen_loss loss;
     double shrink;
     double low[SCREEN_MAX_PARAMETERS], high[SCREEN_MAX_PARAMETERS];         /* in q; equal where a parameter is held */
-    double box_low[SCREEN_MAX_PARAMETERS], box_high[SCREEN_MAX_PARAMETERS]; /* the caller's, of those without influence too */
+    double box_low[SCREEN_MAX_PARAMETERS], box_high[SCREEN_MAX_PARAMETERS]; /* the caller's, of those without
+                                                                               influence too */
     int idle[SCREEN_MAX_PARAMETERS];                                        /* 1: without influence but that of k */
     double home[SCREEN_MAX_PARAMETERS];                                     /* where such a one is held */
-    double slope;                                                           /* of all cases, if delta of a deck is idle */
-    double centre[4];                                                       /* mean of speed[r] and wet, for each rate */
-    double width[4];                                                        /* and how far each reaches from low to high */
-    double *retained, *slopes;                                              /* [points], [parameters][points] or [points][2] */
+    double slope;                                                           /* of all cases, if delta of a
+                                                                               deck is idle */
+    double centre[4];                                                       /* mean of speed[r] and wet,
+                                                                               for each rate */
+    double width[4];                                                        /* and how far each reaches
+                                                                               from low to high */
+    double *retained, *slopes;                                              /* [points], [parameters][points]
+                                                                               or [points][2] */
     screen_bed *bed;                                                        /* [most], model 3 */
     int most;                                                               /* classes of a case, at most */
     long evaluations;
@@ -2076,7 +2211,9 @@ static inline uint64_t screen__random(uint64_t *state) { /* splitmix64, Steele, 
     return z ^ (z >> 31);
 }
 
-static inline double screen__uniform(uint64_t *state) { return (double)(screen__random(state) >> 11) * (1.0 / 9007199254740992.0); }
+static inline double screen__uniform(uint64_t *state) {
+    return (double)(screen__random(state) >> 11) * (1.0 / 9007199254740992.0);
+}
 
 static inline double screen__normal(uint64_t *state) {
     double u = screen__uniform(state), v = screen__uniform(state);
@@ -2086,7 +2223,8 @@ static inline double screen__normal(uint64_t *state) {
 static inline int screen__is_rate(screen_model model, int j) { return j == 0 || (j == 3 && screen__rates(model) == 2); }
 static inline int screen__is_wet(screen_model model, int j) { return j == 2 || (j == 5 && screen__rates(model) == 2); }
 
-static inline void screen__to_coefficients(screen_model model, int n, const double *centre, const double *q, double *c) {
+static inline void screen__to_coefficients(screen_model model, int n, const double *centre, const double *q,
+                                           double *c) {
     for (int j = 0; j < n; j++) c[j] = q[j];
     for (int r = 0; r < screen__rates(model); r++) {
         c[3 * r + 2] = q[3 * r + 1] * q[3 * r + 2];
@@ -2095,8 +2233,8 @@ static inline void screen__to_coefficients(screen_model model, int n, const doub
 }
 
 /* Finds the q inside the bounds nearest to c that keeps the mean log rates where possible. */
-static inline void screen__to_box(screen_model model, int n, const double *centre, const double *low, const double *high, const double *c,
-                                  double *q) {
+static inline void screen__to_box(screen_model model, int n, const double *centre, const double *low,
+                                  const double *high, const double *c, double *q) {
     for (int j = 0; j < n; j++) q[j] = screen__clip(c[j], low[j], high[j]);
     for (int r = 0; r < screen__rates(model); r++) {
         int k = 3 * r;
@@ -2109,12 +2247,14 @@ static inline void screen__to_box(screen_model model, int n, const double *centr
 /* Coefficients about 0, as screen__log_rates takes them. */
 static inline void screen__uncentre(screen_model model, int n, const double *centre, const double *c, double *out) {
     for (int j = 0; j < n; j++) out[j] = c[j];
-    for (int r = 0; r < screen__rates(model); r++) out[3 * r] -= c[3 * r + 1] * centre[2 * r] + c[3 * r + 2] * centre[2 * r + 1];
+    for (int r = 0; r < screen__rates(model); r++)
+        out[3 * r] -= c[3 * r + 1] * centre[2 * r] + c[3 * r + 2] * centre[2 * r + 1];
 }
 
-/* Computes the derivatives of log_rate[r] of a class with respect to c: f[2][parameters]. The second row is for model 1 on a deck: the
-   derivative of beta, which multiplies -ln length. */
-static inline void screen__features(const screen__problem *p, const screen__terms *t, double f[2][SCREEN_MAX_PARAMETERS]) {
+/* Computes the derivatives of log_rate[r] of a class with respect to c: f[2][parameters]. The second row is for model 1
+   on a deck: the derivative of beta, which multiplies -ln length. */
+static inline void screen__features(const screen__problem *p, const screen__terms *t,
+                                    double f[2][SCREEN_MAX_PARAMETERS]) {
     for (int j = 0; j < p->parameters; j++) f[0][j] = f[1][j] = 0.0;
     for (int r = 0; r < screen__rates(p->model); r++) {
         f[r][3 * r] = 1.0;
@@ -2134,20 +2274,24 @@ typedef struct screen__sums {
     screen__matrix curvature; /* Gauss-Newton, by c */
 } screen__sums;
 
-/* Returns whether derivatives come from differences of curves: those of model 3 always; those of model 2 with a free fraction that changes,
-   and of worn meshes. */
+/* Returns whether derivatives come from differences of curves: those of model 3 always; those of model 2 with a free
+   fraction that changes, and of worn meshes. */
 static inline int screen__is_numeric(const screen_def *deck, screen_model model) {
     return model == SCREEN_SOLDINGER || (model == SCREEN_SUBASINGHE && deck->free_points > 0) || deck->worn_share > 0.0;
 }
 
-/* Curves of a case at c, into p->retained, and with derivatives dY/dc into p->slopes: [parameters][points of the case]. */
-static inline screen_status screen__numeric_slopes(screen__problem *p, const screen_def *deck, const screen_case *data, const double *c) {
+/* Curves of a case at c, into p->retained, and with derivatives dY/dc into p->slopes: [parameters][points
+   of the case]. */
+static inline screen_status screen__numeric_slopes(screen__problem *p, const screen_def *deck, const screen_case *data,
+                                                   const double *c) {
     int n = p->parameters, times = data->times, points = deck->classes * times;
     double plain[SCREEN_MAX_PARAMETERS], average = screen__average(deck);
-    /* with no limit of the bottom layer a class of model 3 feels only its own b: one run with all of them moved is enough */
+    /* with no limit of the bottom layer a class of model 3 feels only its own b: one run with all of them
+       moved is enough */
     int runs = p->model == SCREEN_SOLDINGER && !(deck->bottom_limit < HUGE_VAL) && deck->worn_share == 0.0 ? 4 : n;
     for (int j = 0; j < runs; j++) {
-        double moved[SCREEN_MAX_PARAMETERS] = {0.0}, step = p->model != SCREEN_SOLDINGER || deck->tolerance < 1e-7 ? 1e-4 : 1e-3;
+        double moved[SCREEN_MAX_PARAMETERS] = {0.0},
+               step = p->model != SCREEN_SOLDINGER || deck->tolerance < 1e-7 ? 1e-4 : 1e-3;
         if (j % 3) step *= 10.0; /* speed terms are about 0.1, wet 0.03 */
         double *column = p->slopes + (size_t)j * (size_t)p->points;
         for (int k = 0; k < n; k++) moved[k] = c[k];
@@ -2164,12 +2308,14 @@ static inline screen_status screen__numeric_slopes(screen__problem *p, const scr
         screen__features(p, &terms, f);
         for (int j = 4; j < 6; j++)
             for (int k = i * times; k < (i + 1) * times; k++)
-                p->slopes[(size_t)j * (size_t)p->points + (size_t)k] = f[1][j] * p->slopes[3 * (size_t)p->points + (size_t)k];
+                p->slopes[(size_t)j * (size_t)p->points + (size_t)k] =
+                    f[1][j] * p->slopes[3 * (size_t)p->points + (size_t)k];
     }
     return SCREEN_OK;
 }
 
-/* Returns the contribution of a point to the loss; *pull: the weight of its residual in the curvature, and of its gain in the gradient. */
+/* Returns the contribution of a point to the loss; *pull: the weight of its residual in the curvature, and of its gain
+   in the gradient. */
 static inline double screen__point_loss(const screen__problem *p, double r, double rounding, int weigh, double *pull) {
     *pull = 1.0;
     if (p->loss == SCREEN_LOSS_SQUARES) return 0.5 * r * r;
@@ -2184,7 +2330,8 @@ typedef struct screen__classes {
     double count, scale;
 } screen__classes;
 
-static inline screen__classes screen__classes_of(const screen_def *def, const screen_def *decks, const double *weights, int s) {
+static inline screen__classes screen__classes_of(const screen_def *def, const screen_def *decks, const double *weights,
+                                                 int s) {
     screen__classes of;
     const int n = decks ? decks[s].classes : def->classes;
     double sum = 0.0;
@@ -2200,16 +2347,19 @@ static inline screen__classes screen__classes_of(const screen_def *def, const sc
 }
 
 /* Returns what a residual of class i is multiplied by; 0: the class does not count. */
-static inline double screen__root(const screen__classes *of, int i) { return of->weights ? sqrt(of->weights[i] * of->scale) : 1.0; }
+static inline double screen__root(const screen__classes *of, int i) {
+    return of->weights ? sqrt(of->weights[i] * of->scale) : 1.0;
+}
 
-/* Sums of one class of a case, derivatives from p->slopes: by c, or by the two rates, which become c once the curve is done. */
+/* Sums of one class of a case, derivatives from p->slopes: by c, or by the two rates, which become c once the
+   curve is done. */
 typedef struct screen__call {
     double rounding, weight, root; /* root: of the weight of the class */
     int derivatives, weigh, numeric;
 } screen__call;
 
-static inline void screen__add_class(const screen__problem *p, const screen_def *deck, const screen_case *data, int i, screen__call call,
-                                     screen__sums *out) {
+static inline void screen__add_class(const screen__problem *p, const screen_def *deck, const screen_case *data, int i,
+                                     screen__call call, screen__sums *out) {
     double sum[2] = {0.0, 0.0}, product[2][2] = {{0.0, 0.0}, {0.0, 0.0}}, pull;
     int n = p->parameters;
     for (int k = i * data->times; k < (i + 1) * data->times; k++) {
@@ -2223,7 +2373,8 @@ static inline void screen__add_class(const screen__problem *p, const screen_def 
             for (int a = 0; a < n; a++) {
                 double j_a = p->slopes[(size_t)a * (size_t)p->points + (size_t)k];
                 out->gradient[a] += gain * j_a;
-                for (int b = 0; b <= a; b++) out->curvature[a][b] += bend * j_a * p->slopes[(size_t)b * (size_t)p->points + (size_t)k];
+                for (int b = 0; b <= a; b++)
+                    out->curvature[a][b] += bend * j_a * p->slopes[(size_t)b * (size_t)p->points + (size_t)k];
             }
         } else {
             double j0 = p->slopes[2 * k], j1 = p->slopes[2 * k + 1];
@@ -2275,9 +2426,10 @@ static inline void screen__add_shrink(const screen__problem *p, const double *c,
     }
 }
 
-/* Loss at c: rounding > 0 makes |r| smooth, sqrt(r^2 + rounding^2) - rounding. weigh 0: curvature of the squares, for the errors.
-   HUGE_VAL where the curves are not finite. */
-static inline void screen__evaluate(screen__problem *p, const double *c, double rounding, int derivatives, int weigh, screen__sums *out) {
+/* Loss at c: rounding > 0 makes |r| smooth, sqrt(r^2 + rounding^2) - rounding. weigh 0: curvature of the squares, for
+   the errors. HUGE_VAL where the curves are not finite. */
+static inline void screen__evaluate(screen__problem *p, const double *c, double rounding, int derivatives, int weigh,
+                                    screen__sums *out) {
     int n = p->parameters;
     double plain[SCREEN_MAX_PARAMETERS];
     out->loss = out->deviation = out->squares = 0.0;
@@ -2313,7 +2465,8 @@ static inline void screen__evaluate(screen__problem *p, const double *c, double 
     screen__add_shrink(p, c, out);
 }
 
-/* Computes the lower Cholesky factor of a symmetric matrix in place. Returns 0 if the matrix is not positive definite. */
+/* Computes the lower Cholesky factor of a symmetric matrix in place. Returns 0 if the matrix is not
+   positive definite. */
 static inline int screen__cholesky(int n, screen__matrix a) {
     for (int i = 0; i < n; i++)
         for (int j = 0; j <= i; j++) {
@@ -2371,8 +2524,8 @@ static inline void screen__by_q(int n, screen__matrix t, screen__matrix a, doubl
     }
 }
 
-/* A descent on its way: the loss and its derivatives at q (c in coefficients), and the model of the loss that the next step minimises:
-   slopes and curvature, by q where a bound holds a parameter, else by c. */
+/* A descent on its way: the loss and its derivatives at q (c in coefficients), and the model of the loss that the next
+   step minimises: slopes and curvature, by q where a bound holds a parameter, else by c. */
 typedef struct screen__descent {
     double q[SCREEN_MAX_PARAMETERS], c[SCREEN_MAX_PARAMETERS];
     double rounding, damping, enough; /* enough: a gain below this share of the loss counts as none */
@@ -2384,7 +2537,8 @@ typedef struct screen__descent {
 } screen__descent;
 
 /* Moves to q, c, where the sums have been evaluated. */
-static inline void screen__move(const screen__problem *p, screen__descent *d, const double *q, const double *c, const screen__sums *sums) {
+static inline void screen__move(const screen__problem *p, screen__descent *d, const double *q, const double *c,
+                                const screen__sums *sums) {
     for (int i = 0; i < p->parameters; i++) {
         d->q[i] = q[i];
         d->c[i] = c[i];
@@ -2405,7 +2559,8 @@ static inline void screen__model_loss(const screen__problem *p, screen__descent 
     screen__by_q(n, t, d->curvature, d->slope);
     d->any_held = 0;
     for (int i = 0; i < n; i++) {
-        d->held[i] = p->low[i] >= p->high[i] || (d->q[i] <= p->low[i] && d->slope[i] > 0.0) || (d->q[i] >= p->high[i] && d->slope[i] < 0.0);
+        d->held[i] = p->low[i] >= p->high[i] || (d->q[i] <= p->low[i] && d->slope[i] > 0.0) ||
+                     (d->q[i] >= p->high[i] && d->slope[i] < 0.0);
         d->any_held += d->held[i];
     }
     if (d->any_held) return;
@@ -2415,7 +2570,8 @@ static inline void screen__model_loss(const screen__problem *p, screen__descent 
     }
 }
 
-/* Tries the other sign of an exponent, with the same product, where the bound of its moisture exponent stops it on its way through 0. */
+/* Tries the other sign of an exponent, with the same product, where the bound of its moisture exponent stops it on its
+   way through 0. */
 static inline int screen__cross_zero(screen__problem *p, screen__descent *d) {
     double across[SCREEN_MAX_PARAMETERS] = {0}, trial[SCREEN_MAX_PARAMETERS];
     screen__sums there;
@@ -2432,8 +2588,10 @@ static inline int screen__cross_zero(screen__problem *p, screen__descent *d) {
     return 0;
 }
 
-/* Finds the minimum of the damped model, cut to the bounds: trial, and the same as coefficients. Returns 0 if the model has none. */
-static inline int screen__damped_minimum(const screen__problem *p, const screen__descent *d, double *trial, double *trial_c) {
+/* Finds the minimum of the damped model, cut to the bounds: trial, and the same as coefficients. Returns 0 if the
+   model has none. */
+static inline int screen__damped_minimum(const screen__problem *p, const screen__descent *d, double *trial,
+                                         double *trial_c) {
     int n = p->parameters;
     double biggest = 0.0, step[SCREEN_MAX_PARAMETERS];
     screen__matrix l;
@@ -2445,7 +2603,8 @@ static inline int screen__damped_minimum(const screen__problem *p, const screen_
     }
     if (!screen__cholesky(n, l)) return 0;
     screen__solve(n, l, step);
-    for (int i = 0; i < n; i++) { /* a long jump may end where a rate is so high that nothing depends on it: no way back */
+    /* a long jump may end where a rate is so high that nothing depends on it: no way back */
+    for (int i = 0; i < n; i++) {
         double longest = screen__is_wet(p->model, i) ? 40.0 : 2.0;
         step[i] = screen__clip(step[i], -longest, longest);
     }
@@ -2477,7 +2636,8 @@ static inline int screen__step_down(screen__problem *p, screen__descent *d) {
     return 0;
 }
 
-/* Minimises the rounded loss by the Levenberg-Marquardt method from q (inside the bounds); uses up to *left iterations. */
+/* Minimises the rounded loss by the Levenberg-Marquardt method from q (inside the bounds); uses up to
+   *left iterations. */
 static inline double screen__descend(screen__problem *p, double *q, double rounding, int most, int *left) {
     screen__descent d;
     d.rounding = rounding;
@@ -2518,9 +2678,11 @@ SCREEN_API screen_fit_options screen_default_fit_options(screen_model model) {
     return options;
 }
 
-/* Returns the scatter of single points: the median of their distances from the straight line between their neighbours in time, over all
-   curves with three points or more; 0 without such. It is found by bisection, so nothing is stored. */
-static inline double screen__scatter(const screen_def *def, const screen_fit_options *options, int cases, const screen_case *data) {
+/* Returns the scatter of single points: the median of their distances from the straight line between their neighbours
+   in time, over all curves with three points or more; 0 without such. It is found by bisection, so
+   nothing is stored. */
+static inline double screen__scatter(const screen_def *def, const screen_fit_options *options, int cases,
+                                     const screen_case *data) {
     const screen_def *decks = options->decks;
     double low = 0.0, high = 2.0;
     for (int it = 0; it < 40; it++) {
@@ -2544,8 +2706,8 @@ static inline double screen__scatter(const screen_def *def, const screen_fit_opt
 }
 
 /* Checks the numbers of one case. rises (may be null): rises are noted there and not refused. */
-static inline screen_status screen__check_case(const screen_def *deck, const screen_case *data, double tolerance, screen_where *where,
-                                               screen_fit_result *rises) {
+static inline screen_status screen__check_case(const screen_def *deck, const screen_case *data, double tolerance,
+                                               screen_where *where, screen_fit_result *rises) {
     screen_status status = screen_check_operation(&data->operation);
     if (status) return status;
     if (data->times < 1) return SCREEN_TOO_FEW_POINTS;
@@ -2609,8 +2771,8 @@ static inline screen_status screen__check_weights(const double **weights, int cl
     return screen__positive(sum) && sum < 1e300 && sum > 1e-300 ? SCREEN_OK : SCREEN_BAD_OPTION;
 }
 
-static inline screen_status screen__check_data(const screen_def *def, int cases, const screen_case *data, const screen_fit_options *options,
-                                               screen_fit_result *out) {
+static inline screen_status screen__check_data(const screen_def *def, int cases, const screen_case *data,
+                                               const screen_fit_options *options, screen_fit_result *out) {
     screen_where where;
     where.index = where.klass = where.time = -1;
     if (cases < 1 || !data) return cases < 1 ? SCREEN_TOO_FEW_POINTS : SCREEN_BAD_POINTER;
@@ -2639,7 +2801,9 @@ static inline screen_status screen__check_data(const screen_def *def, int cases,
     return SCREEN_OK;
 }
 
-static inline double screen__to_q(screen_model model, int j, double value) { return screen__is_rate(model, j) ? riddle_log(value) : value; }
+static inline double screen__to_q(screen_model model, int j, double value) {
+    return screen__is_rate(model, j) ? riddle_log(value) : value;
+}
 
 static inline void screen__widen(double *range, double x, int first) {
     range[0] = first || x < range[0] ? x : range[0];
@@ -2659,7 +2823,8 @@ static inline void screen__survey(screen__problem *p, double range[2][2][2], dou
         const screen__classes classes = screen__classes_of(&p->def, p->decks, p->weights, s);
         for (int i = 0; i < deck.classes; i++) {
             if (!(screen__root(&classes, i) > 0.0)) continue;
-            screen__terms t = screen__terms_of(&deck, p->model, screen__average(&deck), &p->data[s].operation, deck.diameters[i]);
+            screen__terms t =
+                screen__terms_of(&deck, p->model, screen__average(&deck), &p->data[s].operation, deck.diameters[i]);
             for (int r = 0; r < 2; r++) {
                 screen__widen(range[r][0], t.speed[r], terms == 0);
                 screen__widen(range[r][1], t.wet, terms == 0);
@@ -2679,9 +2844,11 @@ static inline void screen__pin_idle(screen__problem *p, const double *q) {
         if (p->idle[j]) p->low[j] = p->high[j] = q[j];
 }
 
-/* Finds out which parameters have no influence but that of k, and where they are held: at options->start, or 0. With moisture alone an
-   exponent shows in its product with the moisture exponent only; it is held at 1 then, so that the other is free. */
-static inline void screen__find_idle(screen__problem *p, const screen_fit_options *options, double range[2][2][2], const double *slope) {
+/* Finds out which parameters have no influence but that of k, and where they are held: at options->start, or 0. With
+   moisture alone an exponent shows in its product with the moisture exponent only; it is held at 1 then, so that the
+   other is free. */
+static inline void screen__find_idle(screen__problem *p, const screen_fit_options *options, double range[2][2][2],
+                                     const double *slope) {
     p->slope = slope[0];
     for (int j = 0; j < p->parameters; j++) {
         const int r = j / 3, exponent = j % 3;
@@ -2693,7 +2860,8 @@ static inline void screen__find_idle(screen__problem *p, const screen_fit_option
             const int wet = range[r][1][1] - range[r][1][0] >= 1e-12 && !(low[1] == 0.0 && high[1] == 0.0);
             p->idle[j] = !(wet && low[1] == high[1]); /* else the product has a known factor */
             if (wet && screen__clip(home, *low, *high) == 0.0) home = *high > 0.0 ? 1.0 : -1.0;
-        } else if (exponent == 2) p->idle[j] = range[r][1][1] - range[r][1][0] < 1e-12 || (low[-1] == 0.0 && high[-1] == 0.0);
+        } else if (exponent == 2)
+            p->idle[j] = range[r][1][1] - range[r][1][0] < 1e-12 || (low[-1] == 0.0 && high[-1] == 0.0);
         p->idle[j] = p->idle[j] && *low < *high;
         p->home[j] = screen__clip(home, *low, *high);
     }
@@ -2701,12 +2869,13 @@ static inline void screen__find_idle(screen__problem *p, const screen_fit_option
 }
 
 /* Sets bounds, centre and arrays of a problem whose cases have been checked. */
-static inline screen_status screen__pose(screen__problem *p, const screen_def *def, screen_model model, int cases, const screen_case *data,
-                                         const screen_fit_options *options) {
+static inline screen_status screen__pose(screen__problem *p, const screen_def *def, screen_model model, int cases,
+                                         const screen_case *data, const screen_fit_options *options) {
     int n = screen_parameter_count(model, def->continuous);
     double range[2][2][2] = {{{0.0, 0.0}, {0.0, 0.0}}, {{0.0, 0.0}, {0.0, 0.0}}}, slope[2] = {0.0, 0.0};
     p->def = *def;
-    if (p->def.tolerance < 1e-6) p->def.tolerance = 1e-6; /* while searching; the last steps are made with the caller's */
+    /* while searching; the last steps are made with the caller's */
+    if (p->def.tolerance < 1e-6) p->def.tolerance = 1e-6;
     p->model = model;
     p->parameters = n;
     p->cases = cases;
@@ -2741,7 +2910,8 @@ static inline void screen__dispose(screen__problem *p) {
     screen__release(&p->def.memory, p->bed, (size_t)p->most, sizeof(screen_bed));
 }
 
-/* Draws a random start: mean rates such that passage takes place within the time of the data, exponents of either sign. */
+/* Draws a random start: mean rates such that passage takes place within the time of the data, exponents of
+   either sign. */
 static inline void screen__random_start(const screen__problem *p, double last_time, uint64_t *state, double *q) {
     double c[SCREEN_MAX_PARAMETERS];
     int n = p->parameters;
@@ -2760,9 +2930,9 @@ static inline void screen__random_start(const screen__problem *p, double last_ti
     screen__to_box(p->model, n, p->centre, p->low, p->high, c, q);
 }
 
-/* Models 2 and 3 have minima where the wrong step limits, or one is so fast that its exponents hardly matter. Once more from there: model 2
-   with the faster step only e^2 times faster than the other and without exponents, model 3 with its two steps exchanged. The better of the
-   two stays in q. */
+/* Models 2 and 3 have minima where the wrong step limits, or one is so fast that its exponents hardly matter. Once more
+   from there: model 2 with the faster step only e^2 times faster than the other and without exponents, model 3 with its
+   two steps exchanged. The better of the two stays in q. */
 static inline double screen__second_try(screen__problem *p, double *q, double loss, double rounding, int *left) {
     double c[SCREEN_MAX_PARAMETERS], other[SCREEN_MAX_PARAMETERS];
     screen__to_coefficients(p->model, p->parameters, p->centre, q, c);
@@ -2795,8 +2965,8 @@ static inline int screen__prefer(screen__problem *p, const double *c, double *q)
     return 1;
 }
 
-/* Chooses the plainest of equally good sets: exponents without effect become 0, and the slower of the two steps of model 2 is called
-   stratification. */
+/* Chooses the plainest of equally good sets: exponents without effect become 0, and the slower of the two steps of
+   model 2 is called stratification. */
 static inline void screen__tidy(screen__problem *p, double *q) {
     double c[SCREEN_MAX_PARAMETERS], other[SCREEN_MAX_PARAMETERS];
     for (int r = 0; r < screen__rates(p->model) && screen__rates(p->model) == 2; r++)
@@ -2813,7 +2983,8 @@ static inline void screen__tidy(screen__problem *p, double *q) {
 /* >>student: how wide a range is */
 
 SCREEN_API double screen_student(double level, double dof) {
-    if (dof >= 1e6) return 2.0 * riddle_student(level, 2e6) - riddle_student(level, 1e6); /* what is left is of order 1/dof^2 */
+    /* what is left is of order 1/dof^2 */
+    if (dof >= 1e6) return 2.0 * riddle_student(level, 2e6) - riddle_student(level, 1e6);
     return dof >= 1.0 ? riddle_student(level, floor(dof)) : (double)NAN;
 }
 
@@ -2851,13 +3022,15 @@ static inline screen__residuals screen__look_at_residuals(screen__problem *p, co
     return sum;
 }
 
-/* Returns the variance of the mean of a point's residual: the squared error of a fit to one number. Sets the degrees of freedom in *out. */
-static inline double screen__variance(const screen__problem *p, const screen_fit_options *options, const screen__residuals *sum,
-                                      screen_fit_result *out) {
+/* Returns the variance of the mean of a point's residual: the squared error of a fit to one number. Sets the degrees of
+   freedom in *out. */
+static inline double screen__variance(const screen__problem *p, const screen_fit_options *options,
+                                      const screen__residuals *sum, screen_fit_result *out) {
     int open = 0;
     for (int j = 0; j < p->parameters; j++) open += p->low[j] < p->high[j];
     double rho = sum->squares > 0.0 && sum->pairs > 0.0 ? sum->lag / sum->squares * (sum->points / sum->pairs) : 0.0;
-    if (!(rho > 2.0 / sqrt(sum->points)) || !(out->rms > options->data_error)) rho = 0.0; /* chance is not correlation */
+    /* Chance is not correlation. */
+    if (!(rho > 2.0 / sqrt(sum->points)) || !(out->rms > options->data_error)) rho = 0.0;
     rho = screen__clip(rho, 0.0, 0.975);
     double alike = (1.0 + rho) / (1.0 - rho), effective = sum->points / alike;
     out->dof = effective - open > 1.0 ? effective - open : 1.0;
@@ -2869,9 +3042,10 @@ static inline double screen__variance(const screen__problem *p, const screen_fit
     return loss * (square > least ? square : least) / effective;
 }
 
-/* Computes the covariance of the free parameters that are at no bound: the curvature is scaled to ones on its diagonal, and 1e-13 added
-   there keeps a singular one invertible. Returns 0 if it has no inverse. */
-static inline int screen__covariance(int n, screen__matrix curvature, const int *still, double variance, screen__matrix cov) {
+/* Computes the covariance of the free parameters that are at no bound: the curvature is scaled to ones on its diagonal,
+   and 1e-13 added there keeps a singular one invertible. Returns 0 if it has no inverse. */
+static inline int screen__covariance(int n, screen__matrix curvature, const int *still, double variance,
+                                     screen__matrix cov) {
     screen__matrix a;
     double scale[SCREEN_MAX_PARAMETERS];
     for (int i = 0; i < n; i++) scale[i] = curvature[i][i] > 1e-200 && !still[i] ? 1.0 / sqrt(curvature[i][i]) : 0.0;
@@ -2888,14 +3062,16 @@ static inline int screen__covariance(int n, screen__matrix curvature, const int 
 }
 
 /* Sets value, error, range and verdict of one parameter. */
-static inline void screen__judge_one(const screen__problem *p, const screen_fit_options *options, const double *q, int j, double error,
-                                     screen_fit_result *out) {
-    int rate = screen__is_rate(p->model, j), fixed = options->low[j] == options->high[j], idle = !fixed && p->low[j] == p->high[j];
+static inline void screen__judge_one(const screen__problem *p, const screen_fit_options *options, const double *q,
+                                     int j, double error, screen_fit_result *out) {
+    int rate = screen__is_rate(p->model, j), fixed = options->low[j] == options->high[j],
+        idle = !fixed && p->low[j] == p->high[j];
     out->parameter[j] = rate ? riddle_exp(q[j]) : q[j];
     out->at_bound[j] = !fixed && !idle && (q[j] <= p->low[j] || q[j] >= p->high[j]);
     out->error[j] = fixed ? 0.0 : idle ? HUGE_VAL : out->at_bound[j] ? (double)NAN : error;
     double reach = out->student * error, least = rate ? RIDDLE_LN2_HI : fabs(q[j]) > 1.0 ? fabs(q[j]) : 1.0;
-    double low = q[j] - reach > p->low[j] ? q[j] - reach : p->low[j], high = q[j] + reach < p->high[j] ? q[j] + reach : p->high[j];
+    double low = q[j] - reach > p->low[j] ? q[j] - reach : p->low[j],
+           high = q[j] + reach < p->high[j] ? q[j] + reach : p->high[j];
     out->determined[j] = fixed || (!idle && reach <= least);
     if (idle) { /* held for want of influence: any value will do */
         low = screen__to_q(p->model, j, options->low[j]);
@@ -2906,9 +3082,10 @@ static inline void screen__judge_one(const screen__problem *p, const screen_fit_
     out->undetermined += !out->determined[j];
 }
 
-/* Computes the factor of the covariance by c, for screen_sample. Where the data give no information the spread is 2, for moisture
-   coefficients 20. */
-static inline void screen__judge_factor(const screen__problem *p, const screen__sums *sums, double variance, screen_fit_result *out) {
+/* Computes the factor of the covariance by c, for screen_sample. Where the data give no information the spread is 2,
+   for moisture coefficients 20. */
+static inline void screen__judge_factor(const screen__problem *p, const screen__sums *sums, double variance,
+                                        screen_fit_result *out) {
     int n = p->parameters;
     double scale[SCREEN_MAX_PARAMETERS];
     screen__matrix a;
@@ -2927,13 +3104,15 @@ static inline void screen__judge_factor(const screen__problem *p, const screen__
         for (int i = 0; i < n; i++) out->factor[i][j] = scale[i] * scale[j] * column[i];
     }
     for (int i = 0; i < n; i++)
-        for (int j = 0; j < i; j++) out->factor[i][j] = out->factor[j][i] = 0.5 * (out->factor[i][j] + out->factor[j][i]);
+        for (int j = 0; j < i; j++)
+            out->factor[i][j] = out->factor[j][i] = 0.5 * (out->factor[i][j] + out->factor[j][i]);
     solved = solved && screen__cholesky(n, out->factor);
     for (int i = 0; i < n; i++)
         for (int j = solved ? i + 1 : 0; j < n; j++) out->factor[i][j] = 0.0;
 }
 
-static inline void screen__judge(screen__problem *p, const screen_fit_options *options, const double *q, screen_fit_result *out) {
+static inline void screen__judge(screen__problem *p, const screen_fit_options *options, const double *q,
+                                 screen_fit_result *out) {
     int n = p->parameters, still[SCREEN_MAX_PARAMETERS] = {0}, bounded[SCREEN_MAX_PARAMETERS] = {0};
     double c[SCREEN_MAX_PARAMETERS], plain[SCREEN_MAX_PARAMETERS], unused[SCREEN_MAX_PARAMETERS] = {0.0};
     screen__sums sums;
@@ -2955,7 +3134,8 @@ static inline void screen__judge(screen__problem *p, const screen_fit_options *o
         still[j] = !(p->low[j] < p->high[j]);
         bounded[j] = still[j] || q[j] <= p->low[j] || q[j] >= p->high[j];
     }
-    int solved = screen__covariance(n, a, bounded, variance, cov), solved_all = screen__covariance(n, a, still, variance, of_all);
+    int solved = screen__covariance(n, a, bounded, variance, cov),
+        solved_all = screen__covariance(n, a, still, variance, of_all);
     out->undetermined = 0;
     for (int j = 0; j < n; j++) { /* one at its bound has the range of the fit without that bound, cut there */
         double square = bounded[j] ? of_all[j][j] : cov[j][j];
@@ -2999,19 +3179,21 @@ static inline screen_domain screen__domain_of(const screen__problem *p) {
 }
 
 static inline screen_status screen__check_options(screen_model model, int n, const screen_fit_options *options) {
-    if (options->cookie != SCREEN__FIT_COOKIE || options->starts < 1 || options->starts > SCREEN_MOST_STARTS || options->iterations < 1 ||
-        options->iterations > SCREEN_MOST_ITERATIONS || !screen__positive(options->data_error) ||
-        !(options->shrink >= 0.0 && options->shrink < HUGE_VAL) ||
+    if (options->cookie != SCREEN__FIT_COOKIE || options->starts < 1 || options->starts > SCREEN_MOST_STARTS ||
+        options->iterations < 1 || options->iterations > SCREEN_MOST_ITERATIONS ||
+        !screen__positive(options->data_error) || !(options->shrink >= 0.0 && options->shrink < HUGE_VAL) ||
         (options->loss != SCREEN_LOSS_DEVIATION && options->loss != SCREEN_LOSS_SQUARES))
         return SCREEN_BAD_OPTION;
     for (int j = 0; j < n && options->start; j++)
-        if (!(fabs(options->start[j]) < HUGE_VAL) || (screen__is_rate(model, j) && !(options->start[j] > 0.0))) return SCREEN_BAD_OPTION;
+        if (!(fabs(options->start[j]) < HUGE_VAL) || (screen__is_rate(model, j) && !(options->start[j] > 0.0)))
+            return SCREEN_BAD_OPTION;
     return SCREEN_OK;
 }
 
 /* Notes rises and the scatter, and where the first bad datum is, in *out. */
-static inline screen_status screen__check_fit(const screen_def *def, screen_model model, int cases, const screen_case *data,
-                                              const screen_fit_options *options, screen_fit_result *out) {
+static inline screen_status screen__check_fit(const screen_def *def, screen_model model, int cases,
+                                              const screen_case *data, const screen_fit_options *options,
+                                              screen_fit_result *out) {
     out->where.index = out->where.klass = out->where.time = -1;
     out->rises = 0;
     out->largest_rise = out->scatter = 0.0;
@@ -3044,7 +3226,8 @@ static inline void screen__blank(screen_fit_result *result, screen_model model, 
     for (int k = 0; k < 4; k++) result->centre[k] = value;
     result->deviation = result->rms = result->dof = result->student = result->case_error = value;
     screen_domain *d = &result->domain;
-    double *ranges[8] = {d->amplitude, d->frequency, d->moisture, d->inclination, d->diameter, d->aperture, d->load, d->time};
+    double *ranges[8] = {d->amplitude, d->frequency, d->moisture, d->inclination,
+                         d->diameter,  d->aperture,  d->load,     d->time};
     for (int k = 0; k < 16; k++) ranges[k / 2][k % 2] = value;
     d->classes[0] = d->classes[1] = 0;
     result->ratio = SCREEN_RATIO_GRAIN;
@@ -3073,24 +3256,29 @@ static inline double screen__sharp_loss(screen__problem *p, const double *q) {
 }
 
 /* Takes a trial and its loss for q and the best if it is less. Returns whether it was. */
-static inline int screen__take_less(const screen__problem *p, const double *trial, double loss, double *best, double *q) {
+static inline int screen__take_less(const screen__problem *p, const double *trial, double loss, double *best,
+                                    double *q) {
     if (!(loss < *best)) return 0;
     *best = loss;
     for (int j = 0; j < p->parameters; j++) q[j] = trial[j];
     return 1;
 }
 
-/* Descends from q through all stages. first: smooth minima that earlier starts came to, [start] pairs of it and the sharp loss; a known one
-   is not followed further. Returns the sharp loss; *known: its number, or -1. */
-static inline double screen__run_start(screen__problem *p, double *q, int iterations, double *seen, int start, int *known) {
+/* Descends from q through all stages. first: smooth minima that earlier starts came to, [start] pairs of it and the
+   sharp loss; a known one is not followed further. Returns the sharp loss; *known: its number, or -1. */
+static inline double screen__run_start(screen__problem *p, double *q, int iterations, double *seen, int start,
+                                       int *known) {
     int left = iterations, stages = p->loss == SCREEN_LOSS_SQUARES ? 1 : SCREEN__STAGES;
     double loss = HUGE_VAL, price = p->shrink;
     *known = -1;
-    for (int stage = 0; stage < stages; stage += p->model == SCREEN_SOLDINGER ? 2 : 1) { /* each costs 50 times as much there */
-        /* model 3's smooth losses have valleys where one step is so fast that its exponents run away: a price on them, at first only */
+    /* Each costs 50 times as much there. */
+    for (int stage = 0; stage < stages; stage += p->model == SCREEN_SOLDINGER ? 2 : 1) {
+        /* model 3's smooth losses have valleys where one step is so fast that its exponents run away: a price on them,
+           at first only */
         p->shrink = stage == 0 && stages > 1 && p->model == SCREEN_SOLDINGER && price < 1e-3 ? 1e-3 : price;
         loss = screen__descend(p, q, screen__rounding(stage), stage == 0 ? 150 : 40, &left);
-        if (stage == 0 && screen__rates(p->model) == 2) loss = screen__second_try(p, q, loss, screen__rounding(0), &left);
+        if (stage == 0 && screen__rates(p->model) == 2)
+            loss = screen__second_try(p, q, loss, screen__rounding(0), &left);
         p->shrink = price;
         if (!(loss < HUGE_VAL)) break;
         if (stage > 0 || stages == 1) continue;
@@ -3106,7 +3294,8 @@ static inline double screen__run_start(screen__problem *p, double *q, int iterat
     return screen__sharp_loss(p, q);
 }
 
-/* Keeps the mean log rate when parameter j has moved from q to trial: another parameter of the same rate compensates. */
+/* Keeps the mean log rate when parameter j has moved from q to trial: another parameter of the same rate
+   compensates. */
 static inline void screen__keep_mean_rate(const screen__problem *p, const double *q, int j, double *trial) {
     int r = j / 3, k = 3 * r;
     if (p->parameters == 5 && r == 1) return;
@@ -3116,13 +3305,15 @@ static inline void screen__keep_mean_rate(const screen__problem *p, const double
     else if (fabs(lever) > 1e-6) trial[k + 1] = screen__clip((mean - trial[k]) / lever, p->low[k + 1], p->high[k + 1]);
 }
 
-/* Tries whether a bound is better: each parameter at each of its bounds, the others fitted again from the best. Model 3, whose curves are
-   expensive, tries near bounds only. */
+/* Tries whether a bound is better: each parameter at each of its bounds, the others fitted again from the best.
+   Model 3, whose curves are expensive, tries near bounds only. */
 static inline double screen__try_borders(screen__problem *p, double best, double *q) {
     for (int j = 0; j < p->parameters; j++)
         for (int side = 0; side < 2; side++) {
-            double low = p->low[j], high = p->high[j], trial[SCREEN_MAX_PARAMETERS], bound = side ? p->box_high[j] : p->box_low[j];
-            if (!(p->box_low[j] < p->box_high[j]) || (p->model == SCREEN_SOLDINGER && fabs(q[j] - bound) > 3.0)) continue;
+            double low = p->low[j], high = p->high[j], trial[SCREEN_MAX_PARAMETERS],
+                   bound = side ? p->box_high[j] : p->box_low[j];
+            if (!(p->box_low[j] < p->box_high[j]) || (p->model == SCREEN_SOLDINGER && fabs(q[j] - bound) > 3.0))
+                continue;
             for (int k = 0; k < p->parameters; k++) trial[k] = q[k];
             trial[j] = p->low[j] = p->high[j] = bound;
             screen__keep_mean_rate(p, q, j, trial);
@@ -3142,8 +3333,8 @@ static inline int screen__is_exact(const screen__problem *p, double loss) {
     return loss <= (p->loss == SCREEN_LOSS_SQUARES ? 1e-18 : 1e-9);
 }
 
-/* Returns whether it is worth while to look for more minima everywhere: few curves have many of them, the model is cheap, and the best so
-   far is not exact. */
+/* Returns whether it is worth while to look for more minima everywhere: few curves have many of them, the model is
+   cheap, and the best so far is not exact. */
 static inline int screen__is_small(const screen__problem *p, double best) {
     int curves = 0;
     for (int s = 0; s < p->cases; s++) curves += screen__deck_of(p, s).classes;
@@ -3180,8 +3371,8 @@ static inline double screen__last_time(const screen__problem *p) {
     return last > 0.0 ? last : p->def.duration;
 }
 
-/* Descends from `trial`, of deviations from the stage `first` on. Takes the place where that ends for q if it is better; returns the better
-   loss. */
+/* Descends from `trial`, of deviations from the stage `first` on. Takes the place where that ends for q if it is
+   better; returns the better loss. */
 static inline double screen__try_at(screen__problem *p, int first, double *trial, double best, double *q) {
     int left = 100;
     for (int stage = p->loss == SCREEN_LOSS_SQUARES ? SCREEN__STAGES - 1 : first; stage < SCREEN__STAGES; stage += 2)
@@ -3197,8 +3388,8 @@ static inline double screen__try_from(screen__problem *p, const double *c, doubl
     return screen__try_at(p, 0, trial, best, q);
 }
 
-/* Descends once more from each pair of plain rates (slow, middling and fast) without exponents: few data have minima that random starts
-   miss. */
+/* Descends once more from each pair of plain rates (slow, middling and fast) without exponents: few data have minima
+   that random starts miss. */
 static inline double screen__try_plain_rates(screen__problem *p, double best, double *q) {
     const double first = p->model == SCREEN_DONG ? 3.0 : -riddle_log(screen__last_time(p));
     int pairs = p->model == SCREEN_SOLDINGER || p->parameters == 5 ? 0 : screen__rates(p->model) == 2 ? 9 : 3;
@@ -3211,8 +3402,8 @@ static inline double screen__try_plain_rates(screen__problem *p, double best, do
     return best;
 }
 
-/* Descends from rates that change by e^2 or e^6 with the speeds or moistures of the data, the two of model 2 in opposite directions: where
-   a rate has its peak within the data, each step limits on one side of it. */
+/* Descends from rates that change by e^2 or e^6 with the speeds or moistures of the data, the two of model 2 in
+   opposite directions: where a rate has its peak within the data, each step limits on one side of it. */
 static inline double screen__try_opposed_rates(screen__problem *p, double best, double *q) {
     const double first = p->model == SCREEN_DONG ? 3.0 : -riddle_log(screen__last_time(p));
     const int rates = screen__rates(p->model), tries = p->model == SCREEN_SOLDINGER || p->parameters == 5 ? 0 : 32;
@@ -3220,7 +3411,8 @@ static inline double screen__try_opposed_rates(screen__problem *p, double best, 
         double c[SCREEN_MAX_PARAMETERS] = {0.0};
         const int shape = k / 8; /* by speed, by moisture, by both, by both in opposite directions */
         for (int r = 0; r < rates; r++) {
-            const double reach = (k & 1 ? 6.0 : 2.0) * (((k & 2) != 0) == (r != 0) ? 1.0 : -1.0), *width = &p->width[2 * r];
+            const double reach = (k & 1 ? 6.0 : 2.0) * (((k & 2) != 0) == (r != 0) ? 1.0 : -1.0),
+                         *width = &p->width[2 * r];
             c[3 * r] = first + (k & 4 ? 4.0 : 1.5);
             c[3 * r + 1] = shape != 1 && width[0] > 1e-12 ? reach / width[0] : 1.0;
             c[3 * r + 2] = shape != 0 && width[1] > 1e-12 ? (shape == 3 ? -reach : reach) / width[1] : 0.0;
@@ -3231,7 +3423,8 @@ static inline double screen__try_opposed_rates(screen__problem *p, double best, 
 }
 
 /* Descends from `starts` random starts with parameter j at a bound. */
-static inline double screen__try_border_anew(screen__problem *p, int j, double bound, int starts, uint64_t *state, double best, double *q) {
+static inline double screen__try_border_anew(screen__problem *p, int j, double bound, int starts, uint64_t *state,
+                                             double best, double *q) {
     const double low = p->low[j], high = p->high[j], last_time = screen__last_time(p);
     p->low[j] = p->high[j] = bound;
     for (int k = 0; k < starts; k++) {
@@ -3248,7 +3441,8 @@ static inline double screen__try_border_anew(screen__problem *p, int j, double b
     return best;
 }
 
-/* The same with each parameter at each of its bounds, in small problems; more often where the best so far stands at that bound. */
+/* The same with each parameter at each of its bounds, in small problems; more often where the best so far stands
+   at that bound. */
 static inline double screen__try_borders_anew(screen__problem *p, uint64_t seed, double best, double *q) {
     for (int j = 0; j < p->parameters && screen__is_small(p, best); j++) {
         uint64_t state = seed;
@@ -3261,15 +3455,16 @@ static inline double screen__try_borders_anew(screen__problem *p, uint64_t seed,
     return best;
 }
 
-/* Where exponents have a price their bounds are too dear to lead anywhere: each exponent at -2 and 2 from random starts, then released. In
-   small problems. */
+/* Where exponents have a price their bounds are too dear to lead anywhere: each exponent at -2 and 2 from random
+   starts, then released. In small problems. */
 static inline double screen__try_modest_exponents(screen__problem *p, uint64_t seed, double best, double *q) {
     for (int k = 0; k < 2 * screen__rates(p->model) && p->shrink > 0.0 && screen__is_small(p, best); k++) {
         const int j = k / 2 * 3 + 1;
         const double at = screen__clip(k % 2 ? 2.0 : -2.0, p->low[j], p->high[j]);
         double trial[SCREEN_MAX_PARAMETERS];
         uint64_t state = seed;
-        if (!(p->low[j] < p->high[j]) || !(screen__try_border_anew(p, j, at, 6, &state, HUGE_VAL, trial) < HUGE_VAL)) continue;
+        if (!(p->low[j] < p->high[j]) || !(screen__try_border_anew(p, j, at, 6, &state, HUGE_VAL, trial) < HUGE_VAL))
+            continue;
         best = screen__try_at(p, 5, trial, best, q);
     }
     return best;
@@ -3284,8 +3479,10 @@ static inline double screen__try_exchanged(screen__problem *p, double best, doub
     return screen__try_from(p, other, best, q);
 }
 
-/* Runs all starts; the best ends in best_q. seen[starts][2]: the loss of each start after the first stage, and its sharp loss. */
-static inline double screen__search(screen__problem *p, const screen_fit_options *options, double *seen, double *best_q) {
+/* Runs all starts; the best ends in best_q. seen[starts][2]: the loss of each start after the first stage, and
+   its sharp loss. */
+static inline double screen__search(screen__problem *p, const screen_fit_options *options, double *seen,
+                                    double *best_q) {
     double best = HUGE_VAL, q[SCREEN_MAX_PARAMETERS], last_time = screen__last_time(p);
     uint64_t state = options->seed;
     for (int start = 0; start < options->starts; start++) {
@@ -3303,8 +3500,8 @@ static inline double screen__search(screen__problem *p, const screen_fit_options
     return best;
 }
 
-/* Moves parameters without influence back to where they are held, and k such that the rates stay; as far as the bounds of k and of the
-   moisture exponents allow. */
+/* Moves parameters without influence back to where they are held, and k such that the rates stay; as far as the bounds
+   of k and of the moisture exponents allow. */
 static inline void screen__send_home(screen__problem *p, double *q) {
     for (int j = 0; j < p->parameters; j++) {
         const int tilt = p->parameters == 5 && j == 4, k = tilt ? 0 : j - j % 3;
@@ -3316,8 +3513,10 @@ static inline void screen__send_home(screen__problem *p, double *q) {
         if (j == k + 1 && !p->idle[j + 1] && fabs(trial[j]) > 1e-300)
             trial[j + 1] = screen__clip(q[j] * q[j + 1] / trial[j], p->low[j + 1], p->high[j + 1]);
         trial[k] += tilt ? p->slope * (q[j] - trial[j])
-                         : q[k + 1] * (centre[0] + q[k + 2] * centre[1]) - trial[k + 1] * (centre[0] + trial[k + 2] * centre[1]);
-        const double beyond = trial[k] - screen__clip(trial[k], p->low[k], p->high[k]), lever = trial[k + 1] * centre[1];
+                         : q[k + 1] * (centre[0] + q[k + 2] * centre[1]) -
+                               trial[k + 1] * (centre[0] + trial[k + 2] * centre[1]);
+        const double beyond = trial[k] - screen__clip(trial[k], p->low[k], p->high[k]),
+                     lever = trial[k + 1] * centre[1];
         trial[k] -= beyond;
         if (beyond != 0.0 && j == k + 2 && fabs(lever) > 1e-6) /* as near to it as k's bound allows */
             trial[j] = screen__clip(trial[j] + beyond / lever, p->box_low[j], p->box_high[j]);
@@ -3328,9 +3527,10 @@ static inline void screen__send_home(screen__problem *p, double *q) {
 }
 
 /* Tries the bounds, takes the last steps with the caller's tolerance, and computes the result. */
-static inline void screen__finish(screen__problem *p, const screen_def *def, const screen_fit_options *options, const double *seen,
-                                  double best, double *q, screen_fit_result *result) {
-    int left = p->model == SCREEN_SOLDINGER ? 12 : 600, stage = options->loss == SCREEN_LOSS_SQUARES ? 0 : SCREEN__STAGES - 1;
+static inline void screen__finish(screen__problem *p, const screen_def *def, const screen_fit_options *options,
+                                  const double *seen, double best, double *q, screen_fit_result *result) {
+    int left = p->model == SCREEN_SOLDINGER ? 12 : 600,
+        stage = options->loss == SCREEN_LOSS_SQUARES ? 0 : SCREEN__STAGES - 1;
     for (int start = 0; start < options->starts; start++) result->starts_at_best += seen[2 * start + 1] <= best + 1e-6;
     result->starts = options->starts;
     best = screen__try_plain_rates(p, best, q);
@@ -3381,8 +3581,9 @@ SCREEN_API screen_status screen_fit(const screen_def *def, screen_model model, i
     return status;
 }
 
-SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const screen_case *data, const screen_fit_options *options,
-                                        const screen_fit_result *result, int index, double rise, double *low, double *high) {
+SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const screen_case *data,
+                                        const screen_fit_options *options, const screen_fit_result *result, int index,
+                                        double rise, double *low, double *high) {
     screen__problem p;
     screen_fit_result noted;
     if (!result || !low || !high) return SCREEN_BAD_POINTER;
@@ -3398,7 +3599,8 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
         return status;
     }
     int squares = options->loss == SCREEN_LOSS_SQUARES;
-    double centre_q[SCREEN_MAX_PARAMETERS], centre_c[SCREEN_MAX_PARAMETERS], box_low = p.box_low[index], box_high = p.box_high[index];
+    double centre_q[SCREEN_MAX_PARAMETERS], centre_c[SCREEN_MAX_PARAMETERS], box_low = p.box_low[index],
+                                                                             box_high = p.box_high[index];
     for (int j = 0; j < result->parameters; j++) centre_q[j] = screen__to_q(result->model, j, result->parameter[j]);
     for (int j = 0; j < p.parameters; j++) /* one that gave way to a bound of k may do so again */
         if (p.idle[j] && centre_q[j] != p.home[j]) p.low[j] = p.box_low[j], p.high[j] = p.box_high[j];
@@ -3407,7 +3609,8 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
     for (int side = 0; side < 2; side++) {
         double edge = side ? box_high : box_low, sign = side ? 1.0 : -1.0, outside = edge;
         double inside = p.idle[index] ? edge : centre_q[index]; /* of one without influence any value will do */
-        double q[SCREEN_MAX_PARAMETERS], step = 0.02 * (1.0 + fabs(inside)) * (screen__is_rate(result->model, index) ? 0.2 : 1.0);
+        double q[SCREEN_MAX_PARAMETERS],
+            step = 0.02 * (1.0 + fabs(inside)) * (screen__is_rate(result->model, index) ? 0.2 : 1.0);
         int found = 0;
         for (int j = 0; j < result->parameters; j++) q[j] = centre_q[j];
         for (int it = 0; it < 60 && fabs(edge - inside) > 0.0; it++) {
@@ -3419,7 +3622,8 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
             for (int j = 0; j < result->parameters; j++) trial[j] = q[j];
             trial[index] = p.low[index] = p.high[index] = at;
             const double rounding[] = {1e-2, 1e-3, 1e-4};
-            for (int stage = squares ? 2 : 0; stage < 3; stage++) screen__descend(&p, trial, rounding[stage], 40, &left);
+            for (int stage = squares ? 2 : 0; stage < 3; stage++)
+                screen__descend(&p, trial, rounding[stage], 40, &left);
             if (screen__sharp_loss(&p, trial) <= limit) {
                 inside = at;
                 step *= 2.0;
@@ -3436,8 +3640,8 @@ SCREEN_API screen_status screen_profile(const screen_def *def, int cases, const 
     return status;
 }
 
-SCREEN_API screen_status screen_sample(const screen_fit_result *result, const screen_fit_options *options, uint64_t seed, int n,
-                                       double *sets) {
+SCREEN_API screen_status screen_sample(const screen_fit_result *result, const screen_fit_options *options,
+                                       uint64_t seed, int n, double *sets) {
     if (!result || !sets) return SCREEN_BAD_POINTER;
     screen_fit_options defaults = screen_default_fit_options(result->model);
     double low[SCREEN_MAX_PARAMETERS], high[SCREEN_MAX_PARAMETERS];
@@ -3461,7 +3665,9 @@ SCREEN_API screen_status screen_sample(const screen_fit_result *result, const sc
         }
         screen__to_box(result->model, parameters, result->centre, low, high, c, q);
         for (int j = 0; j < SCREEN_MAX_PARAMETERS; j++)
-            sets[s * SCREEN_MAX_PARAMETERS + j] = j >= parameters ? 0.0 : screen__is_rate(result->model, j) ? riddle_exp(q[j]) : q[j];
+            sets[s * SCREEN_MAX_PARAMETERS + j] = j >= parameters                     ? 0.0
+                                                  : screen__is_rate(result->model, j) ? riddle_exp(q[j])
+                                                                                      : q[j];
     }
     return SCREEN_OK;
 }
@@ -3486,13 +3692,15 @@ static inline double screen__quantile(const double *sorted, int n, double share)
 }
 
 SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, int n, const double *sets,
-                                     const screen_operation *operation, int times, const double *time, double scatter, uint64_t seed,
-                                     double level, double *mean, double *spread, double *low, double *high) {
+                                     const screen_operation *operation, int times, const double *time, double scatter,
+                                     uint64_t seed, double level, double *mean, double *spread, double *low,
+                                     double *high) {
     screen_status status = screen_check_def(def, NULL);
     if (!status) status = screen_check_operation(operation);
     if (!status) status = screen__check_times(times, time);
     if (!status && !sets) status = SCREEN_BAD_POINTER;
-    if (!status && (n < 2 || !(scatter >= 0.0 && scatter < HUGE_VAL) || !(level > 0.0 && level < 1.0))) status = SCREEN_BAD_ARGUMENT;
+    if (!status && (n < 2 || !(scatter >= 0.0 && scatter < HUGE_VAL) || !(level > 0.0 && level < 1.0)))
+        status = SCREEN_BAD_ARGUMENT;
     size_t points = screen__size(def, times), rows = n > 0 ? (size_t)n : 1;
     double *curve = NULL, *value = NULL; /* [points][n] */
     int good = 0;
@@ -3502,10 +3710,12 @@ SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, 
         if (!curve || !value) status = SCREEN_NO_MEMORY;
     }
     for (int s = 0; s < n && !status; s++) {
-        screen_status one = screen_predict(def, model, sets + s * SCREEN_MAX_PARAMETERS, operation, times, time, curve, NULL, NULL);
+        screen_status one =
+            screen_predict(def, model, sets + s * SCREEN_MAX_PARAMETERS, operation, times, time, curve, NULL, NULL);
         if (one == SCREEN_NO_MEMORY || one == SCREEN_BAD_MODEL) status = one;
         if (one && one != SCREEN_OUTSIDE) continue;
-        const double error = scatter > 0.0 ? scatter * screen__normal(&seed) : 0.0; /* at all times the same: quantiles are smooth */
+        /* at all times the same: quantiles are smooth */
+        const double error = scatter > 0.0 ? scatter * screen__normal(&seed) : 0.0;
         for (size_t k = 0; k < points; k++) value[k * rows + (size_t)good] = screen__clip(curve[k] + error, 0.0, 1.0);
         good++;
     }
@@ -3529,15 +3739,16 @@ SCREEN_API screen_status screen_band(const screen_def *def, screen_model model, 
     return screen__leave(status, points, high);
 }
 
-SCREEN_API screen_status screen_fit_band(const screen_def *def, const screen_fit_result *result, const screen_fit_options *options,
-                                         const screen_operation *operation, int times, const double *time, double level, uint64_t seed,
-                                         double *mean, double *low, double *high) {
+SCREEN_API screen_status screen_fit_band(const screen_def *def, const screen_fit_result *result,
+                                         const screen_fit_options *options, const screen_operation *operation,
+                                         int times, const double *time, double level, uint64_t seed, double *mean,
+                                         double *low, double *high) {
     enum { SETS = 200 };
     double sets[(int)SETS * SCREEN_MAX_PARAMETERS];
     screen_status status = result ? screen_sample(result, options, seed, SETS, sets) : SCREEN_BAD_POINTER;
     if (!status)
-        return screen_band(def, result->model, SETS, sets, operation, times, time, result->case_error, seed + 1, level, mean, NULL, low,
-                           high);
+        return screen_band(def, result->model, SETS, sets, operation, times, time, result->case_error, seed + 1, level,
+                           mean, NULL, low, high);
     screen__leave(status, screen__size(def, times), mean);
     screen__leave(status, screen__size(def, times), low);
     return screen__leave(status, screen__size(def, times), high);
@@ -3545,8 +3756,8 @@ SCREEN_API screen_status screen_fit_band(const screen_def *def, const screen_fit
 
 /* >>separation */
 
-/* Returns the point at which the curve has risen through level: from point `from` on upwards (step 1) or downwards (-1) the first such; 0
-   where it begins at the level, -1 if it does not rise through it. */
+/* Returns the point at which the curve has risen through level: from point `from` on upwards (step 1) or downwards (-1)
+   the first such; 0 where it begins at the level, -1 if it does not rise through it. */
 static inline int screen__rise(int n, const double *y, double level, int from, int step) {
     for (int i = from > 1 ? from : 1; i > 0 && i < n; i += step)
         if (y[i] >= level && y[i - 1] < level) return i;
@@ -3559,8 +3770,8 @@ static inline double screen__size_at(const double *d, const double *y, double le
     return d[point - 1] + (d[point] - d[point - 1]) * ((level - y[point - 1]) / (y[point] - y[point - 1]));
 }
 
-SCREEN_API screen_status screen_measure(int n, const double *diameters, const double *feed, const double *partition, double cut,
-                                        screen_separation *out) {
+SCREEN_API screen_status screen_measure(int n, const double *diameters, const double *feed, const double *partition,
+                                        double cut, screen_separation *out) {
     if (!out) return SCREEN_BAD_POINTER;
     out->d25 = out->d50 = out->d75 = out->ecart = out->imperfection = out->recovery = out->oversize_loss = (double)NAN;
     out->misplaced_overflow = out->misplaced_underflow = out->efficiency = out->yield = (double)NAN;
@@ -3568,14 +3779,16 @@ SCREEN_API screen_status screen_measure(int n, const double *diameters, const do
     if (n < 1 || !screen__positive(cut)) return SCREEN_BAD_ARGUMENT;
     double fine = 0.0, coarse = 0.0, fine_stays = 0.0, coarse_stays = 0.0;
     for (int i = 0; i < n; i++) {
-        if (!screen__positive(diameters[i]) || (i > 0 && !(diameters[i] > diameters[i - 1]))) return SCREEN_BAD_ARGUMENT;
+        if (!screen__positive(diameters[i]) || (i > 0 && !(diameters[i] > diameters[i - 1])))
+            return SCREEN_BAD_ARGUMENT;
         if (!(feed[i] >= 0.0 && feed[i] < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
         if (partition[i] > 1.5) return SCREEN_DATA_IN_PERCENT;
         if (!(partition[i] >= 0.0 && partition[i] <= 1.0)) return SCREEN_DATA_OUT_OF_RANGE;
         *(diameters[i] < cut ? &fine : &coarse) += feed[i];
         *(diameters[i] < cut ? &fine_stays : &coarse_stays) += feed[i] * partition[i];
     }
-    double all = fine + coarse, stays = fine_stays + coarse_stays, passes = (fine - fine_stays) + (coarse - coarse_stays);
+    double all = fine + coarse, stays = fine_stays + coarse_stays,
+           passes = (fine - fine_stays) + (coarse - coarse_stays);
     if (!(all > 0.0 && all < HUGE_VAL)) return SCREEN_BAD_ARGUMENT;
     int middle = screen__rise(n, partition, 0.50, n - 1, -1), upwards = middle >= 0 ? 1 : -1;
     int first = screen__rise(n, partition, 0.25, middle >= 0 ? middle : n - 1, -1);
@@ -3607,8 +3820,9 @@ static inline void screen__list_separation(screen_separation *s, double *list[SC
 }
 
 SCREEN_API screen_status screen_measure_range(int n, const double *diameters, const double *feed, const double *feed_sd,
-                                              const double *partition, const double *partition_sd, double cut, uint64_t seed,
-                                              const screen_memory *memory, screen_separation *low, screen_separation *high) {
+                                              const double *partition, const double *partition_sd, double cut,
+                                              uint64_t seed, const screen_memory *memory, screen_separation *low,
+                                              screen_separation *high) {
     enum { DRAWS = 1000 };
     const screen_memory library = {NULL, NULL}, *hook = memory ? memory : &library;
     screen_separation measured, drawn;
@@ -3622,7 +3836,8 @@ SCREEN_API screen_status screen_measure_range(int n, const double *diameters, co
     const screen_status status = screen_measure(n, diameters, feed, partition, cut, &measured);
     if (status != SCREEN_OK && status != SCREEN_NOT_REACHED) return status;
     for (int i = 0; i < n; i++)
-        if (!(partition_sd[i] >= 0.0 && partition_sd[i] < HUGE_VAL && (!feed_sd || (feed_sd[i] >= 0.0 && feed_sd[i] < HUGE_VAL))))
+        if (!(partition_sd[i] >= 0.0 && partition_sd[i] < HUGE_VAL &&
+              (!feed_sd || (feed_sd[i] >= 0.0 && feed_sd[i] < HUGE_VAL))))
             return SCREEN_BAD_ARGUMENT;
     double *sets = (double *)screen__take(hook, 2 * (size_t)n, sizeof(double));
     if (!sets) return SCREEN_NO_MEMORY;
@@ -3656,12 +3871,14 @@ SCREEN_API screen_status screen_measure_range(int n, const double *diameters, co
 static inline double screen__finer(int points, const double *size, const double *passing, double d) {
     if (!(d > size[0])) return passing[0] * (d / size[0]);
     for (int i = 1; i < points; i++)
-        if (d <= size[i]) return passing[i - 1] + (passing[i] - passing[i - 1]) * ((d - size[i - 1]) / (size[i] - size[i - 1]));
+        if (d <= size[i])
+            return passing[i - 1] + (passing[i] - passing[i - 1]) * ((d - size[i - 1]) / (size[i] - size[i - 1]));
     return passing[points - 1];
 }
 
 /* Mass between two shares and its first moment by size, up to the aperture. */
-static inline double screen__moment_of_curve(int points, const double *size, const double *passing, double from, double to) {
+static inline double screen__moment_of_curve(int points, const double *size, const double *passing, double from,
+                                             double to) {
     double moment = 0.0;
     for (int i = 0; i < points; i++) {
         double p0 = i > 0 ? passing[i - 1] : 0.0, p1 = passing[i], d0 = i > 0 ? size[i - 1] : 0.0, d1 = size[i];
@@ -3673,8 +3890,8 @@ static inline double screen__moment_of_curve(int points, const double *size, con
     return moment;
 }
 
-SCREEN_API screen_status screen_classes(int points, const double *size, const double *passing, double aperture, int classes,
-                                        double *diameters, double *shares, double *undersize) {
+SCREEN_API screen_status screen_classes(int points, const double *size, const double *passing, double aperture,
+                                        int classes, double *diameters, double *shares, double *undersize) {
     if (undersize) *undersize = (double)NAN;
     if (!diameters) return SCREEN_BAD_POINTER;
     if (classes < 1) return SCREEN_BAD_ARGUMENT;
@@ -3685,7 +3902,8 @@ SCREEN_API screen_status screen_classes(int points, const double *size, const do
     for (int i = 0; i < points; i++) {
         if (passing[i] > 1.5 && passing[i] <= 100.5) return SCREEN_DATA_IN_PERCENT;
         if (!screen__positive(size[i]) || (i > 0 && !(size[i] > size[i - 1]))) return SCREEN_BAD_CURVE;
-        if (!(passing[i] >= 0.0 && passing[i] <= 1.0 + 1e-9) || (i > 0 && !(passing[i] >= passing[i - 1]))) return SCREEN_BAD_CURVE;
+        if (!(passing[i] >= 0.0 && passing[i] <= 1.0 + 1e-9) || (i > 0 && !(passing[i] >= passing[i - 1])))
+            return SCREEN_BAD_CURVE;
     }
     if (size[points - 1] < aperture && passing[points - 1] < 1.0 - 1e-6) return SCREEN_BAD_CURVE;
     double below = screen__finer(points, size, passing, aperture);
@@ -3703,8 +3921,9 @@ SCREEN_API screen_status screen_classes(int points, const double *size, const do
 /* >>deck */
 
 static inline int screen__good_duty(const screen_duty *duty) {
-    return duty && screen__positive(duty->width) && screen__positive(duty->length) && screen__positive(duty->velocity) &&
-           screen__positive(duty->feed) && screen__positive(duty->feed / duty->width / duty->velocity) &&
+    return duty && screen__positive(duty->width) && screen__positive(duty->length) &&
+           screen__positive(duty->velocity) && screen__positive(duty->feed) &&
+           screen__positive(duty->feed / duty->width / duty->velocity) &&
            screen__positive(duty->length / duty->velocity);
 }
 
@@ -3717,10 +3936,12 @@ static inline screen_def screen__slice(const screen_def *def, const screen_duty 
     return slice;
 }
 
-static inline void screen__sum_flow(const screen_def *slice, const screen_duty *duty, int places, const double *retained, double *depth,
-                                    double *passed, screen_flow *flow) {
-    double total = slice->undersize_mass + slice->oversize_mass, fine = 0.0, fine_passed = 0.0, all_passed = 0.0, shares = 0.0;
-    double stays = duty->feed * slice->oversize_mass / total; /* a sum: the difference to the feed could be below 0 by rounding */
+static inline void screen__sum_flow(const screen_def *slice, const screen_duty *duty, int places,
+                                    const double *retained, double *depth, double *passed, screen_flow *flow) {
+    double total = slice->undersize_mass + slice->oversize_mass, fine = 0.0, fine_passed = 0.0, all_passed = 0.0,
+           shares = 0.0;
+    /* a sum: the difference to the feed could be below 0 by rounding */
+    double stays = duty->feed * slice->oversize_mass / total;
     for (int i = 0; i < slice->classes; i++) shares += screen__share(slice, i);
     for (int i = 0; i < slice->classes; i++) {
         double fed = duty->feed * slice->undersize_mass / total * screen__share(slice, i) / shares;
@@ -3735,7 +3956,8 @@ static inline void screen__sum_flow(const screen_def *slice, const screen_duty *
     for (int j = 0; j < places; j++) {
         double on_deck = slice->oversize_mass;
         for (int i = 0; i < slice->classes; i++)
-            on_deck += slice->undersize_mass * screen__share(slice, i) / shares * retained[(size_t)i * (size_t)places + (size_t)j];
+            on_deck += slice->undersize_mass * screen__share(slice, i) / shares *
+                       retained[(size_t)i * (size_t)places + (size_t)j];
         flow->load_end = on_deck / slice->deck_area;
         flow->depth_end = flow->load_end / slice->bulk_density;
         if (depth) depth[j] = flow->depth_end;
@@ -3751,19 +3973,20 @@ static inline void screen__sum_flow(const screen_def *slice, const screen_duty *
 }
 
 SCREEN_API screen_status screen_steady(const screen_def *def, screen_model model, const double *parameters,
-                                       const screen_operation *operation, const screen_duty *duty, int places, double *retained,
-                                       double *depth, double *passed, screen_flow *flow) {
+                                       const screen_operation *operation, const screen_duty *duty, int places,
+                                       double *retained, double *depth, double *passed, screen_flow *flow) {
     screen_status status = screen_check_def(def, NULL);
     if (flow)
-        flow->load = flow->depth = flow->load_end = flow->depth_end = flow->residence = flow->passed = flow->stays = flow->efficiency =
-            flow->purity = flow->undersize_in_overflow = (double)NAN;
+        flow->load = flow->depth = flow->load_end = flow->depth_end = flow->residence = flow->passed = flow->stays =
+            flow->efficiency = flow->purity = flow->undersize_in_overflow = (double)NAN;
     if (!status && (!retained || !flow)) status = SCREEN_BAD_POINTER;
     if (!status && (places < 1 || !screen__good_duty(duty))) status = SCREEN_BAD_ARGUMENT;
     double *place = status ? NULL : (double *)screen__take(&def->memory, (size_t)places, sizeof(double));
     if (!status && !place) status = SCREEN_NO_MEMORY;
     if (!status) {
         const screen_def slice = screen__slice(def, duty);
-        for (int j = 0; j < places; j++) place[j] = duty->length * (j + 1.0) / places / (def->continuous ? 1.0 : duty->velocity);
+        for (int j = 0; j < places; j++)
+            place[j] = duty->length * (j + 1.0) / places / (def->continuous ? 1.0 : duty->velocity);
         status = screen_predict(&slice, model, parameters, operation, places, place, retained, NULL, NULL);
         if (!status || status == SCREEN_OUTSIDE) screen__sum_flow(&slice, duty, places, retained, depth, passed, flow);
     }
@@ -3775,7 +3998,8 @@ SCREEN_API screen_status screen_steady(const screen_def *def, screen_model model
 }
 
 SCREEN_API screen_status screen_capacity(const screen_def *def, screen_model model, const double *parameters,
-                                         const screen_operation *operation, const screen_duty *duty, double efficiency, double *feed) {
+                                         const screen_operation *operation, const screen_duty *duty, double efficiency,
+                                         double *feed) {
     if (!feed) return SCREEN_BAD_POINTER;
     *feed = (double)NAN;
     screen_status status = screen_check_def(def, NULL);
@@ -3795,7 +4019,8 @@ SCREEN_API screen_status screen_capacity(const screen_def *def, screen_model mod
         if (i == -2) first = flow.efficiency;
         if (i == -1) last = flow.efficiency;
         if (i == -1 && !(first - last > 1e-6)) status = SCREEN_LOAD_UNKNOWN;
-        if (i == -1 && status != SCREEN_LOAD_UNKNOWN && !(first >= efficiency && last < efficiency)) status = SCREEN_NOT_REACHED;
+        if (i == -1 && status != SCREEN_LOAD_UNKNOWN && !(first >= efficiency && last < efficiency))
+            status = SCREEN_NOT_REACHED;
         if (status && status != SCREEN_OUTSIDE) break;
         if (i < 0) continue;
         if (flow.efficiency >= efficiency) low = at;

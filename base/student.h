@@ -1,13 +1,15 @@
-/* >>student-t: Student's t by the incomplete beta function. Identical in every Riddle header that needs it (base/student.h is the master,
-   tests/check_headers compares the copies). */
+/* >>student-t: Student's t by the incomplete beta function. Identical in every Riddle header that needs it
+   (base/student.h is the master, tests/check_headers compares the copies). */
 /* clang-format off */
 #ifndef RIDDLE_STUDENT
 #define RIDDLE_STUDENT
-/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20 on. */
+/* Returns the logarithm of the beta function B(a, 1/2), a > 0, by the expansion of gamma(a + 1/2) / gamma(a) from 20
+   on. */
 static inline double riddle__log_beta_half(double a) {
     double ratio = 1.0;
     for (; a < 20.0; a += 1.0) ratio *= (a + 0.5) / a;
-    const double z = 1.0 / (a * a), series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
+    const double z = 1.0 / (a * a);
+    const double series = (1.0 / 8.0 - z * (1.0 / 192.0 - z * (1.0 / 640.0 - z * 17.0 / 14336.0))) / a;
     return 0.57236494292470008707 - 0.5 * riddle_log(a) + series + riddle_log(ratio);
 }
 
@@ -44,8 +46,8 @@ static inline double riddle__student_tail(double freedom, double t, double *dens
     return 1.0 - front * riddle__beta_fraction(b, a, rest) / b;
 }
 
-/* Returns the half-width, in standard errors, of a range that holds the share `confidence` of Student's t. NaN outside of confidence in
-   (0, 1), freedom > 0. Student 1908. */
+/* Returns the half-width, in standard errors, of a range that holds the share `confidence` of Student's t. NaN outside
+   of confidence in (0, 1), freedom > 0. Student 1908. */
 static inline double riddle_student(double confidence, double freedom) {
     if (!(confidence > 0.0 && confidence < 1.0 && freedom > 0.0)) return (double)NAN;
     if (freedom > 1e8) freedom = 1e8; /* the normal distribution, to 1e-8 */

@@ -1,6 +1,7 @@
-/* bed.h: the beds that the benchmarks run: 2 000, 20 000, 100 000 or 1 million spheres of 5 mm, 22 diameters deep, periodic in x and y, on a
-   floor at z = 0, from a settled start without tangential history (tests/reference/beds; side 0.045 or 0.14 m; more are the 20 000 several
-   times along x). k_n 1e5 N/m, k_t 2/7 k_n, e = 0.78, friction 0.2, 4e-6 s: 22.7 steps a contact. */
+/* bed.h: the beds that the benchmarks run: 2 000, 20 000, 100 000 or 1 million spheres of 5 mm, 22 diameters deep,
+   periodic in x and y, on a floor at z = 0, from a settled start without tangential history (tests/reference/beds;
+   side 0.045 or 0.14 m; more are the 20 000 several times along x). k_n 1e5 N/m, k_t 2/7 k_n, e = 0.78,
+   friction 0.2, 4e-6 s: 22.7 steps a contact. */
 #ifndef RIDDLE_BED_H
 #define RIDDLE_BED_H
 
@@ -12,9 +13,10 @@
 #include "dem.h"
 #include "measure.h"
 
-static const double bed_diameter = 0.005, bed_density = 2534.0, bed_stiffness = 1e5, bed_dt = 4e-6, bed_amplitude = 1e-3,
-                    bed_frequency = 50.6;
-static const double bed_pair_damping = 5475.7, bed_floor_damping = 3871.9; /* gamma/m_eff [1/s]: e = 0.78 for pairs and for the floor */
+static const double bed_diameter = 0.005, bed_density = 2534.0, bed_stiffness = 1e5, bed_dt = 4e-6,
+                    bed_amplitude = 1e-3, bed_frequency = 50.6;
+/* gamma/m_eff [1/s]: e = 0.78 for pairs and for the floor */
+static const double bed_pair_damping = 5475.7, bed_floor_damping = 3871.9;
 #define BED_FILES "a folder with settled_2000.csv, settled_20000.csv and lammps.csv"
 
 typedef struct bed {
@@ -31,7 +33,8 @@ static inline void bed_free(bed *b) {
     memset(b, 0, sizeof *b);
 }
 
-/* The start of `spheres` spheres from a folder. Free with bed_free. 0; or -1 with one line in message and nothing to free. */
+/* The start of `spheres` spheres from a folder. Free with bed_free. 0; or -1 with one line in message and
+   nothing to free. */
 static inline int bed_read(bed *b, const char *folder, int spheres, char *message, int message_size) {
     char path[1000];
     const int copies = spheres > 20000 ? spheres / 20000 : 1;
@@ -78,7 +81,8 @@ static inline int bed_read(bed *b, const char *folder, int spheres, char *messag
 /* The definition of the beds: material 0 the spheres', 1 the floor's. */
 static inline dem_def bed_def(const bed *b, double friction, dem_restitution mode) {
     dem_def def = dem_default_def();
-    const int glass = dem_add_material(&def, bed_density, 5e10, 0.2), ground = dem_add_material(&def, bed_density, 5e10, 0.2);
+    const int glass = dem_add_material(&def, bed_density, 5e10, 0.2),
+              ground = dem_add_material(&def, bed_density, 5e10, 0.2);
     const double mass = RIDDLE_PI / 6.0 * bed_diameter * bed_diameter * bed_diameter * bed_density;
     for (int k = 0; k < 2; k++) {
         dem_pair_def *pair = dem_pair(&def, glass, k ? ground : glass);
@@ -102,7 +106,8 @@ static inline dem_status bed_world(dem_world *world, const bed *b, const dem_def
     const int floor_wall = dem_add_plane(world, 1, dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0));
     if (floor_wall < 0) return (dem_status)-floor_wall;
     if (vibrated)
-        status = dem_vibrate(world, floor_wall, dem_vec3(0.0, 0.0, bed_amplitude), dem_vec3(0.0, 0.0, -0.5 * RIDDLE_PI), bed_frequency);
+        status = dem_vibrate(world, floor_wall, dem_vec3(0.0, 0.0, bed_amplitude), dem_vec3(0.0, 0.0, -0.5 * RIDDLE_PI),
+                             bed_frequency);
     if (status == DEM_OK) status = dem_add_spheres(world, b->n, b->centres, b->diameters, 0, 0);
     for (int i = 0; i < b->n && status == DEM_OK; i++) {
         const double *v = b->velocities + 3 * i, *w = b->spins + 3 * i;

@@ -1,9 +1,10 @@
 /* blocking.h: error against run time.
 
-   1. The blocking ODE with changing rates: a deck whose toss indicator is raised for 20 s every 2 minutes while the feed's
-      hard-to-screen content drifts. Explicit Euler and classical Runge-Kutta with fixed steps, the exact step with rates frozen at its
-      middle, and blocking_integrate by its tolerance, against blocking_integrate at 1e-14.
-   2. The two estimators of k: error over many repeated counts of the same sieve, against the number of holes counted, and their run time.
+   1. The blocking ODE with changing rates: a deck whose toss indicator is raised for 20 s every 2 minutes while the
+      feed's hard-to-screen content drifts. Explicit Euler and classical Runge-Kutta with fixed steps, the exact step
+      with rates frozen at its middle, and blocking_integrate by its tolerance, against blocking_integrate at 1e-14.
+   2. The two estimators of k: error over many repeated counts of the same sieve, against the number of holes counted,
+      and their run time.
    3. Time a call. */
 #include <math.h>
 #include <stdio.h>
@@ -88,7 +89,8 @@ static double adaptive(deck *d, double tolerance) {
     return blocking_integrate(&def, &run_s, 1, &f, NULL, NULL) == BLOCKING_OK ? f : (double)NAN;
 }
 
-static const char *const methods[METHODS] = {"explicit Euler", "Runge-Kutta 4", "frozen rates, exact step", "blocking_integrate"};
+static const char *const methods[METHODS] = {"explicit Euler", "Runge-Kutta 4", "frozen rates, exact step",
+                                             "blocking_integrate"};
 
 static double solve(deck *d, int method, int level) {
     const int steps = 50 << level; /* 12 s .. 6 ms */
@@ -141,8 +143,8 @@ static int ascending(const void *a, const void *b) {
     return (*(const double *)a > *(const double *)b) - (*(const double *)a < *(const double *)b);
 }
 
-/* Fit 7b of the paper at its times, `holes` counted at each. Least squares over all; three readings at 0, 128, 256 s (k t = 1.3: near
-   the best 1.59). Error: median of |k / 0.0101 - 1|, an estimate that fails counts as infinite. */
+/* Fit 7b of the paper at its times, `holes` counted at each. Least squares over all; three readings at 0, 128, 256 s (k
+   t = 1.3: near the best 1.59). Error: median of |k / 0.0101 - 1|, an estimate that fails counts as infinite. */
 static void estimators(const program *self, json *report, riddle_plot *figure) {
     enum { TIMES = 13, SIZES = 8, MOST = 2000 };
     static double error[2][MOST];
@@ -174,7 +176,8 @@ static void estimators(const program *self, json *report, riddle_plot *figure) {
             const double t3[3] = {t[0], t[8], t[9]}, f3[3] = {f[0], f[8], f[9]};
             blocking_estimate e;
             status = blocking_three_point(t3, f3, 0.0, BLOCKING_TOLERANCE, &e);
-            error[1][trial] = status == BLOCKING_OK || status == BLOCKING_OUT_OF_RANGE ? fabs(e.k / .0101 - 1.0) : HUGE_VAL;
+            error[1][trial] =
+                status == BLOCKING_OK || status == BLOCKING_OUT_OF_RANGE ? fabs(e.k / .0101 - 1.0) : HUGE_VAL;
             for (int m = 0; m < 2; m++) failed[m][s] += !(error[m][trial] < HUGE_VAL) / (double)trials;
         }
         for (int m = 0; m < 2; m++) {

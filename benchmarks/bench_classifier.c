@@ -1,9 +1,10 @@
 /* classifier.h: error against run time.
 
-   1. T at 66.85 um (limestone, 3000 1/min, projected area): plain Monte Carlo, Sobol and rank-1 lattice points, with the restitution drawn
-      and counted or integrated in closed form; root mean square error over many seeds, and how often the 95 % error bars hold the truth.
-   2. The cut-size solver against the iteration x <- K c_D(a x) that the paper only calls "iteratively", and against the same with the
-      geometric mean of old and new.
+   1. T at 66.85 um (limestone, 3000 1/min, projected area): plain Monte Carlo, Sobol and rank-1 lattice points, with
+      the restitution drawn and counted or integrated in closed form; root mean square error over many seeds, and how
+      often the 95 % error bars hold the truth.
+   2. The cut-size solver against the iteration x <- K c_D(a x) that the paper only calls "iteratively", and against the
+      same with the geometric mean of old and new.
    3. Time a call of the laws. */
 #include <math.h>
 #include <stdio.h>
@@ -14,8 +15,9 @@
 
 enum { METHODS = 6, LEVELS = 6, RE_POINTS = 45 };
 
-static const char *const method_names[METHODS] = {"Monte Carlo, counted",       "Sobol, counted",       "lattice, counted",
-                                                  "Monte Carlo, preintegrated", "Sobol, preintegrated", "lattice, preintegrated (default)"};
+static const char *const method_names[METHODS] = {"Monte Carlo, counted", "Sobol, counted",
+                                                  "lattice, counted",     "Monte Carlo, preintegrated",
+                                                  "Sobol, preintegrated", "lattice, preintegrated (default)"};
 static const char *const method_keys[METHODS] = {"mc_counted",       "sobol_counted",       "lattice_counted",
                                                  "mc_preintegrated", "sobol_preintegrated", "lattice_preintegrated"};
 static const double size = 66.85e-6;
@@ -47,7 +49,8 @@ static void separation(const program *self, json *report) {
     double truth, bar, seconds, error[METHODS][LEVELS], time[METHODS][LEVELS];
     int levels = self->quick ? 4 : LEVELS, seeds = self->quick ? 12 : 40;
     progress bar_on_screen;
-    if (one(4, self->quick ? 1 << 18 : 1 << 20, 12345, &truth, &bar, &seconds)) return; /* Sobol: not the method it is to judge first */
+    /* Sobol: not the method it is to judge first. */
+    if (one(4, self->quick ? 1 << 18 : 1 << 20, 12345, &truth, &bar, &seconds)) return;
     common_print("T(66.85 um) = %.6f +- %.6f\n\n", truth, bar);
     static const result_column columns[] = {{"method", NULL, "%s"},
                                             {NULL, "method", "%s"},
@@ -83,7 +86,8 @@ static void separation(const program *self, json *report) {
     if (common_interrupted()) return;
     riddle_plot *figure = riddle_plot_new("Separation curve: error against run time", 1, 1);
     riddle_plot_panel_size(figure, 560, 380);
-    riddle_plot_panel(figure, 0, 0, "processor time for T at one size, set-up included [ms]", "root mean square error of T [-]");
+    riddle_plot_panel(figure, 0, 0, "processor time for T at one size, set-up included [ms]",
+                      "root mean square error of T [-]");
     riddle_plot_log_x(figure);
     riddle_plot_log_y(figure);
     for (int method = 0; method < METHODS; method++) {
@@ -150,8 +154,8 @@ static void solver(const program *self, json *report) {
         sink = sum;
         ns[k] = 1e9 * (machine_processor_seconds() - began) / n;
     }
-    common_print("\nCut size at Re 5 .. 90: %.0f ns; Picard %.0f ns, damped %.0f ns. At most %d steps over all Re.\n\n", ns[0], ns[1],
-                 ns[2], worst);
+    common_print("\nCut size at Re 5 .. 90: %.0f ns; Picard %.0f ns, damped %.0f ns. At most %d steps over all Re.\n\n",
+                 ns[0], ns[1], ns[2], worst);
     results_values(report, {"solver_most_steps", worst}, {"solver_ns", ns[0]}, {"picard_ns", ns[1]},
                    {"damped_picard_ns", ns[2]},
                    {"picard_steps_at_re_50", picard(drag, 50.0 / classifier_drag_coefficient(drag, 50.0), 1.0, MOST)});
@@ -198,8 +202,9 @@ static void laws(const program *self, json *report) {
                                  "Schiller-Naumann c_D", "Hoelzer-Sommerfeld, preparing a shape",
                                  "Di Felice factor",     "terminal velocity",
                                  "stopping distance"};
-    const char *const keys[] = {"stokes_ns",    "hoelzer_sommerfeld_ns", "schiller_naumann_ns", "hoelzer_sommerfeld_shape_ns",
-                                "di_felice_ns", "terminal_velocity_ns",  "stopping_distance_ns"};
+    const char *const keys[] = {
+        "stokes_ns",    "hoelzer_sommerfeld_ns", "schiller_naumann_ns", "hoelzer_sommerfeld_shape_ns",
+        "di_felice_ns", "terminal_velocity_ns",  "stopping_distance_ns"};
     static const result_column columns[] = {{"law", "law", "%s"}, {"ns", "ns a call", "%.1f"}};
     result_table *t = RESULTS(columns);
     for (int law = 0; law < 7; law++) {
@@ -214,7 +219,8 @@ static void laws(const program *self, json *report) {
 
 int main(int argc, char **argv) {
     program self =
-        program_start("bench_classifier", "Separation curve, cut-size solver and drag laws: error against run time.", NULL, 0, argc, argv);
+        program_start("bench_classifier", "Separation curve, cut-size solver and drag laws: error against run time.",
+                      NULL, 0, argc, argv);
     json *report = json_open(self.json);
     separation(&self, report);
     solver(&self, report);

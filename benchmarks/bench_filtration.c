@@ -1,12 +1,12 @@
 /* filtration.h: error against run time, and the rate of the kernel.
 
-   1. Drag of a simple cubic array of spheres (solid volume fraction 0.125, K = 4.2916, Zick and Homsy 1982): largest error of four places
-      of the centre within a voxel against processor time, over voxel, lattice, precision, boundary and relaxation time.
-      One row has an interpolation that needs no second fluid node.
-   2. Node updates a second: bare, with faces, with beds of spheres at rest and moving, against the limit of memory: every population of the
-      same memory read, changed and written back, in the same run.
-   3. A sphere that moves through liquid at rest: fluctuations of its drag and of the pressure beside it as it crosses the lattice, over the
-      bulk viscosity; change of the liquid's mass; largest speed of a stable run. */
+   1. Drag of a simple cubic array of spheres (solid volume fraction 0.125, K = 4.2916, Zick and Homsy 1982): largest
+      error of four places of the centre within a voxel against processor time, over voxel, lattice, precision, boundary
+      and relaxation time. One row has an interpolation that needs no second fluid node.
+   2. Node updates a second: bare, with faces, with beds of spheres at rest and moving, against the limit of memory:
+      every population of the same memory read, changed and written back, in the same run.
+   3. A sphere that moves through liquid at rest: fluctuations of its drag and of the pressure beside it as it crosses
+      the lattice, over the bulk viscosity; change of the liquid's mass; largest speed of a stable run. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,16 +25,20 @@ typedef struct variant {
 
 enum { VARIANTS = 7, SINGLE_NODE = 6, SIZES = 3 };
 static const variant variants[VARIANTS] = {
-    {"D3Q19 double, central linear, tau 1", "q19_double_linear_tau1", FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR, 1.0},
-    {"D3Q19 double, central linear, tau 3.5", "q19_double_linear_tau3.5", FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR,
-     3.5},
-    {"D3Q19 float, central linear, tau 3.5", "q19_float_linear_tau3.5", FILTRATION_D3Q19, FILTRATION_FLOAT, FILTRATION_CENTRAL_LINEAR, 3.5},
-    {"D3Q15 double, central linear, tau 3.5", "q15_double_linear_tau3.5", FILTRATION_D3Q15, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR,
-     3.5},
-    {"D3Q19 double, half-way, tau 1", "q19_double_half_tau1", FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_HALF_WAY, 1.0},
-    {"D3Q19 double, half-way, tau 3.5", "q19_double_half_tau3.5", FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_HALF_WAY, 3.5},
-    {"D3Q19 double, single node, tau 1", "q19_double_single_node_tau1", FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_CENTRAL_LINEAR,
+    {"D3Q19 double, central linear, tau 1", "q19_double_linear_tau1", FILTRATION_D3Q19, FILTRATION_DOUBLE,
+     FILTRATION_CENTRAL_LINEAR, 1.0},
+    {"D3Q19 double, central linear, tau 3.5", "q19_double_linear_tau3.5", FILTRATION_D3Q19, FILTRATION_DOUBLE,
+     FILTRATION_CENTRAL_LINEAR, 3.5},
+    {"D3Q19 float, central linear, tau 3.5", "q19_float_linear_tau3.5", FILTRATION_D3Q19, FILTRATION_FLOAT,
+     FILTRATION_CENTRAL_LINEAR, 3.5},
+    {"D3Q15 double, central linear, tau 3.5", "q15_double_linear_tau3.5", FILTRATION_D3Q15, FILTRATION_DOUBLE,
+     FILTRATION_CENTRAL_LINEAR, 3.5},
+    {"D3Q19 double, half-way, tau 1", "q19_double_half_tau1", FILTRATION_D3Q19, FILTRATION_DOUBLE, FILTRATION_HALF_WAY,
      1.0},
+    {"D3Q19 double, half-way, tau 3.5", "q19_double_half_tau3.5", FILTRATION_D3Q19, FILTRATION_DOUBLE,
+     FILTRATION_HALF_WAY, 3.5},
+    {"D3Q19 double, single node, tau 1", "q19_double_single_node_tau1", FILTRATION_D3Q19, FILTRATION_DOUBLE,
+     FILTRATION_CENTRAL_LINEAR, 1.0},
 };
 static const int sizes[SIZES] = {12, 16, 24};
 static const double places[4][3] = {{0, 0, 0}, {0.25, 0.25, 0.25}, {0.5, 0.5, 0.5}, {0.1, 0.3, 0.45}};
@@ -55,17 +59,21 @@ static double round_distance(const void *self, const double point[3]) {
     return sqrt(square) - s->radius;
 }
 
-/* Interpolation at one node (Zhao and Yong 2017): the mean of what came to the node the step before and of what it now sends away from the
-   surface, weighed by the fraction q. Needs no second fluid node, and a number for each link: arrived [links], kept from step to step. */
+/* Interpolation at one node (Zhao and Yong 2017): the mean of what came to the node the step before and of what it now
+   sends away from the surface, weighed by the fraction q. Needs no second fluid node, and a number for each link:
+   arrived [links], kept from step to step. */
 static void bounce_at_single_nodes(filtration__lattice *l, double *arrived) {
     for (ptrdiff_t n = 0; n < l->link_count; n++) {
         const filtration__link *k = &l->links[n];
         const int opposite = filtration__opposite(k->i);
-        const double away = filtration__get(l, filtration__outgoing(l, k->x, k->y, k->z, opposite)), q = (double)k->fraction;
-        filtration__put(l, filtration__incoming(l, k->x, k->y, k->z, opposite), (arrived[n] + 2.0 * q * away) / (1.0 + 2.0 * q));
+        const double away = filtration__get(l, filtration__outgoing(l, k->x, k->y, k->z, opposite)),
+                     q = (double)k->fraction;
+        filtration__put(l, filtration__incoming(l, k->x, k->y, k->z, opposite),
+                        (arrived[n] + 2.0 * q * away) / (1.0 + 2.0 * q));
     }
     for (ptrdiff_t n = 0; n < l->link_count; n++)
-        arrived[n] = filtration__get(l, filtration__incoming(l, l->links[n].x, l->links[n].y, l->links[n].z, l->links[n].i));
+        arrived[n] =
+            filtration__get(l, filtration__incoming(l, l->links[n].x, l->links[n].y, l->links[n].z, l->links[n].i));
 }
 
 /* The same flow as that of filtration_fluid_permeability: superficial velocity [m/s]. */
@@ -140,9 +148,11 @@ static void drag_errors(const program *self, json *report) {
     results_write(t, report, "drag", self->out, "drag.csv");
     results_free(t);
     if (common_interrupted()) return;
-    riddle_plot *figure = riddle_plot_new("Simple cubic array, solid fraction 0.125: error of the drag against run time", 1, 1);
+    riddle_plot *figure =
+        riddle_plot_new("Simple cubic array, solid fraction 0.125: error of the drag against run time", 1, 1);
     riddle_plot_panel_size(figure, 560, 380);
-    riddle_plot_panel(figure, 0, 0, "processor time to the steady flow [s]", "largest error of the drag, four places of the centre [-]");
+    riddle_plot_panel(figure, 0, 0, "processor time to the steady flow [s]",
+                      "largest error of the drag, four places of the centre [-]");
     riddle_plot_log_x(figure);
     riddle_plot_log_y(figure);
     for (int v = 0; v < VARIANTS; v++) {
@@ -205,8 +215,8 @@ static double bed_distance(const void *self, const double point[3]) {
 
 enum { MOST_SPHERES = 512 };
 typedef struct moving_spheres {
-    double centre[3 * MOST_SPHERES], velocity[3 * MOST_SPHERES], spin[3 * MOST_SPHERES], radius[MOST_SPHERES], force[3 * MOST_SPHERES],
-        torque[3 * MOST_SPHERES];
+    double centre[3 * MOST_SPHERES], velocity[3 * MOST_SPHERES], spin[3 * MOST_SPHERES], radius[MOST_SPHERES],
+        force[3 * MOST_SPHERES], torque[3 * MOST_SPHERES];
 } moving_spheres;
 
 static int place_spheres(moving_spheres *s, rate_case what, int n, double voxel, double dt) {
@@ -220,8 +230,11 @@ static int place_spheres(moving_spheres *s, rate_case what, int n, double voxel,
                 const int at[3] = {x, y, z};
                 s->radius[count] = (what == MOVING_BED ? 7.5 : 10.0) * voxel;
                 for (int a = 0; a < 3; a++) {
-                    s->centre[3 * count + a] = (what == MOVING_BED ? 16.0 * at[a] + 8.0 + 0.05 * ((count + a) % 5) : 0.5 * n + 0.13 * a) * voxel;
-                    s->velocity[3 * count + a] = 0.003 * ((count + a) % 3 - (what == MOVING_BED ? 1.0 : -1.0)) * voxel / dt;
+                    s->centre[3 * count + a] =
+                        (what == MOVING_BED ? 16.0 * at[a] + 8.0 + 0.05 * ((count + a) % 5) : 0.5 * n + 0.13 * a) *
+                        voxel;
+                    s->velocity[3 * count + a] =
+                        0.003 * ((count + a) % 3 - (what == MOVING_BED ? 1.0 : -1.0)) * voxel / dt;
                 }
             }
     return count;
@@ -271,7 +284,8 @@ static void rates(const program *self, json *report) {
         for (int what = 0; what < RATE_CASES && !common_interrupted(); what++) {
             const double mlups = rate(n, single, (rate_case)what);
             if (what == BARE) bare = mlups;
-            results_row(t, TEXTS(single ? "float" : "double", rate_keys[what], rate_names[what]), mlups, mlups / bare, mlups / limit);
+            results_row(t, TEXTS(single ? "float" : "double", rate_keys[what], rate_names[what]), mlups, mlups / bare,
+                        mlups / limit);
         }
     }
     results_write(t, report, "rates", self->out, "rates.csv");
@@ -280,15 +294,16 @@ static void rates(const program *self, json *report) {
 
 /* ---- a sphere that moves ---- */
 
-/* A sphere of a diameter [cells] in a periodic box of n nodes of liquid at rest, which it crosses along z, a little aslant. speed: [cells a
-   step]. */
+/* A sphere of a diameter [cells] in a periodic box of n nodes of liquid at rest, which it crosses along z, a little
+   aslant. speed: [cells a step]. */
 typedef struct crossing {
     filtration_fluid fluid;
     double centre[3], velocity[3], spin[3], radius, force[3], torque[3];
     filtration_spheres spheres;
 } crossing;
 
-static filtration_status crossing_begin(crossing *c, int n, double diameter, double speed, double tau, double bulk, int walls) {
+static filtration_status crossing_begin(crossing *c, int n, double diameter, double speed, double tau, double bulk,
+                                        int walls) {
     filtration_fluid_def def = filtration_fluid_default_def();
     memset(c, 0, sizeof *c);
     def.nodes[0] = def.nodes[1] = def.nodes[2] = n;
@@ -360,7 +375,8 @@ static void noise(const program *self, json *report) {
     results_free(r);
 }
 
-/* Mass of the liquid in a closed box in which a sphere goes to and fro, over what the box and the sphere leave room for. */
+/* Mass of the liquid in a closed box in which a sphere goes to and fro, over what the box and the sphere
+   leave room for. */
 static void masses(const program *self, json *report) {
     const int steps = self->quick ? 1000 : 100000, every = 100;
     double last[2] = {0.0, 0.0}, worst[2] = {0.0, 0.0}, added = 0.0;
@@ -372,8 +388,8 @@ static void masses(const program *self, json *report) {
             if (k % 250 == 125) c.velocity[0] = -c.velocity[0], c.velocity[2] = -c.velocity[2];
             if (k % every || status != FILTRATION_OK) continue;
             if (keep) status = filtration_fluid_keep_mass(&c.fluid);
-            const double v = c.fluid.def.voxel,
-                         room = c.fluid.def.density * 24.0 * 24.0 * 24.0 * v * v * v * filtration_fluid_porosity(&c.fluid);
+            const double v = c.fluid.def.voxel, room = c.fluid.def.density * 24.0 * 24.0 * 24.0 * v * v * v *
+                                                       filtration_fluid_porosity(&c.fluid);
             last[keep] = filtration_fluid_mass(&c.fluid) / room - 1.0;
             worst[keep] = fmax(worst[keep], fabs(last[keep]));
         }
@@ -381,7 +397,8 @@ static void masses(const program *self, json *report) {
         if (keep) added = c.fluid.mass_correction;
         filtration_fluid_free(&c.fluid);
     }
-    common_print("Mass of the liquid after %d steps: off by %.2e (largest %.2e); kept every %d steps: %.1e, %.2e were added in all\n",
+    common_print("Mass of the liquid after %d steps: off by %.2e (largest %.2e); kept every %d steps: %.1e, %.2e were "
+                 "added in all\n",
                  steps, last[0], worst[0], every, worst[1], added);
     results_values(report, {"mass_steps", steps}, {"mass_drift", last[0]}, {"mass_drift_largest", worst[0]},
                    {"mass_kept_largest", worst[1]}, {"mass_added", added});
@@ -424,10 +441,11 @@ static void speeds(const program *self, json *report) {
 int main(int argc, char **argv) {
     enum { ALL, DRAG, RATES, MOVING };
     int part = ALL;
-    option options[] = {
-        option_choice("part", &part, "all|drag|rates|moving", "drag of the array, rate of the lattice, a sphere that moves, or all three")};
+    option options[] = {option_choice("part", &part, "all|drag|rates|moving",
+                                      "drag of the array, rate of the lattice, a sphere that moves, or all three")};
     program self = program_start(
-        "bench_filtration", "Drag of a periodic array: error against run time; rate of the lattice against memory; a sphere that moves.",
+        "bench_filtration",
+        "Drag of a periodic array: error against run time; rate of the lattice against memory; a sphere that moves.",
         options, 1, argc, argv);
     json *report = json_open(self.json);
     if (part == ALL || part == DRAG) drag_errors(&self, report);

@@ -1,14 +1,17 @@
-/* filtration.h: the physics of the resolved fluid in one table, each case against an exact or measured result: cells a diameter, error, processor
-   time.
+/* filtration.h: the physics of the resolved fluid in one table, each case against an exact or measured result: cells a
+   diameter, error, processor time.
 
-   arrays        drag of simple cubic, body-centred and face-centred arrays of spheres: Sangani and Acrivos (1982, series), Hasimoto (1959);
-                 touching: Zick and Homsy (1982); two places of the array within a voxel, the larger error
+   arrays        drag of simple cubic, body-centred and face-centred arrays of spheres: Sangani and Acrivos (1982,
+                 series), Hasimoto (1959); touching: Zick and Homsy (1982); two places of the array within a voxel, the
+                 larger error
    random        pack of random places, mean of three: van der Hoef, Beetstra and Kuipers (2005), a fit to simulations
-   two spheres   that approach each other, exact series (Brenner 1961), gaps of 0.3, 0.7 and 1.2 cells, four places and directions: largest error
+   two spheres   that approach each other, exact series (Brenner 1961), gaps of 0.3, 0.7 and 1.2 cells, four places and
+                 directions: largest error
    wall          a sphere that approaches a wall, the same
    shear         a sphere free to turn between two plates that slide: its spin against half of the shear rate
    frame         drag of a sphere that moves against one at rest in the same flow
-   E1 to E4      spheres of 15 mm that settle: ten Cate et al. (2002), the largest velocity measured; a quarter of the box between mirrors */
+   E1 to E4      spheres of 15 mm that settle: ten Cate et al. (2002), the largest velocity measured; a quarter of the
+                 box between mirrors */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -140,7 +143,8 @@ static void random_packs(const program *self, result_table *t, double tau) {
 
 /* ---- two spheres, a wall ---- */
 
-/* Force on a sphere that approaches a wall, or its mirror image, over Stokes's (Brenner 1961); a: cosh a is the distance over the radius. */
+/* Force on a sphere that approaches a wall, or its mirror image, over Stokes's (Brenner 1961); a: cosh a is the
+   distance over the radius. */
 static double brenner(double a, int wall) {
     double sum = 0.0;
     for (int n = 1; n < 5000 && (2 * n + 1) * a < 600.0; n++) {
@@ -200,7 +204,8 @@ static void approaches(const program *self, result_table *t, double tau) {
 
 /* ---- shear, frame ---- */
 
-/* Spin of a sphere free to turn, over half of the shear rate, less 1; and nothing is assumed but that the torque is linear in the spin. */
+/* Spin of a sphere free to turn, over half of the shear rate, less 1; and nothing is assumed but that the torque is
+   linear in the spin. */
 static double shear_error(double cells, double tau) {
     const double R = 0.5 * cells, rate = 1e-5;
     const int n = (int)(4.0 * cells);
@@ -334,7 +339,8 @@ int main(int argc, char **argv) {
     results_write(t, report, "cases", self.out, "physics.csv");
     riddle_plot *figure = riddle_plot_new("The resolved fluid: error of each case", 1, 1);
     riddle_plot_panel(figure, 0, 0, "cells a diameter", "error [%]");
-    riddle_plot_points(figure, NULL, results_column(t, "cells_per_diameter", 1.0), results_column(t, "error", 100.0), results_rows(t));
+    riddle_plot_points(figure, NULL, results_column(t, "cells_per_diameter", 1.0), results_column(t, "error", 100.0),
+                       results_rows(t));
     riddle_plot_horizontal(figure, NULL, 0.0);
     riddle_plot_write(figure, self.out, "physics.svg");
     results_free(t);

@@ -1,9 +1,11 @@
 /* granulation.h: run time against error.
 
-   1. Population balances: error of M2, M3 and of the number density against the analytic solutions, fixed pivot and cell average, three
-      kernels, 20 to 320 cells; constant-number Monte Carlo beside them.
-   2. Ensembles of the discrete simulation: standard error of the mean size and of the Type II share against the number of replicates.
-   3. Contacts: the paper's test at the end of a step against swept contacts in the order of time: collisions missed, by length of step.
+   1. Population balances: error of M2, M3 and of the number density against the analytic solutions, fixed pivot and
+      cell average, three kernels, 20 to 320 cells; constant-number Monte Carlo beside them.
+   2. Ensembles of the discrete simulation: standard error of the mean size and of the Type II share against the number
+      of replicates.
+   3. Contacts: the paper's test at the end of a step against swept contacts in the order of time: collisions missed, by
+      length of step.
    4. Cost of a step against the number of granules, 200 to 1 000 000, both ways, at the paper's density.
    Times are processor times of one core. */
 #include <math.h>
@@ -77,7 +79,8 @@ static double run_montecarlo(const balance_case *c, int n, int runs, uint64_t se
         }
         granulation_montecarlo mc;
         double began = machine_processor_seconds();
-        granulation_status status = granulation_montecarlo_init(&mc, sample, n, n, c->kernel, NULL, seed + (uint64_t)run, NULL);
+        granulation_status status =
+            granulation_montecarlo_init(&mc, sample, n, n, c->kernel, NULL, seed + (uint64_t)run, NULL);
         if (status == GRANULATION_OK) status = granulation_montecarlo_run(&mc, c->time);
         seconds += machine_processor_seconds() - began;
         if (status != GRANULATION_OK) common_fail("Monte Carlo: %s", granulation_status_text(status));
@@ -292,7 +295,8 @@ static void bench_cost(const program *self, json *report) {
         double best[2] = {HUGE_VAL, HUGE_VAL}, collisions = 0.0;
         for (int mode = 0; mode < 2; mode++) {
             granulation_def def = mode ? granulation_default_def() : granulation_paper_def();
-            if (mode) def.dilation = 1e5; /* a third of a diameter: about as many collisions as the paper's rule finds */
+            /* a third of a diameter: about as many collisions as the paper's rule finds */
+            if (mode) def.dilation = 1e5;
             granulation_sim sim;
             granulation_status status = fill(&sim, def, n, self->seed);
             for (int i = 0; i < repeats && status == GRANULATION_OK; i++) {
@@ -354,7 +358,8 @@ static void bench_studies(const program *self, json *report) {
 }
 
 int main(int argc, char **argv) {
-    program self = program_start("bench_granulation", "Run time against error for granulation.h. Writes SVG figures and CSV tables.", NULL,
+    program self = program_start("bench_granulation",
+                                 "Run time against error for granulation.h. Writes SVG figures and CSV tables.", NULL,
                                  0, argc, argv);
     json *report = json_open(self.json);
     bench_studies(&self, report);

@@ -1,8 +1,10 @@
 /* liquid_bridge.h: error against Young-Laplace versus time.
 
-   1. The capillary force of one bridge: closed-form laws, and series of 2 to 9 terms in tau (the header keeps 7), over four kinds of pair of the
-      wet screen, volumes V/R_h^3 from 1e-5 to 0.02, gaps to 0.9 of rupture. Time is that of one evaluation among 4096 bridges in random order.
-   2. What else a step or a formation calls: all forces at once, rupture test, forming, allocating, and the solver itself.
+   1. The capillary force of one bridge: closed-form laws, and series of 2 to 9 terms in tau (the header keeps 7), over
+      four kinds of pair of the wet screen, volumes V/R_h^3 from 1e-5 to 0.02, gaps to 0.9 of rupture. Time is that of
+      one evaluation among 4096 bridges in random order.
+   2. What else a step or a formation calls: all forces at once, rupture test, forming, allocating, and the solver
+      itself.
    3. The tables: deviation that bridge_pair_prepare measured itself. */
 #include <math.h>
 #include <stdio.h>
@@ -19,7 +21,8 @@ static volatile double sink; /* so that no loop is left out */
 
 static bridge_pair_def kind_def(int kind) {
     bridge_pair_def def = bridge_pair_default_def();
-    const double rj[KINDS] = {2.5e-3, 5e-3, (double)INFINITY, (double)INFINITY}, ri[KINDS] = {2.5e-3, 2.5e-3, 2.5e-3, 5e-3};
+    const double rj[KINDS] = {2.5e-3, 5e-3, (double)INFINITY, (double)INFINITY},
+                 ri[KINDS] = {2.5e-3, 2.5e-3, 2.5e-3, 5e-3};
     def.radius_i = ri[kind];
     def.radius_j = rj[kind];
     def.angle_j = (kind < 2 ? 15.0 : 45.0) * RIDDLE_PI / 180.0;
@@ -27,7 +30,8 @@ static bridge_pair_def kind_def(int kind) {
     return def;
 }
 
-static const char *const kind_names[KINDS] = {"5 + 5 mm, 15/15", "5 + 10 mm, 15/15", "5 mm + plate, 15/45", "10 mm + plate, 15/45"};
+static const char *const kind_names[KINDS] = {"5 + 5 mm, 15/15", "5 + 10 mm, 15/15", "5 mm + plate, 15/45",
+                                              "10 mm + plate, 15/45"};
 
 /* ---- what is evaluated ---- */
 
@@ -46,15 +50,21 @@ static inline double series_force(const double *c, int n, double rupture_gap, do
 }
 
 static double law_table(const sample *s) { return bridge_attraction(&s->b, s->gap); }
-static double law_energy(const sample *s) { return bridge_force_energy(s->gap, s->b.volume, s->b.radius, s->angle_i, s->angle_j, sigma); }
+static double law_energy(const sample *s) {
+    return bridge_force_energy(s->gap, s->b.volume, s->b.radius, s->angle_i, s->angle_j, sigma);
+}
 static double law_simple(const sample *s) {
     return bridge_force_willett_simple(s->gap, s->b.volume, s->b.radius, s->angle_i, s->angle_j, sigma);
 }
-static double law_willett(const sample *s) { return bridge_force_willett(s->gap, s->b.volume, s->b.radius, s->mean_angle, sigma); }
+static double law_willett(const sample *s) {
+    return bridge_force_willett(s->gap, s->b.volume, s->b.radius, s->mean_angle, sigma);
+}
 static double law_corrected(const sample *s) {
     return bridge_force_tension(s->gap, s->b.volume, s->b.radius, s->angle_i, s->angle_j, sigma);
 }
-static double law_printed(const sample *s) { return bridge_printed_force(s->gap, s->b.volume, s->b.radius, s->angle_i, s->angle_j, sigma); }
+static double law_printed(const sample *s) {
+    return bridge_printed_force(s->gap, s->b.volume, s->b.radius, s->angle_i, s->angle_j, sigma);
+}
 
 typedef struct law {
     const char *name;
@@ -67,16 +77,16 @@ static const law laws[] = {{"energy form", law_energy},        {"Willett, simple
 enum { LAWS = sizeof laws / sizeof *laws };
 
 /* ns of one evaluation: the quickest of some passes. The call through a pointer costs every law the same. */
-#define TIME(result, passes, expression)                                                                                                   \
-    do {                                                                                                                                   \
-        double quickest = HUGE_VAL;                                                                                                        \
-        for (int pass = 0; pass < (passes); pass++) {                                                                                      \
-            double began = machine_seconds(), sum = 0.0;                                                                                   \
-            for (int k = 0; k < BRIDGES; k++) sum += (expression);                                                                         \
-            sink = sum;                                                                                                                    \
-            quickest = fmin(quickest, machine_seconds() - began);                                                                          \
-        }                                                                                                                                  \
-        (result) = 1e9 * quickest / BRIDGES;                                                                                               \
+#define TIME(result, passes, expression)                                                                               \
+    do {                                                                                                               \
+        double quickest = HUGE_VAL;                                                                                    \
+        for (int pass = 0; pass < (passes); pass++) {                                                                  \
+            double began = machine_seconds(), sum = 0.0;                                                               \
+            for (int k = 0; k < BRIDGES; k++) sum += (expression);                                                     \
+            sink = sum;                                                                                                \
+            quickest = fmin(quickest, machine_seconds() - began);                                                      \
+        }                                                                                                              \
+        (result) = 1e9 * quickest / BRIDGES;                                                                           \
     } while (0)
 
 /* ---- 1: laws and series ---- */
@@ -125,7 +135,8 @@ static void measure_errors(int volumes, accuracy *of_law, accuracy *of_series, p
             return;
         }
         for (int v = 0; v < volumes && !common_interrupted(); v++) {
-            double volume = 1e-5 * riddle_exp(riddle_log(1999.0) * v / (volumes - 1.0)) * pair.radius * pair.radius * pair.radius;
+            double volume =
+                1e-5 * riddle_exp(riddle_log(1999.0) * v / (volumes - 1.0)) * pair.radius * pair.radius * pair.radius;
             double gap[SAMPLES], force[SAMPLES], c[ORDERS][ORDERS + 2];
             sample s = {{0}, 0.0, 0.0, def.angle_i, def.angle_j, bridge_effective_angle(def.angle_i, def.angle_j)};
             bridge_shape shape, last;
@@ -144,7 +155,8 @@ static void measure_errors(int volumes, accuracy *of_law, accuracy *of_series, p
                 for (int l = 0; l < LAWS; l++)
                     if (bridge_neck_area(volume, pair.radius) > 0.0 && isfinite(laws[l].force(&s)))
                         note(&of_law[l], laws[l].force(&s), shape.force);
-                for (int n = 0; n < ORDERS; n++) note(&of_series[n], series_force(c[n], n + 2, last.gap, a, s.gap), shape.force);
+                for (int n = 0; n < ORDERS; n++)
+                    note(&of_series[n], series_force(c[n], n + 2, last.gap, a, s.gap), shape.force);
             }
             progress_add(bar, 1.0);
         }
@@ -173,9 +185,10 @@ static void fill_samples(uint64_t seed) {
     }
 }
 
-#define TIME_SERIES(n)                                                                                                                     \
-    TIME(series_ns[(n)-2], passes,                                                                                                         \
-         series_force(coefficients[k & 63], (n), samples[k].b.rupture_gap, samples[k].b.width *samples[k].b.width, samples[k].gap))
+#define TIME_SERIES(n)                                                                                                 \
+    TIME(series_ns[(n)-2], passes,                                                                                     \
+         series_force(coefficients[k & 63], (n), samples[k].b.rupture_gap, samples[k].b.width *samples[k].b.width,     \
+                      samples[k].gap))
 
 static void tell_laws(const program *self, json *report, const accuracy *of_law, const accuracy *of_series,
                       int passes) {
@@ -211,7 +224,8 @@ static void tell_laws(const program *self, json *report, const accuracy *of_law,
     results_write(r, report, "laws", self->out, "laws.csv");
 
     const double *ns = results_column(r, "ns", 1.0), *percent = results_column(r, "largest_error", 100.0);
-    riddle_plot *figure = riddle_plot_new("Capillary force, equations of Elskamp & Kruggel-Emden (2019): error against time", 1, 1);
+    riddle_plot *figure =
+        riddle_plot_new("Capillary force, equations of Elskamp & Kruggel-Emden (2019): error against time", 1, 1);
     riddle_plot_panel(figure, 0, 0, "time of one evaluation [ns]", "largest error, gaps to 0.9 of rupture [%]");
     riddle_plot_log_x(figure);
     riddle_plot_log_y(figure);

@@ -1,9 +1,12 @@
 /* screen_models.h: error against run time.
 
-   1. Model 1's implicit equation: bisection, Newton from 0 and screen_dong; largest error over p in [0, 1], N in [0, 1e12].
-   2. Model 3, initial case: the paper's explicit step, the positive step of fixed length, the adaptive integrator; published parameters,
-      where stratification is over in a millisecond, and a slow set; against the adaptive integrator at 1e-14.
-   3. The fitter: random starts against the deviation reached, on curves of model 2 with noise and on curves that no model meets.
+   1. Model 1's implicit equation: bisection, Newton from 0 and screen_dong; largest error over p in [0, 1], N in [0,
+      1e12].
+   2. Model 3, initial case: the paper's explicit step, the positive step of fixed length, the adaptive integrator;
+      published parameters, where stratification is over in a millisecond, and a slow set; against the adaptive
+      integrator at 1e-14.
+   3. The fitter: random starts against the deviation reached, on curves of model 2 with noise and on curves that no
+      model meets.
    4. Time a call. */
 #include <math.h>
 #include <stdio.h>
@@ -84,7 +87,8 @@ static void bench_implicit(const program *self, riddle_plot *figure, json *repor
                 for (int i = 0; i < PLACES; i++) total += methods[m].solve(place_p[i], place_n[i], k);
             x[n] = 1e9 * (machine_processor_seconds() - start) / ((double)rounds * PLACES);
             sink = total;
-            for (int i = 0; i < PLACES; i++) worst = fmax(worst, fabs(methods[m].solve(place_p[i], place_n[i], k) / place_y[i] - 1.0));
+            for (int i = 0; i < PLACES; i++)
+                worst = fmax(worst, fabs(methods[m].solve(place_p[i], place_n[i], k) / place_y[i] - 1.0));
             y[n] = worst;
             csv_line(file, "%s,%d,%.17g,%.17g", methods[m].name, k, y[n], x[n]);
         }
@@ -110,12 +114,14 @@ static void euler(const screen_def *def, const double *p, const screen_operation
     for (int i = 0; i < 2; i++) {
         double d = diameters[i];
         w[i] = screen_rate(p[0], p[1], p[2], o->amplitude, o->frequency, o->moisture, d, d / 0.006, def->gravity);
-        rate[i] = screen_rate(p[3], p[4], p[5], o->amplitude, o->frequency, o->moisture, d, d / def->aperture, def->gravity);
+        rate[i] =
+            screen_rate(p[3], p[4], p[5], o->amplitude, o->frequency, o->moisture, d, d / def->aperture, def->gravity);
         volume[i] = d * d * d;
     }
     for (int j = 0; j < WHEN; j++) {
         while (now < when[j] - 1e-12) {
-            double h = fmin(step, when[j] - now), fines = 0.0, grains = 0.0, coarse = def->oversize_mass / def->undersize_mass;
+            double h = fmin(step, when[j] - now), fines = 0.0, grains = 0.0,
+                   coarse = def->oversize_mass / def->undersize_mass;
             for (int i = 0; i < 2; i++) {
                 fines += 0.5 - s[i];
                 grains += (0.5 - s[i]) / volume[i];
@@ -167,7 +173,8 @@ static void bench_soldinger(const program *self, riddle_plot *figure, json *repo
             double seconds[16], errors[16];
             int n = 0, levels = self->quick ? 6 : method == 2 ? 11 : 8;
             for (int level = 0; level < levels; level++) {
-                double setting = method == 2 ? riddle_exp(-2.302585092994046 * (2 + level)) : 0.5 * riddle_exp(-1.3862943611198906 * level);
+                double setting = method == 2 ? riddle_exp(-2.302585092994046 * (2 + level))
+                                             : 0.5 * riddle_exp(-1.3862943611198906 * level);
                 def = batch();
                 if (method == 1) def.fixed_step = setting;
                 if (method == 2) def.tolerance = setting;
@@ -178,7 +185,8 @@ static void bench_soldinger(const program *self, riddle_plot *figure, json *repo
                     else screen_predict(&def, SCREEN_SOLDINGER, p, &initial, WHEN, when, y, NULL, NULL);
                 }
                 double t = (machine_processor_seconds() - start) / rounds, error = error_of(y, exact);
-                csv_line(file, "%s,\"%s\",%.17g,%.17g,%.17g", set ? "slow" : "published", names[method], setting, error, t);
+                csv_line(file, "%s,\"%s\",%.17g,%.17g,%.17g", set ? "slow" : "published", names[method], setting, error,
+                         t);
                 if (!(error < 10.0)) continue; /* the explicit step has diverged */
                 seconds[n] = fmax(t, 1e-8);
                 errors[n++] = error;
@@ -186,11 +194,11 @@ static void bench_soldinger(const program *self, riddle_plot *figure, json *repo
             if (n) {
                 riddle_plot_line(figure, names[method], seconds, errors, n);
                 riddle_plot_style(figure, RIDDLE_PLOT_MARKED, method);
-                common_print("model 3, %-9s %-23s best %.1e in %.1e s\n", set ? "slow" : "published", names[method], errors[n - 1],
-                             seconds[n - 1]);
+                common_print("model 3, %-9s %-23s best %.1e in %.1e s\n", set ? "slow" : "published", names[method],
+                             errors[n - 1], seconds[n - 1]);
             } else {
-                common_print("model 3, %-9s %-23s diverges at every step down to %.0e s\n", set ? "slow" : "published", names[method],
-                             0.5 * riddle_exp(-1.3862943611198906 * (levels - 1)));
+                common_print("model 3, %-9s %-23s diverges at every step down to %.0e s\n", set ? "slow" : "published",
+                             names[method], 0.5 * riddle_exp(-1.3862943611198906 * (levels - 1)));
                 riddle_plot_text_share(figure, 0.29, 0.9, "explicit step: diverges at any size");
             }
             if (method == 2) {
@@ -221,7 +229,8 @@ static void make_cases(screen_case *cases, double noise, double misfit, uint64_t
         cases[k].retained = data[k];
         screen_predict(&def, SCREEN_SUBASINGHE, p, &o, TIMES, axis_t, data[k], NULL, NULL);
         double stuck = misfit * (1.2e-3 - o.amplitude) / 0.4e-3 * (1.0 + 10.0 * o.moisture);
-        for (int j = 0; j < POINTS; j++) data[k][j] = stuck + (1.0 - stuck) * data[k][j] + noise * screen__normal(&random);
+        for (int j = 0; j < POINTS; j++)
+            data[k][j] = stuck + (1.0 - stuck) * data[k][j] + noise * screen__normal(&random);
     }
 }
 
@@ -253,8 +262,8 @@ static void bench_fit(const program *self, riddle_plot *figure, json *report) {
                         common_fail("a fit of model %d failed", m);
                         return;
                     }
-                    seconds[k] =
-                        s ? seconds[k] + (machine_processor_seconds() - start) / seeds : (machine_processor_seconds() - start) / seeds;
+                    seconds[k] = s ? seconds[k] + (machine_processor_seconds() - start) / seeds
+                                   : (machine_processor_seconds() - start) / seeds;
                     deviation[s][k] = fit.deviation;
                     best = fmin(best, fit.deviation);
                     if (common_interrupted()) return;
@@ -262,14 +271,16 @@ static void bench_fit(const program *self, riddle_plot *figure, json *report) {
             for (int k = 0; k < n; k++) {
                 mean[k] = 1e-10; /* what is better than that is the same */
                 for (int s = 0; s < seeds; s++) mean[k] += (deviation[s][k] - best) / seeds;
-                csv_line(file, "%s,%d,%d,%.17g,%.17g,%.17g", set ? "stuck" : "noise", m, counts[k], best + mean[k], mean[k], seconds[k]);
+                csv_line(file, "%s,%d,%d,%.17g,%.17g,%.17g", set ? "stuck" : "noise", m, counts[k], best + mean[k],
+                         mean[k], seconds[k]);
             }
             riddle_plot_line(figure, names[m], seconds, mean, n);
             riddle_plot_style(figure, RIDDLE_PLOT_MARKED, m);
-            common_print("fit of %s to %s data: %d starts %.2f s, %.1e above the best of %d seeds (%.6f); all %d of %d starts of the last "
+            common_print("fit of %s to %s data: %d starts %.2f s, %.1e above the best of %d seeds (%.6f); all %d of %d "
+                         "starts of the last "
                          "at its best\n",
-                         names[m], set ? "stuck" : "noisy", counts[n - 1], seconds[n - 1], mean[n - 1], seeds, best, fit.starts_at_best,
-                         fit.starts);
+                         names[m], set ? "stuck" : "noisy", counts[n - 1], seconds[n - 1], mean[n - 1], seeds, best,
+                         fit.starts_at_best, fit.starts);
             if (m == 2) {
                 json_number(report, set ? "fit_stuck_s" : "fit_noise_s", seconds[n - 1]);
                 json_number(report, set ? "fit_stuck_above_best" : "fit_noise_above_best", mean[n - 1]);
@@ -303,15 +314,17 @@ static void bench_calls(const program *self, json *report) {
         curve[m] = (machine_processor_seconds() - start) / rounds;
     }
     sink = total;
-    common_print("1e6 evaluations of model 2: %.4f s; a case of 80 points: model 0 %.1f us, 1 %.1f us, 2 %.1f us, 3 %.1f us\n", subasinghe,
-                 1e6 * curve[0], 1e6 * curve[1], 1e6 * curve[2], 1e6 * curve[3]);
+    common_print(
+        "1e6 evaluations of model 2: %.4f s; a case of 80 points: model 0 %.1f us, 1 %.1f us, 2 %.1f us, 3 %.1f us\n",
+        subasinghe, 1e6 * curve[0], 1e6 * curve[1], 1e6 * curve[2], 1e6 * curve[3]);
     json_number(report, "subasinghe_1e6_evaluations_s", subasinghe);
     json_number(report, "subasinghe_1e6_points_by_screen_predict_s", curve[2] * MILLION / POINTS);
     json_array(report, "case_of_80_points_s", curve, 4);
 }
 
 int main(int argc, char **argv) {
-    program self = program_start("bench_screen_models", "Error against run time of screen_models.h.", NULL, 0, argc, argv);
+    program self =
+        program_start("bench_screen_models", "Error against run time of screen_models.h.", NULL, 0, argc, argv);
     json *report = json_open(self.json);
     riddle_plot *figure = riddle_plot_new("screen_models.h: error against run time", 3, 2);
     bench_implicit(&self, figure, report);

@@ -1,15 +1,16 @@
 /* dem.h: error against run time.
 
-   1. Impacts of two equal spheres, head-on and oblique with friction, over all phases of the first step: how far the velocities after
-      the impact are from the exact ones. Coefficients of restitution 0.78 and 0.4351, both conventions, steps from t_c/8 to t_c/400.
-   2. A stack of ten spheres, damped or elastic, that falls on a floor: where they are after 40 ms, against an integrator that finds every
-      beginning and end of a contact (Runge-Kutta 4 between them). Each impact multiplies an error; by 50 ms no step in this range is
-      small enough.
+   1. Impacts of two equal spheres, head-on and oblique with friction, over all phases of the first step: how far the
+      velocities after the impact are from the exact ones. Coefficients of restitution 0.78 and 0.4351, both
+      conventions, steps from t_c/8 to t_c/400.
+   2. A stack of ten spheres, damped or elastic, that falls on a floor: where they are after 40 ms, against an
+      integrator that finds every beginning and end of a contact (Runge-Kutta 4 between them). Each impact multiplies an
+      error; by 50 ms no step in this range is small enough.
    3. Layers of skipping on the stack: run time, same hash.
 
-   dem.h is compared with the integrators of other codes, in impact.h: they apply a whole step's force or none in the first and last step of
-   a contact. Effort is counted in evaluations of the contact law, those of resolved steps included; run time is
-   processor time. */
+   dem.h is compared with the integrators of other codes, in impact.h: they apply a whole step's force or none in the
+   first and last step of a contact. Effort is counted in evaluations of the contact law, those of resolved steps
+   included; run time is processor time. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -57,15 +58,16 @@ static void runge_kutta(const pair_law *law, pair_state *s, pair_rate *a, double
 
 enum { DEM, UNRESOLVED, VERLET, LEAPFROG, RUNGE_KUTTA, METHODS };
 static const int colours[METHODS] = {0, 4, 1, 2, 3};
-static const char *const method_names[METHODS] = {"dem.h", "dem.h without its correction", "predicted Verlet", "leapfrog (LAMMPS, YADE)",
-                                                  "Runge-Kutta 4"};
+static const char *const method_names[METHODS] = {"dem.h", "dem.h without its correction", "predicted Verlet",
+                                                  "leapfrog (LAMMPS, YADE)", "Runge-Kutta 4"};
 
 typedef struct outcome {
     double effort, cpu_ns; /* evaluations and processor time per impact; NaN where not measured */
     double bias, rms, most;
 } outcome;
 
-/* Error of a state after the impact: head-on in v'/v; oblique the length of the error of velocity and surface speed of spin, over v. */
+/* Error of a state after the impact: head-on in v'/v; oblique the length of the error of velocity and surface speed of
+   spin, over v. */
 static double miss(const impact *of, const pair_state *s, const pair_state *exact) {
     if (of->angle == 0.0) return s->vx / speed - of->restitution;
     const double x = s->vx - exact->vx, y = s->vy - exact->vy, w = 0.5 * diameter * (s->spin - exact->spin);
@@ -118,9 +120,11 @@ static double middle_of(double *v, int n) {
 
 /* dem.h as shipped, without its correction, and both with a counter. */
 enum { VARIANTS = 4 };
-static const dem_kernel *const kernels[VARIANTS] = {NULL, &unresolved_kernel, &counted_kernel, &counted_unresolved_kernel};
+static const dem_kernel *const kernels[VARIANTS] = {NULL, &unresolved_kernel, &counted_kernel,
+                                                    &counted_unresolved_kernel};
 
-static int own(const impact *of, int division, int phases, const pair_state *exact, outcome *shipped, outcome *unresolved) {
+static int own(const impact *of, int division, int phases, const pair_state *exact, outcome *shipped,
+               outcome *unresolved) {
     enum { REPEATS = 5 };
     outcome *const outcomes[2] = {shipped, unresolved};
     double ns[VARIANTS][REPEATS];
@@ -184,11 +188,14 @@ static void impacts(const program *self, result_table *runs, json *report, riddl
                 const int methods = k == 0 ? METHODS : METHODS - 1;
                 for (int level = 0; level < LEVELS && !common_interrupted(); level++) {
                     if (own(&of, divisions[level], phases, &exact, &o[DEM][level], &o[UNRESOLVED][level]) != 0) return;
-                    for (int m = VERLET; m < methods; m++) others(&of, m, divisions[level], phases, &exact, &o[m][level]);
+                    for (int m = VERLET; m < methods; m++)
+                        others(&of, m, divisions[level], phases, &exact, &o[m][level]);
                     for (int m = DEM; m < methods; m++)
                         record(runs, scenes[k], &of, method_names[m], divisions[level], &o[m][level]);
                     steps[level] = divisions[level];
-                    if (k == 0) by_mode[0][mode][r][level] = o[DEM][level].rms, by_mode[1][mode][r][level] = o[VERLET][level].rms;
+                    if (k == 0)
+                        by_mode[0][mode][r][level] = o[DEM][level].rms,
+                        by_mode[1][mode][r][level] = o[VERLET][level].rms;
                     if (divisions[level] == 20 || divisions[level] == 100) {
                         const outcome *d = &o[DEM][level];
                         results_row(t, TEXTS(scenes[k], mode_name(of.mode)), of.restitution, divisions[level],
@@ -201,10 +208,12 @@ static void impacts(const program *self, result_table *runs, json *report, riddl
                 if (k == 0)
                     for (int m = DEM; m < METHODS; m++) summary[mode][r][m] = o[m][2].rms;
                 if (r == 0 && mode == 0 && k < 2) { /* e = 0.78, clipped */
-                    riddle_plot_panel(figure, 0, k,
-                                      k ? "evaluations of the contact law per impact" : "processor time per impact [\xc2\xb5s]",
-                                      k ? "rms error of velocity and spin, over v [-]" : "rms error of restitution [-]");
-                    riddle_plot_title(figure, k ? "Oblique impact, 30\xc2\xb0, friction" : "Head-on impact, e = 0.78: run time");
+                    riddle_plot_panel(
+                        figure, 0, k,
+                        k ? "evaluations of the contact law per impact" : "processor time per impact [\xc2\xb5s]",
+                        k ? "rms error of velocity and spin, over v [-]" : "rms error of restitution [-]");
+                    riddle_plot_title(figure, k ? "Oblique impact, 30\xc2\xb0, friction"
+                                                : "Head-on impact, e = 0.78: run time");
                     riddle_plot_log_x(figure);
                     riddle_plot_log_y(figure);
                     for (int m = DEM; m < methods; m++) {
@@ -244,14 +253,16 @@ static void impacts(const program *self, result_table *runs, json *report, riddl
     json_object_end(report);
     const double order = log(by_mode[0][0][0][5] / by_mode[0][0][0][7]) / log((double)divisions[7] / divisions[5]);
     json_number(report, "order_of_dem_clipped_078", order);
-    common_print("head-on, e = 0.78, clipped: rms error at t_c/20 %.1e, predicted Verlet %.1e; observed order of dem.h %.2f (t_c/100 .. "
+    common_print("head-on, e = 0.78, clipped: rms error at t_c/20 %.1e, predicted Verlet %.1e; observed order of dem.h "
+                 "%.2f (t_c/100 .. "
                  "t_c/400)\n\n",
                  summary[0][0][DEM], summary[0][0][VERLET], order);
 }
 
 /* ---- 2: a stack ---- */
 
-/* Spheres above each other over a floor, in one dimension. Contact k is between spheres k-1 and k; contact 0 with the floor. */
+/* Spheres above each other over a floor, in one dimension. Contact k is between spheres k-1 and k; contact 0
+   with the floor. */
 typedef struct stack {
     double z[SPHERES], v[SPHERES];
 } stack;
@@ -286,7 +297,9 @@ static stack stack_start(double shift) {
     return s;
 }
 
-static double stack_gap(const stack *s, int k) { return k ? s->z[k] - s->z[k - 1] - diameter : s->z[0] - 0.5 * diameter; }
+static double stack_gap(const stack *s, int k) {
+    return k ? s->z[k] - s->z[k - 1] - diameter : s->z[0] - 0.5 * diameter;
+}
 
 /* The force that contact k has while it is in contact. */
 static double stack_raw(const stack_law *law, const stack *s, int k) {
@@ -316,7 +329,8 @@ static stack stack_step(const stack_law *law, const stack *s, const int *touchin
     stack sum = *s, at = *s;
     double v[SPHERES] = {0.0}, a[SPHERES] = {0.0};
     for (int k = 0; k < 4; k++) {
-        for (int i = 0; i < SPHERES; i++) at.z[i] = s->z[i] + reach[k] * dt * v[i], at.v[i] = s->v[i] + reach[k] * dt * a[i];
+        for (int i = 0; i < SPHERES; i++)
+            at.z[i] = s->z[i] + reach[k] * dt * v[i], at.v[i] = s->v[i] + reach[k] * dt * a[i];
         stack_accelerate(law, &at, touching, a);
         for (int i = 0; i < SPHERES; i++) {
             v[i] = at.v[i];
@@ -364,7 +378,8 @@ static stack stack_others(const stack_law *law, stack s, int method, double dt, 
     for (int n = 0; n < steps; n++) {
         if (method == VERLET) {
             stack at;
-            for (int i = 0; i < SPHERES; i++) at.z[i] = s.z[i] += dt * (s.v[i] + 0.5 * dt * a[i]), at.v[i] = s.v[i] + dt * a[i];
+            for (int i = 0; i < SPHERES; i++)
+                at.z[i] = s.z[i] += dt * (s.v[i] + 0.5 * dt * a[i]), at.v[i] = s.v[i] + dt * a[i];
             stack_accelerate(law, &at, NULL, b);
             for (int i = 0; i < SPHERES; i++) s.v[i] += 0.5 * dt * (a[i] + b[i]), a[i] = b[i];
         } else if (method == LEAPFROG) {
@@ -378,7 +393,8 @@ static stack stack_others(const stack_law *law, stack s, int method, double dt, 
     return s;
 }
 
-static dem_status world_of_stack(dem_world *w, const stack *s, double restitution, dem_restitution mode, double dt, int skip) {
+static dem_status world_of_stack(dem_world *w, const stack *s, double restitution, dem_restitution mode, double dt,
+                                 int skip) {
     dem_def def = dem_default_def();
     const int glass = dem_add_material(&def, density, 5e10, 0.2);
     double centres[3 * SPHERES], diameters[SPHERES];
@@ -425,10 +441,12 @@ static void stacks(const program *self, result_table *runs, riddle_plot *figure,
                                             {NULL, "ledger", "%.1e"}};
     result_table *t = RESULTS(columns);
     for (int r = 0; r < 3; r++) {
-        for (int mode = 0; mode < (restitutions[r] < 1.0 ? 2 : 1); mode++) { /* without a dashpot both conventions are one */
+        /* without a dashpot both conventions are one */
+        for (int mode = 0; mode < (restitutions[r] < 1.0 ? 2 : 1); mode++) {
             const stack_law law = stack_law_of(restitutions[r], mode ? DEM_NAIVE : DEM_CLIPPED);
             const double zeta = dem_damping_ratio(restitutions[r], mode ? DEM_NAIVE : DEM_CLIPPED);
-            const double contact_time = dem_contact_time(stiffness, 0.5 * law.mass, zeta, mode ? DEM_NAIVE : DEM_CLIPPED);
+            const double contact_time =
+                dem_contact_time(stiffness, 0.5 * law.mass, zeta, mode ? DEM_NAIVE : DEM_CLIPPED);
             const impact as = {restitutions[r], 0.0, mode ? DEM_NAIVE : DEM_CLIPPED};
             stack starts[STACK_PHASES], exact[STACK_PHASES];
             for (int p = 0; p < phases; p++) { /* a step at t_c/8 falls 0.013 mm here: phases over all of it */
@@ -459,8 +477,8 @@ static void stacks(const program *self, result_table *runs, riddle_plot *figure,
                         } else if (status == DEM_OK) {
                             status = dem_run(&w, stack_time, DEM_LINEAR | DEM_ENERGY);
                             const dem_energy_ledger l = dem_energy(&w);
-                            worst_ledger =
-                                fmax(worst_ledger, fabs(l.error) / (fabs(l.wall_work) + l.released + l.start - l.start_potential));
+                            worst_ledger = fmax(worst_ledger, fabs(l.error) / (fabs(l.wall_work) + l.released +
+                                                                               l.start - l.start_potential));
                         }
                         if (variant < 2 && status == DEM_OK) {
                             double z[SPHERES];
@@ -475,7 +493,8 @@ static void stacks(const program *self, result_table *runs, riddle_plot *figure,
                     }
                 }
                 for (int m = DEM; m < METHODS; m++) o[m][level].rms = sqrt(o[m][level].rms);
-                for (int m = DEM; m < METHODS; m++) o[m][level].cpu_ns = m <= UNRESOLVED ? middle_of(ns[m], phases) : (double)NAN;
+                for (int m = DEM; m < METHODS; m++)
+                    o[m][level].cpu_ns = m <= UNRESOLVED ? middle_of(ns[m], phases) : (double)NAN;
                 for (int m = DEM; m < METHODS; m++)
                     record(runs, "stack", &as, method_names[m], divisions[level], &o[m][level]);
                 if (divisions[level] == 20 || divisions[level] == 100) {
@@ -493,7 +512,8 @@ static void stacks(const program *self, result_table *runs, riddle_plot *figure,
                 for (int m = DEM; m < METHODS; m++) {
                     double x[LEVELS], y[LEVELS];
                     if (m == UNRESOLVED) continue;
-                    for (int level = 0; level < LEVELS; level++) x[level] = o[m][level].effort, y[level] = o[m][level].rms;
+                    for (int level = 0; level < LEVELS; level++)
+                        x[level] = o[m][level].effort, y[level] = o[m][level].rms;
                     riddle_plot_line(figure, method_names[m], x, y, LEVELS);
                     riddle_plot_style(figure, RIDDLE_PLOT_MARKED, colours[m]);
                 }
@@ -544,8 +564,9 @@ static void layers(json *report) {
 }
 
 int main(int argc, char **argv) {
-    program self = program_start("dem_accuracy", "dem.h: error against run time on impacts and a stack; plain integrators beside it.", NULL,
-                                 0, argc, argv);
+    program self = program_start("dem_accuracy",
+                                 "dem.h: error against run time on impacts and a stack; plain integrators beside it.",
+                                 NULL, 0, argc, argv);
     json *report = json_open(self.json);
     static const result_column columns[] = {
         {"scene", NULL, "%s"}, {"restitution"}, {"convention", NULL, "%s"}, {"integrator", NULL, "%s"},

@@ -1,13 +1,15 @@
-/* dem.h: how fast, at equal physics. Beds of 2 000, 20 000 and 100 000 spheres of 5 mm, 22 diameters deep, periodic in x and y, on a floor
-   that vibrates (1 mm, 50.6 Hz: the bed is thrown after 5 ms, mostly bookkeeping of neighbours that don't touch) or rests (five contacts a
-   sphere throughout: bound by contacts and their history), with friction and without.
+/* dem.h: how fast, at equal physics. Beds of 2 000, 20 000 and 100 000 spheres of 5 mm, 22 diameters deep, periodic in
+   x and y, on a floor that vibrates (1 mm, 50.6 Hz: the bed is thrown after 5 ms, mostly bookkeeping of neighbours that
+   don't touch) or rests (five contacts a sphere throughout: bound by contacts and their history), with friction and
+   without.
 
-   Figure of merit: particle-steps per second of processor time. Checks: mean height to 5e-6 m and kinetic energy to 0.5 % of what LAMMPS
-   computes from the same start (tests/reference/beds/lammps.csv); 2e-5 m and 2 % without friction, where the skin of LAMMPS's neighbour
-   list alone changes the energy by 1.2 %; the same hash in every repeat and for any number of threads. Each bed runs on one thread, those
-   of 20 000 and more then on --threads.
+   Figure of merit: particle-steps per second of processor time. Checks: mean height to 5e-6 m and kinetic energy to 0.5
+   % of what LAMMPS computes from the same start (tests/reference/beds/lammps.csv); 2e-5 m and 2 % without friction,
+   where the skin of LAMMPS's neighbour list alone changes the energy by 1.2 %; the same hash in every repeat and for
+   any number of threads. Each bed runs on one thread, those of 20 000 and more then on --threads.
 
-   --compare FILE runs nothing: it takes runs of several codes, as benchmarks/peers/run collects them, and draws medians and ratios. */
+   --compare FILE runs nothing: it takes runs of several codes, as benchmarks/peers/run collects them, and draws
+   medians and ratios. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,7 +27,8 @@ static const char *const scene_names[SCENES] = {"vibrated", "static", "vibrated,
 
 enum { FULL_STEPS = 5000 };                                           /* to which the references belong */
 static const double height_tolerance = 5e-6, energy_tolerance = 5e-3; /* with friction */
-static const double height_scatter = 2e-5, energy_scatter = 2e-2; /* without: other roundings already make much of this, in LAMMPS too */
+/* Without: other roundings already make much of this, in LAMMPS too. */
+static const double height_scatter = 2e-5, energy_scatter = 2e-2;
 
 static int is_static(int scene) { return scene & 1; }
 static int has_friction(int scene) { return scene < 2; }
@@ -61,7 +64,8 @@ static int bed_run(run *r, const bed *b, double skin, progress *bar) {
     r->rebuilds = (long long)world.rebuilds;
     r->hash = dem_hash(&world);
     if (status != DEM_OK)
-        common_fail("%d spheres, %s: %s (step %lld)", r->spheres, scene_names[r->scene], dem_status_text(status), (long long)world.step);
+        common_fail("%d spheres, %s: %s (step %lld)", r->spheres, scene_names[r->scene], dem_status_text(status),
+                    (long long)world.step);
     dem_free(&world);
     return status == DEM_OK ? 0 : -1;
 }
@@ -116,7 +120,8 @@ static bool same_physics(const reference *of, int scene, double height, double e
 
 enum { CODES = 8 };
 
-static double spread_speed(const csv_data *data, const char *code, int size, int scene, double *height, double *energy, int *steps) {
+static double spread_speed(const csv_data *data, const char *code, int size, int scene, double *height, double *energy,
+                           int *steps) {
     double speeds[REPEATS_MAX];
     int n = 0, column = csv_column(data, "code");
     for (int row = 0; row < data->rows && n < REPEATS_MAX; row++) {

@@ -1,9 +1,10 @@
 /* dem.h: cost of a bed of bricks, compared with as many clumps of two spheres and as many spheres.
 
-   Bodies of 1 : 1 : 2.08 (a clump: two spheres that touch; a sphere: of the brick's volume) fall, turned at random, into a box that is
-   periodic sideways, and settle. Then steps are timed at rest or on a vibrating floor. Figure of merit: particle-steps per second of
-   processor time. state.csv holds the settled state, from which benchmarks/peers/bricks runs other programs. --rebounds measures the
-   rebound of bricks from a plane instead, --pairs the time that touching pairs take. */
+   Bodies of 1 : 1 : 2.08 (a clump: two spheres that touch; a sphere: of the brick's volume) fall, turned at random,
+   into a box that is periodic sideways, and settle. Then steps are timed at rest or on a vibrating floor. Figure of
+   merit: particle-steps per second of processor time. state.csv holds the settled state, from which
+   benchmarks/peers/bricks runs other programs. --rebounds measures the rebound of bricks from a plane instead, --pairs
+   the time that touching pairs take. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,7 +37,8 @@ static dem_status prepare(dem_world *w, int shape, kind *k) {
     return k->number < 0 ? (dem_status)-k->number : status;
 }
 
-static dem_status add_body(dem_world *w, const kind *k, dem_vec x, dem_quaternion turn, dem_vec velocity, dem_vec spin) {
+static dem_status add_body(dem_world *w, const kind *k, dem_vec x, dem_quaternion turn, dem_vec velocity,
+                           dem_vec spin) {
     const double at[3] = {x.x, x.y, x.z}, q[4] = {turn.w, turn.x, turn.y, turn.z};
     dem_status status;
     if (k->shape == 0) status = dem_add_convex(w, k->number, 1, at, q, 0, 0);
@@ -50,7 +52,8 @@ static dem_status add_bodies(dem_world *w, int shape, int n, uint64_t seed) {
     dem_status status = prepare(w, shape, &own);
     for (int k = 0; k < n && status == DEM_OK; k++) {
         const int layer = k / (ACROSS * ACROSS);
-        const dem_vec at = dem_vec3((0.5 + k % ACROSS) * spacing, (0.5 + k / ACROSS % ACROSS) * spacing, (0.6 + layer) * spacing);
+        const dem_vec at =
+            dem_vec3((0.5 + k % ACROSS) * spacing, (0.5 + k / ACROSS % ACROSS) * spacing, (0.6 + layer) * spacing);
         status = add_body(w, &own, at, dem__random_turn(&seed), dem_vec3(0, 0, -0.3), dem_vec3(0, 0, 0));
     }
     return status;
@@ -58,12 +61,13 @@ static dem_status add_bodies(dem_world *w, int shape, int n, uint64_t seed) {
 
 /* The bodies' states: centre, quaternion of the shape's principal axes, velocity, spin. */
 static void write_state(const dem_world *w, const char *out) {
-    riddle_io_file *file = csv_open(out, "state.csv", "x_m,y_m,z_m,q_w,q_x,q_y,q_z,v_x_m_s,v_y_m_s,v_z_m_s,w_x_1_s,w_y_1_s,w_z_1_s");
+    riddle_io_file *file =
+        csv_open(out, "state.csv", "x_m,y_m,z_m,q_w,q_x,q_y,q_z,v_x_m_s,v_y_m_s,v_z_m_s,w_x_1_s,w_y_1_s,w_z_1_s");
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem_vec x = dem_position(w, i), v = dem_velocity(w, i), s = dem_spin(w, i);
         const dem_quaternion q = dem_orientation(w, i);
-        csv_line(file, "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", x.x, x.y, x.z, q.w, q.x, q.y, q.z,
-                 v.x, v.y, v.z, s.x, s.y, s.z);
+        csv_line(file, "%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", x.x, x.y, x.z,
+                 q.w, q.x, q.y, q.z, v.x, v.y, v.z, s.x, s.y, s.z);
     }
     riddle_io_close(file);
 }
@@ -75,7 +79,8 @@ static void draw(const dem_world *w, const char *out) {
     picture *p = picture_new(960, 640);
     for (int k = 0; k < s.triangles; k++) {
         const int *t = s.triangle + 3 * k;
-        picture_triangle(p, s.vertex + 3 * t[0], s.vertex + 3 * t[1], s.vertex + 3 * t[2], picture_class(s.wall[t[0]] % 3), PICTURE_SOLID);
+        picture_triangle(p, s.vertex + 3 * t[0], s.vertex + 3 * t[1], s.vertex + 3 * t[2],
+                         picture_class(s.wall[t[0]] % 3), PICTURE_SOLID);
     }
     dem_io_free_surface(&s);
     picture_look(p, (double[3]){-0.4, 1.0, -0.5});
@@ -100,7 +105,8 @@ static dem_status rebound(double restitution, int hits, uint64_t *seed, double *
         pair->stiffness = k, pair->restitution = restitution, pair->friction = 0.8, pair->tangential_ratio = 0.78;
         def.dt = RIDDLE_PI * sqrt(mass / k) / 50.0, def.gravity = dem_vec3(0, 0, 0);
         status = dem_init(&w, &def, NULL);
-        if (status == DEM_OK && dem_add_plane(&w, m, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0) status = DEM_OUT_OF_MEMORY;
+        if (status == DEM_OK && dem_add_plane(&w, m, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0)
+            status = DEM_OUT_OF_MEMORY;
         if (status == DEM_OK) status = dem_make_brick(&brick, dem_vec3(1, 1, 2.08), 0.03, NULL);
         const int shape = status == DEM_OK ? dem_add_shape(&w, &brick) : 0;
         if (status == DEM_OK) status = shape < 0 ? (dem_status)-shape : dem_add_convex(&w, shape, 1, at, q, m, 0);
@@ -155,7 +161,8 @@ static dem__placed placed(dem_vec x, dem_quaternion q) {
     return p;
 }
 
-/* Distance along x at which two bricks, one of them off the axis by y and z, overlap by a tenth of their rounding [m]. */
+/* Distance along x at which two bricks, one of them off the axis by y and z, overlap by a tenth of their
+   rounding [m]. */
 static double touching_distance(const dem_convex *s, dem_quaternion qa, dem_quaternion qb, double y, double z) {
     dem__placed a = placed(dem_vec3(0, y, z), qa), b = placed(dem_vec3(0, 0, 0), qb);
     double in = 0.0, out = 2.0 * s->reach;
@@ -169,7 +176,8 @@ static double touching_distance(const dem_convex *s, dem_quaternion qa, dem_quat
     return out;
 }
 
-/* Adds n pairs that touch, far from each other: turned at random, or face on face, one turned about the other's normal. */
+/* Adds n pairs that touch, far from each other: turned at random, or face on face, one turned about the
+   other's normal. */
 static dem_status add_pairs(dem_world *w, int shape, int n, int on_face, uint64_t *random) {
     const dem_convex *s = &w->engine->convex.shape[shape];
     dem_status status = DEM_OK;
@@ -205,14 +213,16 @@ static double time_points(dem_world *w, int times, int cold) {
     return machine_processor_seconds() - begun;
 }
 
-/* Time of a touching pair [ns]: its points, with and without what the last step found, and all of a step; and its points. */
+/* Time of a touching pair [ns]: its points, with and without what the last step found, and all of a step;
+   and its points. */
 static dem_status time_pairs(int n, int on_face, uint64_t random, double ns[3], double *points) {
     enum { TIMES = 200, STEPS = 200 };
     dem_def def = dem_default_def();
     dem_world w;
     dem_convex brick;
     const int m = dem_add_material(&def, density, 1e7, 0.3);
-    dem_pair(&def, m, m)->stiffness = stiffness, dem_pair(&def, m, m)->restitution = 0.3, dem_pair(&def, m, m)->friction = 0.5;
+    dem_pair(&def, m, m)->stiffness = stiffness, dem_pair(&def, m, m)->restitution = 0.3,
+                      dem_pair(&def, m, m)->friction = 0.5;
     def.dt = 1e-9, def.threads = 1, def.gravity = dem_vec3(0, 0, 0); /* nothing moves far */
     dem_status status = dem_init(&w, &def, NULL);
     if (status == DEM_OK) status = dem_make_brick(&brick, dem_vec3(edge, edge, 2.08 * edge), 0.03, NULL);
@@ -314,7 +324,8 @@ static dem_status repeat(dem_world *w, int shape, int tiles, double side, int *f
     for (int tile = 0; tile < tiles * tiles; tile++) {
         for (ptrdiff_t i = 0; i < w->count && status == DEM_OK; i++) {
             const dem_body b = dem_get_body(w, i);
-            const dem_vec at = dem_vec3(b.position.x + tile % tiles * side, b.position.y + tile / tiles * side, b.position.z);
+            const dem_vec at =
+                dem_vec3(b.position.x + tile % tiles * side, b.position.y + tile / tiles * side, b.position.z);
             if (b.first == i) status = add_body(&wide, &own, at, b.orientation, b.velocity, b.spin);
         }
     }
@@ -334,10 +345,10 @@ static dem_status time_steps(dem_world *w, const char *shape, int bodies, int st
     if (status != DEM_OK) return status;
     const double rate = (double)bodies * steps / taken, touching = (double)(w->contact_steps - contacts) / steps;
     const dem_energy_ledger energy = dem_energy(w);
-    common_print(
-        "%s: %d bodies, %.0f contacts, %d steps, %.3g s, %.4g particle-steps/s, %.0f ns a contact, %lld lists, %lld cores overlap\n", shape,
-        bodies, touching, steps, taken, rate, 1e9 * taken / (touching * steps), (long long)(w->rebuilds - lists),
-        (long long)dem_core_overlaps(w));
+    common_print("%s: %d bodies, %.0f contacts, %d steps, %.3g s, %.4g particle-steps/s, %.0f ns a contact, %lld "
+                 "lists, %lld cores overlap\n",
+                 shape, bodies, touching, steps, taken, rate, 1e9 * taken / (touching * steps),
+                 (long long)(w->rebuilds - lists), (long long)dem_core_overlaps(w));
     results_values(report, {"contacts", touching}, {"cpu_s", taken}, {"particle_steps_per_s", rate},
                    {"kinetic_energy_J", energy.kinetic + energy.rotational});
     return status;
@@ -353,11 +364,12 @@ int main(int argc, char **argv) {
         option_double("settle-s", "S", &settle, 0.0, 10.0, "time to settle [s]"),
         option_double("amplitude-m", "M", &shake, 0.0, 0.01, "of the floor, at 50 Hz, while steps are timed [m]"),
         option_int("steps", "N", &steps, 10, 1000000, "time steps that are timed"),
-        option_int("rebounds", "N", &hits, 0, 100000, "instead: so many bricks fall on a plane, one by one, for each of five restitutions"),
+        option_int("rebounds", "N", &hits, 0, 100000,
+                   "instead: so many bricks fall on a plane, one by one, for each of five restitutions"),
         option_int("pairs", "N", &pairs, 0, 1000, "instead: the time of so many touching pairs of bricks"),
     };
-    program self =
-        program_start("dem_bricks", "dem.h: cost of a bed of bricks or clumps.", options, sizeof options / sizeof *options, argc, argv);
+    program self = program_start("dem_bricks", "dem.h: cost of a bed of bricks or clumps.", options,
+                                 sizeof options / sizeof *options, argc, argv);
     if (hits > 0) return tell_rebounds(&self, hits);
     if (pairs > 0) return tell_pairs(&self, pairs);
     if (self.quick && !is_given(&self, "bodies")) bodies = 98;
@@ -376,7 +388,8 @@ int main(int argc, char **argv) {
     json_string(report, "shape", shapes[shape]);
     json_integer(report, "bodies", bodies);
     json_integer(report, "steps", steps);
-    if (shake > 0.0 && status == DEM_OK) status = dem_vibrate(&world, floor_wall, dem_vec3(0, 0, shake), dem_vec3(0, 0, 0), 50.0);
+    if (shake > 0.0 && status == DEM_OK)
+        status = dem_vibrate(&world, floor_wall, dem_vec3(0, 0, shake), dem_vec3(0, 0, 0), 50.0);
     if (status == DEM_OK) status = time_steps(&world, shapes[shape], bodies, steps, report);
     if (status == DEM_OK) {
         json_program(report, &self);

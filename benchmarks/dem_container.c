@@ -1,7 +1,7 @@
 /* dem.h: cost of a container made of a mesh: the same bed at rest in five planes, in dem_add_box and in 56 triangles.
 
-   Spheres of 3.6 to 4.4 mm settle in a box of 50 mm; then steps are timed. Figure of merit: processor time of a contact and step, the
-   smallest of repeats in turns, over that in planes. 10 % of the contacts are with walls. */
+   Spheres of 3.6 to 4.4 mm settle in a box of 50 mm; then steps are timed. Figure of merit: processor time of a contact
+   and step, the smallest of repeats in turns, over that in planes. 10 % of the contacts are with walls. */
 #include <math.h>
 #include <string.h>
 
@@ -60,7 +60,8 @@ static dem_status settle(dem_world *w, int kind, int spheres, double time, uint6
     feed.sizes = dem_uniform_sizes(0.0036, 0.0044, 0), feed.random = seed, feed.tries = 100;
     feed.region = dem_box_region(dem_vec3(1e-4, 1e-4, 1e-4), dem_vec3(side - 1e-4, side - 1e-4, height - 1e-3));
     status = dem_fill(w, &feed, spheres);
-    for (int k = 0; k < 100 && status == DEM_OK && !common_interrupted(); k++) status = dem_run(w, 0.01 * time, FEATURES);
+    for (int k = 0; k < 100 && status == DEM_OK && !common_interrupted(); k++)
+        status = dem_run(w, 0.01 * time, FEATURES);
     return status;
 }
 
@@ -88,7 +89,8 @@ int main(int argc, char **argv) {
         const int64_t before = w->contact_steps;
         const double began = machine_processor_seconds();
         status = dem_run(w, steps * w->def.dt, FEATURES);
-        best[r % KINDS] = fmin(best[r % KINDS], (machine_processor_seconds() - began) / fmax((double)(w->contact_steps - before), 1.0));
+        best[r % KINDS] = fmin(best[r % KINDS],
+                               (machine_processor_seconds() - began) / fmax((double)(w->contact_steps - before), 1.0));
     }
     if (status != DEM_OK) common_fail("%s", dem_status_text(status));
     if (common_exit_status() == 0) {
@@ -103,7 +105,8 @@ int main(int argc, char **argv) {
         results_write(t, report, "containers", self.out, "dem_container.csv");
         const double number[KINDS] = {1, 2, 3};
         riddle_plot *figure = riddle_plot_new("A bed at rest, one core", 1, 1);
-        riddle_plot_panel(figure, 0, 0, "1 five planes, 2 dem_add_box, 3 triangles", "time of a contact and step over planes [-]");
+        riddle_plot_panel(figure, 0, 0, "1 five planes, 2 dem_add_box, 3 triangles",
+                          "time of a contact and step over planes [-]");
         riddle_plot_points(figure, NULL, number, results_column(t, "over_planes", 1.0), KINDS);
         riddle_plot_write(figure, self.out, "dem_container.svg");
         results_free(t);

@@ -1,13 +1,15 @@
 /* dem.h: what more cores can give, on a machine that has few.
 
-   The host's `parallel` runs the tasks of a loop one after the other and times each. With as many cores as threads a run would take the time
-   outside the loops, the longest task of each loop, and a time for waking in each loop. Nothing here shares a memory bus, so that the speedup
-   is an upper bound. A scene runs several times from the same saved state; of each task, and of each time between two loops, the least
-   counts, and the clock's own time is subtracted. Speedup is over the least work found with any number of threads.
+   The host's `parallel` runs the tasks of a loop one after the other and times each. With as many cores as threads a
+   run would take the time outside the loops, the longest task of each loop, and a time for waking in each loop. Nothing
+   here shares a memory bus, so that the speedup is an upper bound. A scene runs several times from the same saved
+   state; of each task, and of each time between two loops, the least counts, and the clock's own time is subtracted.
+   Speedup is over the least work found with any number of threads.
 
-   Beds: those of dem_beds, 20 000 and 100 000 spheres, at rest and vibrated, with friction; 1 million are the 20 000, 50 times along x. A sphere
-   is where the file has it in memory, or its number is drawn at random (--shuffled). Beside the bound: what two real threads take, and as
-   many as --asked on the processors that are here, with a pool of the host's. */
+   Beds: those of dem_beds, 20 000 and 100 000 spheres, at rest and vibrated, with friction; 1 million are
+   the 20 000, 50 times along x. A sphere is where the file has it in memory, or its number is drawn at random
+   (--shuffled). Beside the bound: what two real threads take, and as many as --asked on the processors that are here,
+   with a pool of the host's. */
 #include <pthread.h>
 #include <sched.h>
 #include <stdlib.h>
@@ -198,9 +200,10 @@ static int prepare(start *s, const char *folder, int shuffled, const program *se
     return status == DEM_OK ? 0 : common_fail("%d spheres: %s", s->spheres, dem_status_text(status));
 }
 
-/* Runs a scene from its start with a host's threads. timed: NULL, or the path that `user` is. Returns seconds of the wall clock. */
-static double run_scene(const start *s, int threads, void (*parallel)(void *, int, void (*)(void *, int), void *), void *user, path *timed,
-                        dem_status *status) {
+/* Runs a scene from its start with a host's threads. timed: NULL, or the path that `user` is. Returns seconds of
+   the wall clock. */
+static double run_scene(const start *s, int threads, void (*parallel)(void *, int, void (*)(void *, int), void *),
+                        void *user, path *timed, dem_status *status) {
     dem_world world;
     double took = 0.0;
     if (*status != DEM_OK) return 0.0;
@@ -231,7 +234,8 @@ static int find_bound(const start *s, int threads, int repeats, bound *b, progre
     *b = bound_of(&p, threads, s->steps);
     free(p.least), free(p.loop);
     if (p.failed) status = DEM_OUT_OF_MEMORY;
-    return status == DEM_OK ? 0 : common_fail("%d spheres on %d threads: %s", s->spheres, threads, dem_status_text(status));
+    return status == DEM_OK ? 0
+                            : common_fail("%d spheres on %d threads: %s", s->spheres, threads, dem_status_text(status));
 }
 
 /* The least time of several runs with a pool of threads [s]. */
@@ -240,7 +244,8 @@ static double find_real(const start *s, int threads, int repeats) {
     dem_status status = DEM_OK;
     double least = HUGE_VAL;
     if (pool_begin(&p, threads < machine_cores() ? threads : machine_cores()) != 0) return (double)NAN;
-    for (int k = 0; k < repeats && !common_interrupted(); k++) least = fmin(least, run_scene(s, threads, run_in_pool, &p, NULL, &status));
+    for (int k = 0; k < repeats && !common_interrupted(); k++)
+        least = fmin(least, run_scene(s, threads, run_in_pool, &p, NULL, &status));
     pool_end(&p);
     return status == DEM_OK ? least : (double)NAN;
 }
@@ -259,7 +264,8 @@ static int measure(row *r, int repeats, int asked, progress *bar) {
     }
     r->one = r->two = r->many = (double)NAN;
     if (machine_cores() < 2) return 0;
-    r->one = find_real(&r->scene, 1, repeats), r->two = find_real(&r->scene, 2, repeats), r->many = find_real(&r->scene, asked, repeats);
+    r->one = find_real(&r->scene, 1, repeats), r->two = find_real(&r->scene, 2, repeats),
+    r->many = find_real(&r->scene, asked, repeats);
     return 0;
 }
 
@@ -283,8 +289,8 @@ static void report_row(const row *r, int asked, riddle_io_table *t, riddle_io_fi
     riddle_io_table_cell(t, "%.0f", each);
     for (int k = 0; k < COUNTS; k++) {
         const bound *b = &r->of[k];
-        csv_line(file, "%d,%d,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", r->scene.spheres, r->scene.vibrated, b->threads, b->work, b->outside, b->loops,
-                 one / b->path, one / b->woken, each);
+        csv_line(file, "%d,%d,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", r->scene.spheres, r->scene.vibrated, b->threads,
+                 b->work, b->outside, b->loops, one / b->path, one / b->woken, each);
         json_object_begin(report, NULL);
         json_integer(report, "threads", b->threads);
         json_number(report, "speedup", one / b->path);
@@ -349,7 +355,8 @@ int main(int argc, char **argv) {
     progress bar;
     progress_begin(&bar, "measuring", work_of_all);
     for (int k = 0; k < n && !common_interrupted(); k++) {
-        if (prepare(&rows[k].scene, folder, shuffled, &self) != 0 || measure(&rows[k], repeats, asked, &bar) != 0) break;
+        if (prepare(&rows[k].scene, folder, shuffled, &self) != 0 || measure(&rows[k], repeats, asked, &bar) != 0)
+            break;
         free(rows[k].scene.bytes);
         rows[k].scene.bytes = NULL;
     }
@@ -358,9 +365,11 @@ int main(int argc, char **argv) {
     if (common_exit_status() != 0) return common_exit_status();
 
     json *report = json_open(self.json);
-    riddle_io_file *file = csv_open(self.out, "dem_cores.csv",
-                                    "spheres,vibrated,threads,work_s,outside_s,loops_a_step,speedup,speedup_with_waking,particle_step_ns");
-    riddle_io_table t = riddle_io_table_begin("bed|ns a particle-step|2 threads|4|8|16|32|64|2 real threads|as many as asked over 2");
+    riddle_io_file *file =
+        csv_open(self.out, "dem_cores.csv",
+                 "spheres,vibrated,threads,work_s,outside_s,loops_a_step,speedup,speedup_with_waking,particle_step_ns");
+    riddle_io_table t =
+        riddle_io_table_begin("bed|ns a particle-step|2 threads|4|8|16|32|64|2 real threads|as many as asked over 2");
     json_array_begin(report, "beds");
     for (int k = 0; k < n; k++) report_row(&rows[k], asked, &t, file, report);
     json_array_end(report);

@@ -1,10 +1,10 @@
-/* dem.h: what each feature costs, on and off, in a dense bed at rest (five contacts a sphere) and in a dilute one over a vibrating floor
-   (most spheres in flight). Nanoseconds of processor time a particle-step, medians of repeats taken in turns; hashes must not depend on
-   what is skipped nor on threads.
+/* dem.h: what each feature costs, on and off, in a dense bed at rest (five contacts a sphere) and in a dilute one over
+   a vibrating floor (most spheres in flight). Nanoseconds of processor time a particle-step, medians of repeats taken
+   in turns; hashes must not depend on what is skipped nor on threads.
 
-   Instructions: `scripts/bench features` runs one feature at a time under callgrind, which counts those of `measured_run` alone, and
-   hands the counts back by --instructions. The same source compiled with -DONLY_KERNEL holds no kernel but that of a dry frictionless
-   scene: its count says what the presence of all others costs such a scene. */
+   Instructions: `scripts/bench features` runs one feature at a time under callgrind, which counts those of
+   `measured_run` alone, and hands the counts back by --instructions. The same source compiled with -DONLY_KERNEL holds
+   no kernel but that of a dry frictionless scene: its count says what the presence of all others costs such a scene. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,12 +53,14 @@ static dem_status scene_world(dem_world *world, const bed *b, int scene, const f
     dem_def def = bed_def(b, 0.2, DEM_CLIPPED);
     const double radius = 0.5 * bed_diameter;
     for (int k = 0; k < 2; k++) dem_pair(&def, 0, k)->rolling = 1e-4;
-    def.material[0].young_modulus = def.material[1].young_modulus = 1e8; /* Hertz contacts about as long as the linear ones */
+    /* Hertz contacts about as long as the linear ones. */
+    def.material[0].young_modulus = def.material[1].young_modulus = 1e8;
     def.skip = f->skip;
     def.threads = f->threaded ? threads : 1;
     def.periodic[0] = def.periodic[1] = f->periodic;
     dem_status status = bed_world(world, b, &def, scene == 1);
-    for (int axis = 0; axis < 2 && !f->periodic && status == DEM_OK; axis++) { /* a radius outside: no sphere overlaps them at first */
+    /* a radius outside: no sphere overlaps them at first */
+    for (int axis = 0; axis < 2 && !f->periodic && status == DEM_OK; axis++) {
         const dem_vec in = dem_vec3(axis == 0, axis == 1, 0.0), out = dem_vec3(-in.x, -in.y, 0.0);
         const dem_vec far = dem_vec3(in.x * (b->length_x + radius), in.y * (b->length_y + radius), 0.0);
         const dem_vec near = dem_vec3(-radius * in.x, -radius * in.y, 0.0);
@@ -175,16 +177,20 @@ int main(int argc, char **argv) {
     const char *folder = output_find(place, sizeof place, "tests/reference/beds"), *counted = NULL;
     option options[] = {
         option_choice("spheres", &size_choice, "2000|20000|100000", "number of spheres"),
-        option_choice("scene", &scene_choice, "both|dense|dilute", "bed at rest, or spheres in flight over a vibrating floor"),
+        option_choice("scene", &scene_choice, "both|dense|dilute",
+                      "bed at rest, or spheres in flight over a vibrating floor"),
         option_choice("feature", &feature_choice,
-                      "all|normal|friction|rolling|ledger|hertz|mindlin|walls|no-pairs|no-space|no-skip|threads", "one feature only"),
+                      "all|normal|friction|rolling|ledger|hertz|mindlin|walls|no-pairs|no-space|no-skip|threads",
+                      "one feature only"),
         option_int("steps", "N", &steps, 1, 1000000, "measured time steps of 4e-6 s"),
         option_int("repeats", "N", &repeats, 1, REPEATS_MAX, "runs of each; medians are told"),
         option_string("beds", "DIR", &folder, "folder of the start files"),
-        option_string("instructions", "FILE", &counted, "CSV of instructions a particle-step, told and drawn with the rest"),
+        option_string("instructions", "FILE", &counted,
+                      "CSV of instructions a particle-step, told and drawn with the rest"),
     };
-    program self = program_start("dem_features", "dem.h: what each feature costs, on and off, in a dense and in a dilute scene.", options,
-                                 sizeof options / sizeof *options, argc, argv);
+    program self =
+        program_start("dem_features", "dem.h: what each feature costs, on and off, in a dense and in a dilute scene.",
+                      options, sizeof options / sizeof *options, argc, argv);
     const int sizes[3] = {2000, 20000, 100000};
     double counts[SCENES][FEATURES], ns[SCENES][FEATURES];
     outcome outcomes[SCENES][FEATURES];
@@ -225,7 +231,8 @@ int main(int argc, char **argv) {
         bed b;
         double cpu[FEATURES][REPEATS_MAX], wall[FEATURES][REPEATS_MAX];
         if (scene_choice != 0 && scene_choice != scene + 1) continue;
-        if (bed_read(&b, folder, sizes[size_choice], message, sizeof message) != 0) program_refuse(&self, "beds", folder, BED_FILES);
+        if (bed_read(&b, folder, sizes[size_choice], message, sizeof message) != 0)
+            program_refuse(&self, "beds", folder, BED_FILES);
         if (scene == 1) dilute(&b);
         const int failed = measure_all(&b, scene, outcomes[scene], wanted[scene], self.threads, steps, repeats, cpu,
                                        wall, &changed, &bar);

@@ -1,9 +1,10 @@
 /* dem.h: cost of a wall of triangles: to build, in memory, and per contact and step, compared with a plane.
 
-   Spheres of 5 mm roll side by side over a floor that is a plane, or a plate of 0.5 m of more and more triangles, cut along random
-   diagonals. All are in contact in every step, which is the worst case: a sphere without contact is tested only when it could touch. With
-   400 spheres and a fine mesh the data fill the caches; with 9 spheres they do not, and the depth of the tree determines the time. Figure
-   of merit: processor time of a step of a sphere, the median of repeats, over that of as many on the plane. */
+   Spheres of 5 mm roll side by side over a floor that is a plane, or a plate of 0.5 m of more and more triangles, cut
+   along random diagonals. All are in contact in every step, which is the worst case: a sphere without contact is tested
+   only when it could touch. With 400 spheres and a fine mesh the data fill the caches; with 9 spheres they do not, and
+   the depth of the tree determines the time. Figure of merit: processor time of a step of a sphere, the median of
+   repeats, over that of as many on the plane. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,7 +30,8 @@ static dem_mesh plate(int across, uint64_t random) {
     m.triangle = malloc((size_t)across * (size_t)across * 6 * sizeof *m.triangle);
     for (int k = 0; k < (across + 1) * (across + 1) && m.vertex; k++) {
         double *x = &m.vertex[3 * m.vertices++];
-        x[0] = (k % (across + 1) / (double)across - 0.5) * side, x[1] = (k / (across + 1) / (double)across - 0.5) * side, x[2] = 0.0;
+        x[0] = (k % (across + 1) / (double)across - 0.5) * side,
+        x[1] = (k / (across + 1) / (double)across - 0.5) * side, x[2] = 0.0;
     }
     for (int k = 0; k < across * across && m.triangle; k++) {
         const int32_t a = k / across * (across + 1) + k % across, b = a + 1, c = a + across + 1, d = c + 1;
@@ -42,7 +44,8 @@ static dem_mesh plate(int across, uint64_t random) {
 }
 
 static dem_status lay_floor(dem_world *world, point *p, uint64_t seed, memory *used) {
-    if (p->across == 0) return dem_add_plane(world, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0 ? DEM_TOO_MANY : DEM_OK;
+    if (p->across == 0)
+        return dem_add_plane(world, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0 ? DEM_TOO_MANY : DEM_OK;
     dem_mesh mesh = plate(p->across, seed);
     if (!mesh.vertex || !mesh.triangle) mesh.triangles = 0;
     const double before = used->now, begun = machine_processor_seconds();
@@ -61,7 +64,8 @@ static int measure(point *p, int steps_of_all, int repeats, const program *self,
     dem_world world;
     dem_def def = dem_default_def();
     const int material = dem_add_material(&def, 2500.0, 1e8, 0.2);
-    const double overlap = 2500.0 * RIDDLE_PI / 6.0 * diameter * diameter * diameter * 9.81 / dem_pair(&def, material, material)->stiffness;
+    const double overlap = 2500.0 * RIDDLE_PI / 6.0 * diameter * diameter * diameter * 9.81 /
+                           dem_pair(&def, material, material)->stiffness;
     def.allocator.fn = counted;
     def.allocator.user = &used;
     memset(&world, 0, sizeof world);
@@ -69,9 +73,11 @@ static int measure(point *p, int steps_of_all, int repeats, const program *self,
     p->triangles = 2 * p->across * p->across;
     if (status == DEM_OK) status = lay_floor(&world, p, self->seed, &used);
     for (int k = 0; k < n && status == DEM_OK; k++) {
-        const double at[3] = {(k % across - 0.5 * across) * spacing, (k / across - 0.5 * across) * spacing, 0.5 * diameter - overlap};
+        const double at[3] = {(k % across - 0.5 * across) * spacing, (k / across - 0.5 * across) * spacing,
+                              0.5 * diameter - overlap};
         status = dem_add_spheres(&world, 1, at, &diameter, material, 0);
-        if (status == DEM_OK) status = dem_set_motion(&world, k, dem_vec3(0.3, 0.2, 0), dem_vec3(-80, 120, 0)); /* rolls */
+        /* rolls */
+        if (status == DEM_OK) status = dem_set_motion(&world, k, dem_vec3(0.3, 0.2, 0), dem_vec3(-80, 120, 0));
     }
     if (status == DEM_OK) status = dem_set_time_step(&world, dem_advise(&world, DEM_LINEAR, 1.0).contact / 20.0);
     for (int k = -1; k < repeats && status == DEM_OK && !common_interrupted(); k++) { /* once to warm up */
@@ -137,7 +143,8 @@ int main(int argc, char **argv) {
     }
     results_write(t, report, "points", self.out, "dem_mesh.csv");
     const double *count = results_column(t, "triangles", 1.0), *over = results_column(t, "over_plane", 1.0);
-    riddle_plot *figure = riddle_plot_new("A wall of triangles, one core; 112 bytes each: the last tree, 110 MB, exceeds the cache", 1, 2);
+    riddle_plot *figure = riddle_plot_new(
+        "A wall of triangles, one core; 112 bytes each: the last tree, 110 MB, exceeds the cache", 1, 2);
     riddle_plot_panel(figure, 0, 0, "triangles [-]", "step over that on a plane [-]");
     riddle_plot_log_x(figure), riddle_plot_log_y(figure);
     riddle_plot_line(figure, "400 spheres, far apart", count + 1, over + 1, many - 1);

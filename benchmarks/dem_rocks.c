@@ -1,9 +1,9 @@
 /* dem.h: what a rock costs, by the number of its corners.
 
-   Grains of gravel of 5 mm with 8 to 300 corners (dem_make_gravel). For each number: how near the core of at most 32 corners is, the time to
-   make a shape, and that of a touching pair: its points, and all of a step. --pour N lets N of them fall into a box that is periodic
-   sideways, and measures porosity, contacts and particle-steps per second of processor time. rocks.csv holds the table, rocks.svg times over
-   corners. */
+   Grains of gravel of 5 mm with 8 to 300 corners (dem_make_gravel). For each number: how near the core of at most 32
+   corners is, the time to make a shape, and that of a touching pair: its points, and all of a step. --pour N lets N of
+   them fall into a box that is periodic sideways, and measures porosity, contacts and particle-steps per second of
+   processor time. rocks.csv holds the table, rocks.svg times over corners. */
 #include <math.h>
 #include <string.h>
 
@@ -26,7 +26,8 @@ static dem_status make_world(dem_world *w, double side, double dt, double fall) 
 }
 
 /* Adds the grains' shapes. deviation: mean over the diameter; seconds: to make one. */
-static dem_status add_shapes(dem_world *w, int corners, uint64_t seed, double *deviation, double *core, double *seconds) {
+static dem_status add_shapes(dem_world *w, int corners, uint64_t seed, double *deviation, double *core,
+                             double *seconds) {
     dem_status status = DEM_OK;
     const double begun = machine_processor_seconds();
     *deviation = *core = 0.0;
@@ -91,7 +92,8 @@ static dem_status time_pairs(int corners, int pairs, uint64_t seed, double *row)
         const int64_t before = w.contact_steps;
         double begun = machine_processor_seconds();
         for (int n = 0; n < TIMES; n++)
-            for (ptrdiff_t k = 0; k < convex->of_particles; k++) dem__points_of_pair(&w, &convex->pair[k], w.step, point, &overlaps);
+            for (ptrdiff_t k = 0; k < convex->of_particles; k++)
+                dem__points_of_pair(&w, &convex->pair[k], w.step, point, &overlaps);
         row[4] = (machine_processor_seconds() - begun) / ((double)pairs * TIMES);
         begun = machine_processor_seconds();
         status = dem_run(&w, TIMES * w.def.dt, DEM_LINEAR | DEM_FRICTION);
@@ -102,7 +104,8 @@ static dem_status time_pairs(int corners, int pairs, uint64_t seed, double *row)
     return status;
 }
 
-/* Pours rocks: porosity between a fifth and four fifths of the bed's height, contacts a rock, particle-steps per second, overlaps of cores. */
+/* Pours rocks: porosity between a fifth and four fifths of the bed's height, contacts a rock, particle-steps per
+   second, overlaps of cores. */
 static dem_status pour(int corners, int rocks, uint64_t seed, double *row) {
     enum { ACROSS = 8 };
     const double spacing = 1.45 * size, side = ACROSS * spacing * 0.9;
@@ -173,8 +176,10 @@ int main(int argc, char **argv) {
     json_close(report);
     riddle_plot *figure = riddle_plot_new("Pairs of rocks that touch", 1, 1);
     riddle_plot_panel(figure, 0, 0, "corners", "processor time of a pair and step [us]");
-    riddle_plot_line(figure, "all of a step", results_column(t, "corners", 1.0), results_column(t, "step_s", 1e6), results_rows(t));
-    riddle_plot_line(figure, "its points", results_column(t, "corners", 1.0), results_column(t, "points_s", 1e6), results_rows(t));
+    riddle_plot_line(figure, "all of a step", results_column(t, "corners", 1.0), results_column(t, "step_s", 1e6),
+                     results_rows(t));
+    riddle_plot_line(figure, "its points", results_column(t, "corners", 1.0), results_column(t, "points_s", 1e6),
+                     results_rows(t));
     riddle_plot_write(figure, self.out, "rocks.svg");
     results_free(t);
     return common_exit_status();

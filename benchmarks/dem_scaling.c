@@ -1,11 +1,12 @@
 /* dem.h: what a particle-step costs as the number of spheres and the range of their sizes grow.
 
-   Gas: spheres lie at random in a periodic box, 0.3 of it solid, fly about at 0.2 m/s on average and hit each other without loss, so that
-   a run finds the same at any time; friction is computed, and is zero. The smallest are 1 mm. Sizes: equal, or diameters spread evenly
-   between the smallest and the largest, by number (as many of each) or by mass (most are small). Bed: the settled bed of 20 000 spheres of
-   dem_beds at rest, n x n times side by side, 4.9 contacts a sphere. A step is 1/20 of the duration of the smallest spheres' contacts.
-   Figure of merit: processor time per particle-step over that of 20 000 equal spheres in the same state, which are timed just before; the
-   median of repeats. */
+   Gas: spheres lie at random in a periodic box, 0.3 of it solid, fly about at 0.2 m/s on average and hit each other
+   without loss, so that a run finds the same at any time; friction is computed, and is zero. The smallest are 1 mm.
+   Sizes: equal, or diameters spread evenly between the smallest and the largest, by number (as many of each) or by mass
+   (most are small). Bed: the settled bed of 20 000 spheres of dem_beds at rest, n x n times side by side, 4.9 contacts
+   a sphere. A step is 1/20 of the duration of the smallest spheres' contacts.
+   Figure of merit: processor time per particle-step over that of 20 000 equal spheres in the same state, which are
+   timed just before; the median of repeats. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,15 +71,17 @@ static dem_status lay(dem_world *world, const point *p, memory *used) {
     def.allocator.fn = counted;
     def.allocator.user = used;
     dem_status status = dem_init(world, &def, NULL);
-    if (csv_read(output_find(path, sizeof path, "tests/reference/beds/settled_20000.csv"), &data, message, sizeof message) != 0) {
+    if (csv_read(output_find(path, sizeof path, "tests/reference/beds/settled_20000.csv"), &data, message,
+                 sizeof message) != 0) {
         common_fail("%s", message);
         return DEM_BAD_DATA;
     }
-    if (status == DEM_OK && dem_add_plane(world, material, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0) status = DEM_TOO_MANY;
+    if (status == DEM_OK && dem_add_plane(world, material, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0)
+        status = DEM_TOO_MANY;
     for (int copy = 0; copy < p->bed * p->bed; copy++) {
         for (int row = 0; row < data.rows && status == DEM_OK; row++) {
-            const double centre[3] = {csv_value(&data, row, "x") + copy % p->bed * side, csv_value(&data, row, "y") + copy / p->bed * side,
-                                      csv_value(&data, row, "z")};
+            const double centre[3] = {csv_value(&data, row, "x") + copy % p->bed * side,
+                                      csv_value(&data, row, "y") + copy / p->bed * side, csv_value(&data, row, "z")};
             status = dem_add_spheres(world, 1, centre, &diameter, material, 0);
         }
     }
@@ -130,7 +133,8 @@ static int measure(point *p, base *b, int base_steps, int repeats, const program
     p->fill_s = machine_processor_seconds() - p->fill_s;
     fly(&world, warm_up(self), bar, &status);
     if (status == DEM_OK && !b->bytes) status = keep(b, &world);
-    const int64_t steps0 = world.particle_steps, contacts0 = world.contact_steps, looks0 = world.looks, lists0 = world.rebuilds;
+    const int64_t steps0 = world.particle_steps, contacts0 = world.contact_steps, looks0 = world.looks,
+                  lists0 = world.rebuilds;
     for (int k = 0; k < repeats && status == DEM_OK; k++) {
         const double alone = fly_base(b, warm_up(self), base_steps, bar, &status);
         times[k] = fly(&world, p->steps, bar, &status);
@@ -211,7 +215,8 @@ int main(int argc, char **argv) {
         option_int("steps", "N", &steps, 50, 1000000, "time steps of 20 000 spheres; more spheres take fewer"),
         option_int("repeats", "N", &repeats, 1, REPEATS_MAX, "runs of each; the median is told"),
     };
-    program self = program_start("dem_scaling", "dem.h: cost of a particle-step over the number of spheres and the range of sizes.",
+    program self = program_start("dem_scaling",
+                                 "dem.h: cost of a particle-step over the number of spheres and the range of sizes.",
                                  options, sizeof options / sizeof *options, argc, argv);
     if (self.quick && !is_given(&self, "spheres")) most = BASE;
     program_need_spheres(&self, "spheres", most);
@@ -238,16 +243,19 @@ int main(int argc, char **argv) {
         }
     }
     for (int k = 0; k < n; k++) {
-        const double undivided = (points[k].bed ? 5.0 : 15.0) * BASE; /* a gas is cheap, and makes a list every hundred steps */
+        /* a gas is cheap, and makes a list every hundred steps */
+        const double undivided = (points[k].bed ? 5.0 : 15.0) * BASE;
         points[k].steps = (int)fmax(50.0, steps / fmax(1.0, points[k].spheres / undivided)) / 50 * 50;
-        work +=
-            (double)(points[k].steps * repeats + warm_up(&self)) * points[k].spheres + (double)repeats * (steps + warm_up(&self)) * BASE;
+        work += (double)(points[k].steps * repeats + warm_up(&self)) * points[k].spheres +
+                (double)repeats * (steps + warm_up(&self)) * BASE;
     }
     base bases[2] = {{NULL, 0}, {NULL, 0}};
     progress bar;
     progress_begin(&bar, "flying", work);
     for (int k = 0; k < n && !common_interrupted(); k++) {
-        if (measure(&points[k], &bases[points[k].bed > 0], (int)fmax(CHUNK, steps / CHUNK * CHUNK), repeats, &self, &bar) != 0) break;
+        if (measure(&points[k], &bases[points[k].bed > 0], (int)fmax(CHUNK, steps / CHUNK * CHUNK), repeats, &self,
+                    &bar) != 0)
+            break;
     }
     for (int k = 0; k < 2; k++) free(bases[k].bytes);
     if (common_interrupted()) progress_end(&bar);

@@ -1,11 +1,12 @@
 /* dem.h: how large may a time step be?
 
-   1. Impacts of two spheres at all angles (as often as in a gas: sin 2 theta) and phases of the first step, e = 0.78 and 0.4351, friction
-      0.2: error of velocities and spin, and of the energy that is left; beside plain predicted Verlet and leapfrog.
-   2. What a step does to energy in scenes whose paths are chaotic, so that only sums can be compared: an elastic bed (drift of the total
-      energy, also by plain Verlet), damped beds at rest and over a vibrating floor, a rotating drum, a screen. There the error is that
-      of the energy ledger over the energy that was turned over. A scene that ends with much more kinetic energy than in the finest step,
-      or fails, is called unstable. */
+   1. Impacts of two spheres at all angles (as often as in a gas: sin 2 theta) and phases of the first step, e = 0.78
+      and 0.4351, friction 0.2: error of velocities and spin, and of the energy that is left; beside plain predicted
+      Verlet and leapfrog.
+   2. What a step does to energy in scenes whose paths are chaotic, so that only sums can be compared: an elastic bed
+      (drift of the total energy, also by plain Verlet), damped beds at rest and over a vibrating floor, a rotating
+      drum, a screen. There the error is that of the energy ledger over the energy that was turned over. A scene that
+      ends with much more kinetic energy than in the finest step, or fails, is called unstable. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,12 +26,14 @@ enum { DEM, VERLET, LEAPFROG, METHODS };
 static const char *const method_names[METHODS] = {"dem.h", "predicted Verlet", "leapfrog (LAMMPS, YADE)"};
 
 typedef struct pooled {
-    double rms, bias, most; /* of the vector of velocity and R spin, over v; mean and largest error of energy left over energy before */
+    double rms, bias, most; /* of the vector of velocity and R spin, over v; mean and largest error of energy left over
+                               energy before */
 } pooled;
 
 /* Energy of the motion of both spheres over that before the impact. */
 static double energy_left(const pair_state *s) {
-    return (0.5 * (s->vx * s->vx + s->vy * s->vy) + 0.2 * bed_diameter * bed_diameter * s->spin * s->spin) / (0.5 * speed * speed);
+    return (0.5 * (s->vx * s->vx + s->vy * s->vy) + 0.2 * bed_diameter * bed_diameter * s->spin * s->spin) /
+           (0.5 * speed * speed);
 }
 
 static void pool(pooled *o, const pair_state *s, const pair_state *exact, double weight) {
@@ -47,7 +50,8 @@ static impact impact_of(double restitution, int angle) {
 }
 
 /* All methods at one step, against exact[ANGLES]; cpu_s: of dem.h for one impact. */
-static int impacts(double restitution, int division, int phases, const pair_state *exact, pooled *of_method, double *cpu_s) {
+static int impacts(double restitution, int division, int phases, const pair_state *exact, pooled *of_method,
+                   double *cpu_s) {
     double weights = 0.0;
     memset(of_method, 0, METHODS * sizeof *of_method);
     *cpu_s = 0.0;
@@ -84,11 +88,17 @@ static int impacts(double restitution, int division, int phases, const pair_stat
 /* ---- 2: scenes ---- */
 
 enum { ELASTIC, ELASTIC_VERLET, REST, REST_DAMPED, VIBRATED, DRUM, SCREEN, SCENES };
-static const char *const scene_names[SCENES] = {
-    "elastic bed", "elastic bed, predicted Verlet", "bed at rest, e 0.78", "bed at rest, e 0.44", "bed, vibrated", "drum", "screen"};
+static const char *const scene_names[SCENES] = {"elastic bed",
+                                                "elastic bed, predicted Verlet",
+                                                "bed at rest, e 0.78",
+                                                "bed at rest, e 0.44",
+                                                "bed, vibrated",
+                                                "drum",
+                                                "screen"};
 static const double durations[SCENES] = {0.04, 0.04, 0.02, 0.02, 0.04, 0.3, 0.5}; /* [s] */
 
-/* n spheres on a grid of 10.5 mm, in layers upwards from z, within a cylinder around the axis z, or around y if it has a half width. */
+/* n spheres on a grid of 10.5 mm, in layers upwards from z, within a cylinder around the axis z, or around y if it has
+   a half width. */
 static dem_status pile(dem_world *world, int n, double z, double radius, double half_width, uint64_t random) {
     static const double sizes[7] = {0.005, 0.005, 0.005, 0.005, 0.007, 0.007, 0.010};
     const double pitch = 0.0105;
@@ -100,7 +110,8 @@ static dem_status pile(dem_world *world, int n, double z, double radius, double 
                 const double d = sizes[i % 7], jitter = 0.3 * (pitch - d);
                 const double at[3] = {pitch * p + jitter * (2.0 * random_share(&random) - 1.0),
                                       pitch * q + jitter * (2.0 * random_share(&random) - 1.0), z + pitch * layer};
-                const double across = half_width > 0.0 ? at[2] : at[1], out = half_width > 0.0 ? fabs(pitch * q) + 0.5 * pitch : 0.0;
+                const double across = half_width > 0.0 ? at[2] : at[1],
+                             out = half_width > 0.0 ? fabs(pitch * q) + 0.5 * pitch : 0.0;
                 if (sqrt(at[0] * at[0] + across * across) + 0.5 * pitch > radius || out > 1.001 * half_width) continue;
                 status = dem_add_spheres(world, 1, at, &d, 0, 0);
                 i++;
@@ -141,13 +152,15 @@ static dem_status screen_world(dem_world *world, double step) {
     screen.half_x = 0.045;
     const int deck = status == DEM_OK ? dem_add_screen(world, 1, &screen) : -1;
     const int side = status == DEM_OK ? dem_add_cylinder(world, 1, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.045, 1) : -1;
-    if (deck < 0 || side < 0 || dem_add_exit(world, dem_vec3(0, 0, -0.05), dem_vec3(0, 0, 1)) < 0) return DEM_BAD_ARGUMENT;
+    if (deck < 0 || side < 0 || dem_add_exit(world, dem_vec3(0, 0, -0.05), dem_vec3(0, 0, 1)) < 0)
+        return DEM_BAD_ARGUMENT;
     status = dem_vibrate(world, deck, vibration, phase, 50.6);
     if (status == DEM_OK) status = dem_vibrate(world, side, vibration, phase, 50.6);
     return status == DEM_OK ? pile(world, 400, 0.008, 0.045, 0.0, 1) : status;
 }
 
-/* A bed of one material, its floor included; e = 1: without friction, at random speeds of up to 0.1 m/s along each axis. */
+/* A bed of one material, its floor included; e = 1: without friction, at random speeds of up to 0.1 m/s
+   along each axis. */
 static dem_status one_bed(dem_world *world, const bed *b, double step, double restitution, int vibrated) {
     dem_def def = bed_def(b, restitution < 1.0 ? 0.2 : 0.0, DEM_CLIPPED);
     uint64_t random = 1;
@@ -186,7 +199,8 @@ static balance run_scene(int scene, const bed *b, double division, double durati
     static const double restitutions[VIBRATED + 1] = {1.0, 1.0, 0.78, 0.4351, 0.78};
     const double e = scene <= VIBRATED ? restitutions[scene] : 0.78;
     const double d = bed_diameter, mass = RIDDLE_PI / 6.0 * d * d * d * bed_density;
-    const double step = dem_contact_time(bed_stiffness, 0.5 * mass, dem_damping_ratio(e, DEM_CLIPPED), DEM_CLIPPED) / division;
+    const double step =
+        dem_contact_time(bed_stiffness, 0.5 * mass, dem_damping_ratio(e, DEM_CLIPPED), DEM_CLIPPED) / division;
     const int elastic = scene <= ELASTIC_VERLET, features = DEM_LINEAR | DEM_FRICTION | (elastic ? 0 : DEM_ENERGY);
     balance r = {DEM_OK, (double)NAN, (double)NAN, (double)NAN};
     dem_world world;
@@ -200,7 +214,8 @@ static balance run_scene(int scene, const bed *b, double division, double durati
     const double before = elastic ? total_energy(&world) : 0.0, moving = elastic ? dem_energy(&world).kinetic : 0.0;
     for (double t = 0.0; t < duration && r.status == DEM_OK && !common_interrupted(); t += 0.01) {
         const double part = fmin(0.01, duration - t);
-        r.status = scene == ELASTIC_VERLET ? dem_run_law(&world, part, &unresolved_kernel) : dem_run(&world, part, features);
+        r.status =
+            scene == ELASTIC_VERLET ? dem_run_law(&world, part, &unresolved_kernel) : dem_run(&world, part, features);
     }
     r.cpu_s = machine_processor_seconds() - cpu;
     if (r.status == DEM_OK) {
@@ -223,8 +238,8 @@ typedef struct measured {
 static const double restitutions[2] = {0.78, 0.4351}, none = (double)NAN;
 
 static int measure_impacts(measured *found, result_table *runs, int phases, progress *bar) {
-    riddle_io_table t =
-        riddle_io_table_begin("impacts, e|t_c/dt|dem.h: rms|energy|largest|Verlet: rms|energy|largest|leapfrog: rms|energy|largest");
+    riddle_io_table t = riddle_io_table_begin(
+        "impacts, e|t_c/dt|dem.h: rms|energy|largest|Verlet: rms|energy|largest|leapfrog: rms|energy|largest");
     for (int r = 0; r < 2; r++) {
         pair_state exact[ANGLES];
         for (int a = 0; a < ANGLES; a++) {
@@ -254,7 +269,8 @@ static int measure_impacts(measured *found, result_table *runs, int phases, prog
 }
 
 static void measure_scenes(measured *found, result_table *runs, const bed *b, double share, progress *bar) {
-    for (int level = LEVELS - 1; level >= 0 && !common_interrupted(); level--) { /* the finest first: the others are judged by it */
+    /* The finest first: the others are judged by it. */
+    for (int level = LEVELS - 1; level >= 0 && !common_interrupted(); level--) {
         for (int scene = 0; scene < SCENES && !common_interrupted(); scene++) {
             balance *r = &found->of_scene[scene][level];
             const char *name = scene_names[scene == ELASTIC_VERLET ? ELASTIC : scene];

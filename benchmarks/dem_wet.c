@@ -1,9 +1,10 @@
-/* dem.h with liquid_bridge.h: what liquid bridges cost. The bed of 20 000 spheres at rest and over a vibrating floor, dry; with bridges
-   that only attract; and with their viscous resistance, as dem_wet.h composes them (films, formation at contact, rupture,
-   neck split). Water; contact angle 15 degrees on the spheres, 45 on the floor; moisture 1 % of the spheres' mass.
+/* dem.h with liquid_bridge.h: what liquid bridges cost. The bed of 20 000 spheres at rest and over a vibrating floor,
+   dry; with bridges that only attract; and with their viscous resistance, as dem_wet.h composes them (films, formation
+   at contact, rupture, neck split). Water; contact angle 15 degrees on the spheres, 45 on the floor; moisture 1 % of
+   the spheres' mass.
 
-   Figure of merit: particle-steps per second of processor time, wet over dry. Checks: liquid is conserved exactly, the same hash in every
-   repeat.
+   Figure of merit: particle-steps per second of processor time, wet over dry. Checks: liquid is conserved exactly, the
+   same hash in every repeat.
 
    --compare FILE runs nothing: it tells and draws runs of several codes as benchmarks/peers/wet collects them. */
 #include <math.h>
@@ -21,7 +22,8 @@ static const char *const scene_names[SCENES] = {"static", "vibrated"};
 
 typedef struct run {
     double cpu_s, height, energy;         /* [s], [m], [J] */
-    double bridges, volume, liquid_error; /* bridges a sphere at the end, mean volume of one [m3], lost share of the liquid */
+    double bridges, volume, liquid_error; /* bridges a sphere at the end, mean volume of one [m3], lost share
+                                             of the liquid */
     uint64_t hash;
 } run;
 
@@ -34,7 +36,8 @@ static int add_no_deck(dem_world *world) {
     return deck >= 0 && dem_enable_wall(world, deck, 0) == DEM_OK ? deck : -1;
 }
 
-static int bed_run(run *r, const bed *b, int vibrated, int state, double moisture, int steps, int threads, progress *bar) {
+static int bed_run(run *r, const bed *b, int vibrated, int state, double moisture, int steps, int threads,
+                   progress *bar) {
     dem_world world;
     wet_scene scene;
     dem_def def = bed_def(b, 0.2, DEM_CLIPPED);
@@ -50,14 +53,15 @@ static int bed_run(run *r, const bed *b, int vibrated, int state, double moistur
     dem_status status = bed_world(&world, b, &def, vibrated);
     if (state != DRY && status == DEM_OK) {
         const int deck = add_no_deck(&world);
-        if (deck < 0 ||
-            wet_init(&scene, b->n, group, b->diameters, class_diameter, moisture, mass, deck, &world, false, WET_STEEL) != BRIDGE_OK)
+        if (deck < 0 || wet_init(&scene, b->n, group, b->diameters, class_diameter, moisture, mass, deck, &world, false,
+                                 WET_STEEL) != BRIDGE_OK)
             status = DEM_BAD_ARGUMENT;
         if (state == CAPILLARY) scene.liquid.viscosity = 0.0;
         world.user = &scene;
     }
     for (int done = 0, chunk = 100; done < steps && status == DEM_OK && !common_interrupted(); done += chunk) {
-        const double duration = bed_dt * (steps - done < chunk ? steps - done : chunk), start = machine_processor_seconds();
+        const double duration = bed_dt * (steps - done < chunk ? steps - done : chunk),
+                     start = machine_processor_seconds();
         status = state == DRY ? dem_run(&world, duration, DEM_LINEAR | DEM_FRICTION) : wet_run(&world, duration, 0);
         r->cpu_s += machine_processor_seconds() - start;
         progress_add(bar, (double)chunk * b->n);
@@ -71,7 +75,9 @@ static int bed_run(run *r, const bed *b, int vibrated, int state, double moistur
     dem_free(&world);
     wet_free(&scene);
     free(group);
-    return status == DEM_OK ? 0 : common_fail("%s, %s: %s", scene_names[vibrated], state_names[state], dem_status_text(status));
+    return status == DEM_OK
+               ? 0
+               : common_fail("%s, %s: %s", scene_names[vibrated], state_names[state], dem_status_text(status));
 }
 
 /* Speeds [1e6 particle-steps per CPU second] of codes in the states of both scenes; NaN where there is none. */
@@ -95,7 +101,8 @@ static int named(const csv_data *data, int row, const char *column, const char *
 }
 
 static void compare(const program *self, const char *path) {
-    static const char *const needed[] = {"code", "spheres", "scene", "state", "steps", "cpu_s", "mean_height_m", "kinetic_energy_J"};
+    static const char *const needed[] = {"code",  "spheres", "scene",         "state",
+                                         "steps", "cpu_s",   "mean_height_m", "kinetic_energy_J"};
     char message[1200];
     const char *codes[CODES];
     double speed[CODES][SCENES * STATES];
@@ -120,7 +127,8 @@ static void compare(const program *self, const char *path) {
         for (int g = 0; g < SCENES * STATES; g++) speed[k][g] = (double)NAN;
     for (int g = 0; g < SCENES * STATES; g++) {
         for (int row = 0; row < data.rows; row++) {
-            const int scene = named(&data, row, "scene", scene_names, SCENES), state = named(&data, row, "state", state_names, STATES);
+            const int scene = named(&data, row, "scene", scene_names, SCENES),
+                      state = named(&data, row, "state", state_names, STATES);
             const char *code = data.cells[row * data.columns + csv_column(&data, "code")];
             if (scene != g / STATES || state != g % STATES) continue;
             int k = 0;
@@ -165,7 +173,8 @@ int main(int argc, char **argv) {
     int size_choice = 1, scene_choice = 0, steps = 2500, repeats = 1;
     double moisture = 0.01;
     char place[600], message[1200];
-    const char *folder = output_find(place, sizeof place, "tests/reference/beds"), *comparison = NULL, *label = "Riddle";
+    const char *folder = output_find(place, sizeof place, "tests/reference/beds"), *comparison = NULL,
+               *label = "Riddle";
     option options[] = {
         option_choice("spheres", &size_choice, "2000|20000|100000", "number of spheres"),
         option_choice("scene", &scene_choice, "both|static|vibrated", "floor that rests or vibrates"),
@@ -176,8 +185,8 @@ int main(int argc, char **argv) {
         option_string("label", "TEXT", &label, "name of this build in the CSV"),
         option_string("compare", "FILE", &comparison, "run nothing, tell and draw the runs in this CSV"),
     };
-    program self = program_start("dem_wet", "dem.h with liquid_bridge.h: what liquid bridges cost in a bed of spheres.", options,
-                                 sizeof options / sizeof *options, argc, argv);
+    program self = program_start("dem_wet", "dem.h with liquid_bridge.h: what liquid bridges cost in a bed of spheres.",
+                                 options, sizeof options / sizeof *options, argc, argv);
     const int sizes[3] = {2000, 20000, 100000};
     if (strpbrk(label, ",\"\n")) program_refuse(&self, "label", label, "text without commas and quotes");
     if (comparison) {
@@ -187,7 +196,8 @@ int main(int argc, char **argv) {
     if (self.quick && !is_given(&self, "spheres")) size_choice = 0;
     if (self.quick && !is_given(&self, "steps")) steps = 500;
     bed b;
-    if (bed_read(&b, folder, sizes[size_choice], message, sizeof message) != 0) program_refuse(&self, "beds", folder, BED_FILES);
+    if (bed_read(&b, folder, sizes[size_choice], message, sizeof message) != 0)
+        program_refuse(&self, "beds", folder, BED_FILES);
     json *report = json_open(self.json);
     static const result_column columns[] = {{"|code", NULL, "%s"},
                                             {"spheres"},

@@ -1,5 +1,5 @@
-/* impact.h: two equal spheres of 5 mm hit each other: integrators as other codes have them, the exact outcome, and the same impact at all
-   phases of the first step as pairs of one world of dem.h. For dem_accuracy and dem_steps. */
+/* impact.h: two equal spheres of 5 mm hit each other: integrators as other codes have them, the exact outcome, and the
+   same impact at all phases of the first step as pairs of one world of dem.h. For dem_accuracy and dem_steps. */
 #ifndef RIDDLE_IMPACT_H
 #define RIDDLE_IMPACT_H
 
@@ -13,7 +13,8 @@ static long evaluations; /* of the contact law, by the integrators below */
 
 /* ---- dem.h without its resolved steps ---- */
 
-/* A force whose contact part is declared 0 has no beginning and no end for the kernel: plain predicted Verlet at dem.h's own cost. */
+/* A force whose contact part is declared 0 has no beginning and no end for the kernel: plain predicted Verlet at
+   dem.h's own cost. */
 DEM_INLINE void unresolved_force(const dem_contact *c, double *state, dem_response *r) {
     dem_law_linear_friction.force(c, state, r);
     r->contact = 0.0;
@@ -45,7 +46,8 @@ static inline double overlap_of(const pair_state *s) { return diameter - sqrt(s-
 
 /* Accelerations; advances the tangential displacement by dt. Returns the normal force, 0 outside contact. */
 static inline double pair_force(const pair_law *law, pair_state *s, double dt, pair_rate *a) {
-    const double distance = sqrt(s->x * s->x + s->y * s->y), nx = s->x / distance, ny = s->y / distance, overlap = diameter - distance;
+    const double distance = sqrt(s->x * s->x + s->y * s->y), nx = s->x / distance, ny = s->y / distance,
+                 overlap = diameter - distance;
     const double closing = -(s->vx * nx + s->vy * ny), slip = s->vy * nx - s->vx * ny - distance * s->spin;
     double normal = 0.0, tangential = 0.0;
     evaluations++;
@@ -74,7 +76,8 @@ static inline void predicted_verlet(const pair_law *law, pair_state *s, pair_rat
     at.x += dt * (s->vx + 0.5 * dt * a->x), at.y += dt * (s->vy + 0.5 * dt * a->y);
     at.vx += dt * a->x, at.vy += dt * a->y, at.spin += dt * a->spin;
     pair_force(law, &at, dt, &b);
-    at.vx = s->vx + 0.5 * dt * (a->x + b.x), at.vy = s->vy + 0.5 * dt * (a->y + b.y), at.spin = s->spin + 0.5 * dt * (a->spin + b.spin);
+    at.vx = s->vx + 0.5 * dt * (a->x + b.x), at.vy = s->vy + 0.5 * dt * (a->y + b.y),
+    at.spin = s->spin + 0.5 * dt * (a->spin + b.spin);
     *s = at;
     *a = b;
 }
@@ -150,7 +153,8 @@ static inline pair_state fine_outcome(const impact *of, int steps) {
     return s;
 }
 
-/* The exact velocities after the impact: the slip of a predicted velocity leaves an error of first order, taken out here. */
+/* The exact velocities after the impact: the slip of a predicted velocity leaves an error of first order,
+   taken out here. */
 static inline pair_state exact_outcome(const impact *of) {
     const pair_state coarse = fine_outcome(of, 20000), fine = fine_outcome(of, 40000);
     pair_state exact = fine;
@@ -175,8 +179,10 @@ static inline dem_status world_of_pairs(dem_world *w, const impact *of, int divi
         const double z = 3.0 * diameter * p, diameters[2] = {diameter, diameter};
         const double centres[6] = {0.5 * s.x, 0.5 * s.y, z, -0.5 * s.x, -0.5 * s.y, z};
         status = dem_add_spheres(w, 2, centres, diameters, glass, 0);
-        if (status == DEM_OK) status = dem_set_motion(w, 2 * p, dem_vec3(0.5 * s.vx, 0.5 * s.vy, 0.0), dem_vec3(0.0, 0.0, 0.0));
-        if (status == DEM_OK) status = dem_set_motion(w, 2 * p + 1, dem_vec3(-0.5 * s.vx, -0.5 * s.vy, 0.0), dem_vec3(0.0, 0.0, 0.0));
+        if (status == DEM_OK)
+            status = dem_set_motion(w, 2 * p, dem_vec3(0.5 * s.vx, 0.5 * s.vy, 0.0), dem_vec3(0.0, 0.0, 0.0));
+        if (status == DEM_OK)
+            status = dem_set_motion(w, 2 * p + 1, dem_vec3(-0.5 * s.vx, -0.5 * s.vy, 0.0), dem_vec3(0.0, 0.0, 0.0));
     }
     return status;
 }

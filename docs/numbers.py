@@ -1,5 +1,6 @@
-"""What the texts say of the results of scripts/numbers: a function for each group of docs/numbers.ini. It gets r, the JSON object that the
-command wrote, csv(name), the rows of a CSV that it wrote, and json(name), and returns the texts by the names of their marks."""
+"""What the texts say of the results of scripts/numbers: a function for each group of docs/numbers.ini. It gets r, the
+JSON object that the command wrote, csv(name), the rows of a CSV that it wrote, and json(name), and returns the texts by
+the names of their marks."""
 
 import math
 
@@ -20,8 +21,8 @@ def host_cost(r, csv, json):
     return {
         "rows": table(csv("cost.csv"), [("code", "code", ""), ("processor time [s]", "time_s", ".2f"),
                 ("particle-steps per second", "particle_steps_per_s", ".3g")]),
-        "lammps_bridge_ns": f"{1e9 * (csv('cost.csv')[2]['time_s'] - csv('cost.csv')[1]['time_s']) / (5000 * 5600):.0f}",
-        "dem_bridge_ns": f"{1e9 * (csv('cost.csv')[4]['time_s'] - csv('cost.csv')[3]['time_s']) / (5000 * 5600):.0f}",
+        **{name: f"{1e9 * (csv('cost.csv')[k]['time_s'] - csv('cost.csv')[k - 1]['time_s']) / (5000 * 5600):.0f}"
+           for name, k in (("lammps_bridge_ns", 2), ("dem_bridge_ns", 4))},
     }
 
 
@@ -170,8 +171,10 @@ def filter_curve(r, csv, json):
 
 def filter_ranges(r, csv, json):
     rows = csv("filter_ranges.csv")
-    families = [("of t / V, of time, of volume, in proportion to t; independent", ("equal t/V", "time", "volume", "proportional")),
-                ("of time, t / V, volume; correlation 0.6 from reading to reading", ("time, AR 0.6", "t/V, AR 0.6", "volume, AR 0.6")),
+    families = [("of t / V, of time, of volume, in proportion to t; independent",
+                 ("equal t/V", "time", "volume", "proportional")),
+                ("of time, t / V, volume; correlation 0.6 from reading to reading",
+                 ("time, AR 0.6", "t/V, AR 0.6", "volume, AR 0.6")),
                 ("a balance that wanders: errors add up to 0.8 %", ("balance walks",)),
                 ("a balance that drifts in proportion to time, 1.2 %", ("balance drifts",))]
 
@@ -186,10 +189,13 @@ def filter_ranges(r, csv, json):
               for known in ("nothing", "independent")}
         return of["nothing"] / of["independent"]
 
-    kinds = [{"name": name, "nothing": [held("nothing", scatters, low, high) for low, high in ((3, 13), (30, 30), (200, 200))],
-              "independent": held("independent", scatters, 3, 200), "drift": held("drift", scatters, 3, 200)} for name, scatters in families]
+    kinds = [{"name": name,
+              "nothing": [held("nothing", scatters, low, high) for low, high in ((3, 13), (30, 30), (200, 200))],
+              "independent": held("independent", scatters, 3, 200), "drift": held("drift", scatters, 3, 200)}
+             for name, scatters in families]
     return {
-        "rows": table(kinds, [("scatter", "name", ""), ("nothing given, 3 to 13 readings", lambda x: x["nothing"][0], ""),
+        "rows": table(kinds,
+                      [("scatter", "name", ""), ("nothing given, 3 to 13 readings", lambda x: x["nothing"][0], ""),
                 ("30", lambda x: x["nothing"][1], ""), ("200", lambda x: x["nothing"][2], ""),
                 ("`independent`, 3 to 200", "independent", ""), ("`drift_error`, 3 to 200", "drift", "")]),
         "wider_8": f"{wider(8):.1f}",
@@ -291,7 +297,8 @@ def cases(r, csv, json):
                             f"{r['cases'][k]['retained_' + x[1] + '_20_s']['interval_95']:.3f}"),
                         "")
                     for k in range(3)])),
-        "model_2_high": [f["numbers"] for f in r["findings"] if "model 2 with the published" in f["claim"]][0].split(" cases ")[1].split(";")[0],
+        "model_2_high": [f["numbers"] for f in r["findings"]
+                         if "model 2 with the published" in f["claim"]][0].split(" cases ")[1].split(";")[0],
         "stay_low": f"{100 * min(r['cases'][k]['retained_near_mesh_20_s']['mean'] for k in range(3)):.0f}",
         "stay_high": f"{100 * max(r['cases'][k]['retained_near_mesh_20_s']['mean'] for k in range(3)):.0f}",
         "case_23": table([r["cases"][22]], (
@@ -315,11 +322,14 @@ def filtration_drag(r, csv, json):
 
 
 def filtration_rates(r, csv, json):
-    names = {"bare": "bare fluid, periodic", "sphere": "one moving sphere of 20 cells", "faces": "two pressure faces", "walls": "six walls",
+    names = {"bare": "bare fluid, periodic", "sphere": "one moving sphere of 20 cells", "faces": "two pressure faces",
+             "walls": "six walls",
         "bed": "bed at rest: 64 spheres of 15 cells, porosity 0.57", "moving_bed": "the same spheres, moving"}
     rows = [x for x in r["rates"] if x["precision"] == "double" and x["case"] in names]
     return {
-        "rates": table(rows, [("what", lambda x: names[x["case"]], ""), ("million nodes a second", "mlups", ".0f"), ("over bare", "over_bare", ".2f")]),
+        "rates": table(rows,
+                       [("what", lambda x: names[x["case"]], ""), ("million nodes a second", "mlups", ".0f"),
+                        ("over bare", "over_bare", ".2f")]),
     }
 
 
@@ -364,7 +374,8 @@ def settling_alike(r, csv, json):
     return {
         "cases": table(list(runs.values()), [("case", "case", ""), ("v [mm/s]", lambda x: 1e3 * x["v_m_per_s"], ".3f"),
             ("over reference", lambda x: f"{x['v_m_per_s'] / x['reference_m_per_s']:.3f}", ""),
-            ("gap with 95 % of v [diameters]", lambda x: "-" if x["gap_95"] != x["gap_95"] else f"{x['gap_95']:.2f}", ""),
+            ("gap with 95 % of v [diameters]", lambda x: "-" if x["gap_95"] != x["gap_95"]
+             else f"{x['gap_95']:.2f}", ""),
             ("with half of v", lambda x: "-" if x["gap_50"] != x["gap_50"] else f"{x['gap_50']:.2f}", "")]),
         "cloth": f"{1e2 * (ratio - 1.0):+.2f}",
     }
@@ -409,6 +420,8 @@ def filter_cake_short(r, csv, json):
 
 
 def filter_cake(r, csv, json):
+    velocity, time = r["filtrate_velocity_m_per_s"], r["time_s"]
+    filtrate = sum(0.5 * (a + b) * (d - c) for a, b, c, d in zip(velocity, velocity[1:], time, time[1:]))
     return {
         "results": table([("spheres that came with the filtrate; in the cake",
                     f"{r['particles_generated']}; {r['particles_deposited']}",
@@ -420,14 +433,10 @@ def filter_cake(r, csv, json):
                 ("porosity", f"{r['cake_porosity']:.2f}", "0.67 follows from 0.5 mm, 0.48 from r_K"),
                 ("r_K by Kozeny and Carman", f"{r['r_k_kozeny_per_m2']:.2g} 1/m2".replace("e+", "e"), ""),
                 ("r_K from the last velocity and the height",
-                    f"{(1000.0 / (1e-3 * r['filtrate_velocity_m_per_s'][-1]) - r['r_m0_per_m']) / r['cake_height_m']:.2g} 1/m2".replace(
-                        "e+", "e"),
-                    ""),
+                    f"{(1e6 / velocity[-1] - r['r_m0_per_m']) / r['cake_height_m']:.2g} 1/m2".replace("e+", "e"), ""),
                 ("r_K from the line of the filter curve", f"{r['r_k_per_m2']:.2g} 1/m2".replace("e+", "e"),
                     "7.8e10 1/m2"),
-                ("filtrate over 20 cm2 in 98 ms", (
-                        f"{20.0e-4 * sum(0.5 * (a + b) * (d - c) for a, b, c, d in zip(r['filtrate_velocity_m_per_s'], r['filtrate_velocity_m_per_s'][1:], r['time_s'], r['time_s'][1:])) * 1e6:.0f}"
-                        f" mL"),
+                ("filtrate over 20 cm2 in 98 ms", f"{20.0e-4 * filtrate * 1e6:.0f} mL",
                     "14 mL")],
             [("", lambda x: x[0], ""), ("unit cell, 7.5 um", lambda x: x[1], ""), ("paper", lambda x: x[2], "")]),
     }
@@ -481,8 +490,9 @@ def classifier_cuts(r, csv, json):
                     for of, title, k in [(1, "equivalent area", 1), (1, "κ", 0), (2, "projected area", 1), (2, "κ", 0)]]
                 + [("eq 3", lambda x: f"{1e6 * x[1]['eq3_m']:.2f}", ""), ("eq 6 equivalent / projected",
                         lambda x: f"{1e6 * x[1]['eq6_m']:.2f} / {1e6 * x[1]['eq6_projected_m']:.2f}", "")])),
-        "coarser": " / ".join(f"{100 * (json(f'projected_{n}.json')['x50_m'] / json(f'equivalent_{n}.json')['x50_m'] - 1):.1f}" for n in [3000, 9000, 15000]).replace(
-            " ", ""),
+        "coarser": "/".join(
+            f"{100 * (json(f'projected_{n}.json')['x50_m'] / json(f'equivalent_{n}.json')['x50_m'] - 1):.1f}"
+            for n in [3000, 9000, 15000]),
     }
 
 
@@ -515,7 +525,8 @@ def granulator(r, csv, json):
                     (6, "+ two opposed streams instead, G1's material unchanged"),
                     (7, "the same, mu 0.0496, r 0.0366, D* 226 um, dilation 1.03e5")]],
             [("reading", 0, ""), ("mean error of I and II, points",
-                    lambda x: sum(abs(q["type1_pct"] - q["paper_type1_pct"]) + abs(q["type2_pct"] - q["paper_type2_pct"]) for q in x[1]) / (2 * len(x[1])),
+                    lambda x: sum(abs(q["type1_pct"] - q["paper_type1_pct"])
+                                  + abs(q["type2_pct"] - q["paper_type2_pct"]) for q in x[1]) / (2 * len(x[1])),
                     ".2f"),
                 ("of d43 [um]", lambda x: 1e6 * sum(abs(q["d43_m"] - q["paper_d43_m"]) for q in x[1]) / len(x[1]),
                     ".1f"),
@@ -530,9 +541,11 @@ def granulator(r, csv, json):
         "map_type1": [f"{x['type1_pct']:.1f}" for x in r["rows"] if x["study"] == "map"][0],
         "map_st_v": [f"{x['st_v_type2_over_type1']:.1f}" for x in r["rows"] if x["study"] == "map"][0],
         "map_st_def": [f"{x['st_def_type2_over_type1']:.0f}" for x in r["rows"] if x["study"] == "map"][0],
-        "streams_type2": f"{max(abs(x['type2_pct'] - x['paper_type2_pct']) for x in csv('sound.csv') if x['reading'] == 7 and x['binder'] > 0.3):.1f}",
-        "streams_d43": f"{1e6 * sum(abs(x['d43_m'] - x['paper_d43_m']) for x in csv('sound.csv') if x['reading'] == 7) / 6:.1f}",
-        "g1_d43": f"{1e6 * sum(abs(x['d43_m'] - x['paper_d43_m']) for x in csv('sound.csv') if x['reading'] == 0) / 6:.1f}",
+        "streams_type2": "%.1f" % max(abs(x["type2_pct"] - x["paper_type2_pct"]) for x in csv("sound.csv")
+                                      if x["reading"] == 7 and x["binder"] > 0.3),
+        **{name: "%.1f" % (1e6 * sum(abs(x["d43_m"] - x["paper_d43_m"]) for x in csv("sound.csv")
+                                     if x["reading"] == reading) / 6)
+           for name, reading in (("streams_d43", 7), ("g1_d43", 0))},
     }
 
 
@@ -673,7 +686,8 @@ def rocks(r, csv, json):
                 ("all of a step [ns]", lambda x: 1e9 * x["step_s"], ".0f")]),
         "beds": table(beds,
             [("corners", "corners", ".0f"), ("porosity", "porosity", ".3f"), ("contacts a rock", "contacts", ".1f"),
-                ("particle-steps per second", "particle_steps_per_s", ".3g"), ("core overlaps", "core_overlaps", ".0f")]),
+                ("particle-steps per second", "particle_steps_per_s", ".3g"),
+             ("core overlaps", "core_overlaps", ".0f")]),
     }
 
 
@@ -729,7 +743,8 @@ def batch_screening_outlet(r, csv, json):
                             ""
                             if t > x[2]
                             else "{:.3f} +- {:.3f}".format(
-                                *[(y["retained_" + kind], 2.365 * y["retained_" + kind + "_sd"] / 8 ** 0.5) for y in [csv(x[1] + "/retained.csv")[10 * t]]][0])),
+                                *[(y["retained_" + kind], 2.365 * y["retained_" + kind + "_sd"] / 8 ** 0.5)
+                                  for y in [csv(x[1] + "/retained.csv")[10 * t]]][0])),
                         "")
                     for name, kind, t in (("small", "small", 1), ("small", "small", 5), ("near-mesh", "near_mesh", 5),
                         ("small", "small", 10), ("near-mesh", "near_mesh", 10))])),
@@ -763,7 +778,8 @@ def batch_screening_laws(r, csv, json):
                 [("", lambda x: f"{x['class'].split(' (')[0]}, {100 * x['to_moisture']:g} %, {x['laws']}", "")]
                 + [
                     (f"{n + 1} s",
-                        lambda x, n=n: f"{x['difference_each_second'][n]:+.3f} +- {x['interval_95_paired_each_second'][n]:.3f}",
+                        lambda x, n=n: f"{x['difference_each_second'][n]:+.3f} +- "
+                                       f"{x['interval_95_paired_each_second'][n]:.3f}",
                         "")
                     for n in range(5)])),
     }
@@ -775,7 +791,8 @@ def blocking_continuous(r, csv, json):
                 [("free holes", lambda x: x[0], "")]
                 + [
                     (f"{s:g} s",
-                        lambda x, k=r["continuous"]["time_s"].index(s): f"{x[1]['free_fraction'][k]:.3f} +- {x[1]['error_95'][k]:.3f}",
+                        lambda x, k=r["continuous"]["time_s"].index(s): f"{x[1]['free_fraction'][k]:.3f} +- "
+                                                                        f"{x[1]['error_95'][k]:.3f}",
                         "")
                     for s in (0, 1, 5)]
                 + [("grains of a patch that passed", lambda x: f"{x[1]['passed']:.0f}", "")])),
@@ -787,8 +804,8 @@ def bench_liquid_bridge(r, csv, json):
     return {
         "table_ns": f"{next(x['ns'] for x in csv('laws.csv') if x['law'].startswith('table')):.1f}",
         "table_error": f"{1e2 * next(x['largest_error'] for x in csv('laws.csv') if x['law'].startswith('table')):.2f}",
-        "willett_ns": f"{next(x['ns'] for x in csv('laws.csv') if x['law'] == 'Willett, full'):.0f}",
-        "willett_error": f"{1e2 * next(x['largest_error'] for x in csv('laws.csv') if x['law'] == 'Willett, full'):.0f}",
+        **{name: f"{scale * next(x[column] for x in csv('laws.csv') if x['law'] == 'Willett, full'):.0f}"
+           for name, scale, column in (("willett_ns", 1, "ns"), ("willett_error", 1e2, "largest_error"))},
         "evaluate_ns": f"{1e9 * r['evaluate_s']:.0f}",
         "form_ns": f"{1e9 * r['form_s']:.0f}",
         "allocate_ns": f"{1e9 * r['allocate_s']:.0f}",
@@ -804,7 +821,8 @@ def dem_accuracy(r, csv, json):
                 {
                     "e": e,
                     "convention": c,
-                    **{x["integrator"]: x["error_rms"] for x in csv("dem_accuracy.csv") if x["scene"] == "head-on" and x["steps_per_contact"] == 20 and x["restitution"] == e and x["convention"] == c},
+                    **{x["integrator"]: x["error_rms"] for x in csv("dem_accuracy.csv") if x["scene"] == "head-on"
+                       and x["steps_per_contact"] == 20 and x["restitution"] == e and x["convention"] == c},
                 }
                 for e in (0.78, 0.4351)
                 for c in ("clipped", "naive")],
@@ -827,7 +845,9 @@ def dem_mesh(r, csv, json):
                 [("triangles", "triangles", ".0f")]
                 + [
                     (f"{n:.0f} spheres [ns a step]",
-                        lambda x, n=n: 1e9 * next(y["step_s"] for y in csv("dem_mesh.csv") if y["triangles"] == x["triangles"] and y["spheres"] == n),
+                        lambda x, n=n: 1e9
+                     * next(y["step_s"] for y in csv("dem_mesh.csv") if y["triangles"] == x["triangles"]
+                            and y["spheres"] == n),
                         ".0f")
                     for n in sorted({y["spheres"] for y in csv("dem_mesh.csv")})]
                 + [("`dem_add_mesh` [ms]", lambda x: (
@@ -866,7 +886,8 @@ def closed_plate(r, csv, json):
                         "")]
                 + [
                     (title, lambda x, k=key: f"{1e3 * x[k]['mean']:.2f} +- {1e3 * x[k]['interval_95']:.2f}", "")
-                    for title, key in (("mean [mm]", "h_star_m_mean_over_time"), ("last 2 s [mm]", "h_star_m_last_fifth"))]
+                    for title, key in (("mean [mm]", "h_star_m_mean_over_time"),
+                                       ("last 2 s [mm]", "h_star_m_last_fifth"))]
                 + [("mean, against the initial case [mm]", lambda x: (
                             (
                                 f"{1e3 * x['h_star_beyond_first']:+.2f} +- "

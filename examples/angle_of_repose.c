@@ -1,12 +1,13 @@
 /* angle_of_repose - spheres through a funnel onto a plate: the slope of the heap against the coefficient of friction.
 
-   The funnel is a triangle mesh from an STL file: the program writes one, or --stl names yours. Spheres of one size are fed into its top.
-   Below it is a round plate with a rim one diameter high, over which the surplus falls. The surface of the heap at rest is the highest
-   centre in each ring and sector of the plate; the angle of repose is the slope of a line through the means of the rings. Its error is the
-   standard error of the mean of several heaps with other random numbers. The funnel rises with the tip of
-   a heap that grows to it; where a heap does not come to rest, has too few spheres, or the funnel is blocked, there is no angle, and the program says
-   why. Friction acts between spheres and with the plate; the funnel is
-   smooth. Rolling resistance with a lever arm replaces the shape that spheres lack. For your own heap: the options and your funnel. */
+   The funnel is a triangle mesh from an STL file: the program writes one, or --stl names yours. Spheres of one size are
+   fed into its top. Below it is a round plate with a rim one diameter high, over which the surplus falls. The surface
+   of the heap at rest is the highest centre in each ring and sector of the plate; the angle of repose is the slope of a
+   line through the means of the rings. Its error is the standard error of the mean of several heaps with other random
+   numbers. The funnel rises with the tip of a heap that grows to it; where a heap does not come to rest, has too few
+   spheres, or the funnel is blocked, there is no angle, and the program says why. Friction acts between spheres and
+   with the plate; the funnel is smooth. Rolling resistance with a lever arm replaces the shape that spheres lack. For
+   your own heap: the options and your funnel. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,7 +27,7 @@ enum {
     FEATURES = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
 };
 
-static const picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}, 0, 0};
+static picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}, {960, 640}};
 
 typedef struct heap {
     /* asked for */
@@ -97,8 +98,8 @@ static double speed_of(const dem_world *w, ptrdiff_t i) {
     return sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
 }
 
-/* Spheres on the plate and above the outlet, and the largest speed of those on the plate. The highest of these that does not fall,
-   or with supported has two neighbours [m]. */
+/* Spheres on the plate and above the outlet, and the largest speed of those on the plate. The highest of these that
+   does not fall, or with supported has two neighbours [m]. */
 static double take_stock(heap *h, const dem_world *w, dem_vec centre, double plate, bool supported) {
     const double falls = 0.2 * sqrt(9.81 * h->diameter);
     double top = 0.0;
@@ -229,8 +230,8 @@ static int pour_one(int index, void *user) {
     return h->status != DEM_OK;
 }
 
-/* Heaps of one friction: the mean of their angles, and its standard error, NaN of one heap [rad]. The heights are those of the first.
-   Returns how many heaps have an angle. */
+/* Heaps of one friction: the mean of their angles, and its standard error, NaN of one heap [rad]. The heights are those
+   of the first. Returns how many heaps have an angle. */
 static int average(const heap *h, int heaps, double *mean, double *error) {
     double sum = 0.0, square = 0.0;
     int n = 0;
@@ -266,7 +267,7 @@ static void report(const program *self, const heap *all, int n, int heaps, const
                                             {"on_plate", "on the plate", "%.0f"},
                                             {"largest_speed_m_s", "largest speed [mm/s]", "%.2g", 1e3}};
     result_table *t = RESULTS(columns);
-    riddle_plot *figure = riddle_plot_new("Heaps poured through a funnel", 1, 2);
+    riddle_plot *figure = riddle_plot_new("Heaps poured through a funnel", 1, n > 2 ? 2 : 1);
     riddle_plot_panel(figure, 0, 0, "distance from the axis [mm]", "height of the surface's centres [mm]");
     riddle_plot_equal(figure);
     for (int k = 0; k < n; k++) {
@@ -291,12 +292,13 @@ static void report(const program *self, const heap *all, int n, int heaps, const
             "Means of %d heaps each, with other random numbers; heights, numbers and speeds are of the first.\n",
             heaps);
     else common_print("One heap each: how far others would be from it is not known; --heaps tells.\n");
-    riddle_plot_panel(figure, 0, 1, "coefficient of friction [-]", "angle of repose [deg]");
-    riddle_plot_line(figure, "slope of the surface", friction, angle, n);
-    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, 0);
-    if (heaps > 1)
-        riddle_plot_error_bars(figure, "standard error of the mean", friction, angle, error, n),
-            riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
+    if (n > 2) { /* two angles are no curve */
+        riddle_plot_panel(figure, 0, 1, "coefficient of friction [-]", "angle of repose [°]");
+        riddle_plot_line(figure, "slope of the surface", friction, angle, n);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, 0);
+        if (heaps > 1) riddle_plot_error_bars(figure, "standard error of the mean", friction, angle, error, n);
+        if (heaps > 1) riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
+    }
     riddle_plot_write(figure, self->out, "angle_of_repose.svg");
 
     json *j = json_open(self->json);
@@ -332,6 +334,7 @@ int main(int argc, char **argv) {
         option_string("stl", "FILE", &stl,
                       "a funnel of your own: mouth up, outlet down, the axis in the middle of its box"),
         option_flag("movie", &film, "angle_of_repose.mp4 of the last heap, by ffmpeg"),
+        option_size("size", view.size, "of the picture and the movie [pixels]"),
         option_positive("stl-scale", "M", &scale, 1e6, "length of the file's unit [m]"),
         option_double("outlet", "X", &outlet, 2.0, 1000.0,
                       "height of the outlet over the plate, in diameters; it rises where the heap grows to it [-]"),

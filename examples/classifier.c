@@ -1,19 +1,21 @@
 /* Air classification in a deflector wheel by classifier.h, after Weers et al., Minerals 12 (2022) 480, "the paper".
 
-   Draws, for one material and speed (the curves also for the other two speeds), its inputs: fig07_rebound_angle, fig09_restitution (with
-   the bars of Thornton & Ning), fig11_contacts; and the counterparts of its results: fig08_rebound_on_wheel, fig10_impact_radius,
-   fig12_case_weights, fig13_separation, figA4_contacts_fixed; paths.svg: the balance at the hit against the whole path; circuit.svg:
-   the effect of a second stage with recycle. tromp.csv has the separation curve. Inputs that the paper only draws are replaced by plausible
-   values (docs/classifier.md).
+   Draws, for one material and speed (the curves also for the other two speeds), its inputs: fig07_rebound_angle,
+   fig09_restitution (with the bars of Thornton & Ning), fig11_contacts; and the counterparts of its results:
+   fig08_rebound_on_wheel, fig10_impact_radius, fig12_case_weights, fig13_separation, figA4_contacts_fixed; paths.svg:
+   the balance at the hit against the whole path; circuit.svg: the effect of a second stage with recycle. tromp.csv has
+   the separation curve. Inputs that the paper only draws are replaced by plausible values (docs/classifier.md).
 
-   Your own material:  classifier --sphericity psi.csv --restitution e.csv --imperfection angle.csv --tangential vt.csv --radial vr.csv
-                       columns low,high,share (shares add up to 1; angles in degrees, velocities in m/s); --contact-counts n.csv with
-                       columns contacts,share
-   Your own curve:     --sizes psd.csv      columns low_um,high_um,feed,coarse,fine (shares; feed_sd,coarse_sd,fine_sd if known, else 2 % of
-                                            the largest): reconciled to a separation curve with error bars
+   Your own material:  classifier --sphericity psi.csv --restitution e.csv --imperfection angle.csv --tangential vt.csv
+   --radial vr.csv
+                       columns low,high,share (shares add up to 1; angles in degrees, velocities in m/s);
+                       --contact-counts n.csv with columns contacts,share
+   Your own curve:     --sizes psd.csv      columns low_um,high_um,feed,coarse,fine (shares; feed_sd,coarse_sd,fine_sd
+                                            if known, else 2 % of the largest): reconciled to a separation curve with
+                                            error bars
                        --measured t.csv     columns size_um,t: drawn beside the model and fitted
-                       --calibrate          the gas velocity that gives the measured x50 is found and used (the paper's one-point
-                                            calibration); or --x50-um X for a cut known otherwise */
+                       --calibrate          the gas velocity that gives the measured x50 is found and used (the paper's
+                                            one-point calibration); or --x50-um X for a cut known otherwise */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,11 +48,14 @@ static sheet read_table(const program *self, const char *name, const char *path,
 }
 
 /* low,high,share -> distribution; classes must follow each other without gaps */
-static void read_distribution(const program *self, const char *name, const char *path, char dimension, classifier_distribution *d) {
+static void read_distribution(const program *self, const char *name, const char *path, char dimension,
+                              classifier_distribution *d) {
     if (!path) return;
-    sheet_column c[3] = {sheet_want("low", dimension, true), sheet_want("high", dimension, true), sheet_want("share", '%', true)};
+    sheet_column c[3] = {sheet_want("low", dimension, true), sheet_want("high", dimension, true),
+                         sheet_want("share", '%', true)};
     sheet data = read_table(self, name, path, c, 3);
-    const double degrees = dimension == 'W' && c[0].factor == 1.0 ? RIDDLE_PI / 180.0 : 1.0; /* angles without a unit are in degrees */
+    /* angles without a unit are in degrees */
+    const double degrees = dimension == 'W' && c[0].factor == 1.0 ? RIDDLE_PI / 180.0 : 1.0;
     double edge[MOST_ROWS + 1] = {0.0}, share[MOST_ROWS] = {0.0};
     for (int i = 0; i < data.rows; i++) {
         double low = degrees * c[0].value[i];
@@ -95,7 +100,8 @@ typedef struct measured {
     bool from_curve;                  /* found from the scatter about the curve, which the balance does not show */
     int freedom;
     int classes;                      /* of the distributions, with what the balance makes of them */
-    double low[MOST_ROWS], high[MOST_ROWS], tromp[MOST_ROWS], tromp_sd[MOST_ROWS], share[3][MOST_ROWS]; /* [m] [-] [-]; feed, coarse, fine */
+    /* [m] [-] [-]; feed, coarse, fine */
+    double low[MOST_ROWS], high[MOST_ROWS], tromp[MOST_ROWS], tromp_sd[MOST_ROWS], share[3][MOST_ROWS];
 } measured;
 
 static void read_sizes(const program *self, const char *path, measured *m) {
@@ -106,14 +112,16 @@ static void read_sizes(const program *self, const char *path, measured *m) {
     if (data.n > MOST_ROWS) refuse_file(self, "sizes", path, "more than 200 rows");
     common_print("%s\n", data.how);
     double share[3][MOST_ROWS], sd[3][MOST_ROWS], t[MOST_ROWS], t_sd[MOST_ROWS];
-    const int first = data.amount[0][0] == 0.0 && data.amount[1][0] == 0.0 && data.amount[2][0] == 0.0; /* nothing below the first size */
+    /* nothing below the first size */
+    const int first = data.amount[0][0] == 0.0 && data.amount[1][0] == 0.0 && data.amount[2][0] == 0.0;
     const int n = data.n - first;
-    if (data.single) refuse_file(self, "sizes", path, "shares of classes, or what passes each size; not of single sizes");
+    if (data.single)
+        refuse_file(self, "sizes", path, "shares of classes, or what passes each size; not of single sizes");
     for (int k = 0; k < 3; k++) {
         double largest = 0.0;
         if (data.above[k] > 1e-3) {
-            snprintf(message, sizeof message, "%g of %s is coarser than %g um; a row must say how coarse", data.above[k], names[k],
-                     1e6 * data.size[data.n - 1]);
+            snprintf(message, sizeof message, "%g of %s is coarser than %g um; a row must say how coarse",
+                     data.above[k], names[k], 1e6 * data.size[data.n - 1]);
             refuse_file(self, "sizes", path, message);
         }
         for (int i = 0; i < n; i++) {
@@ -145,24 +153,28 @@ static void read_sizes(const program *self, const char *path, measured *m) {
     sheet_free_sizes(&data);
 }
 
-/* Fits a curve with a bypass. Guessed deviations are those of the balance, but no less than the scatter about the curve shows: a feed that
-   was computed from the products closes every balance. They come from few points, so the ranges count Student's t. */
+/* Fits a curve with a bypass. Guessed deviations are those of the balance, but no less than the scatter about the curve
+   shows: a feed that was computed from the products closes every balance. They come from few points, so the ranges
+   count Student's t. */
 static classifier_status fit_measured(measured *m, classifier_fit_result *fit) {
     double widened[MOST_ROWS], chi = 0.0;
     classifier_fit_result plain;
-    classifier_status status = classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_BYPASS, m->x, m->t, m->has_sd ? m->sd : NULL, m->n, fit);
+    classifier_status status =
+        classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_BYPASS, m->x, m->t, m->has_sd ? m->sd : NULL, m->n, fit);
     if (status != CLASSIFIER_OK || !m->guessed) return status;
     for (int i = 0; i < m->n; i++) chi += pow((m->t[i] - classifier_curve_value(&fit->curve, m->x[i])) / m->sd[i], 2.0);
     const double factor = sqrt(chi / fit->dof);
     m->from_curve = factor > 1.0;
     for (int i = 0; i < m->n && m->from_curve; i++) m->sd[i] *= factor;
     for (int i = 0; i < m->classes && m->from_curve; i++) m->tromp_sd[i] *= factor;
-    if (classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_BYPASS, m->x, m->t, NULL, m->n, &plain) != CLASSIFIER_OK) return status;
+    if (classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_BYPASS, m->x, m->t, NULL, m->n, &plain) != CLASSIFIER_OK)
+        return status;
     for (int i = 0; i < m->n; i++) widened[i] = m->sd[i] * plain.student / fit->student;
     return classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_BYPASS, m->x, m->t, widened, m->n, fit);
 }
 
-/* Prints and writes what the balance makes of three size distributions: T of each class with its standard deviation, adjusted shares. */
+/* Prints and writes what the balance makes of three size distributions: T of each class with its standard deviation,
+   adjusted shares. */
 static void write_balance(const program *self, const measured *m) {
     static const result_column columns[] = {{NULL, "class [um]", "%s"},
                                             {"low_m"},
@@ -182,10 +194,11 @@ static void write_balance(const program *self, const measured *m) {
     results_print(t);
     results_csv(t, self->out, "balance.csv");
     results_free(t);
-    common_print("Coarse product %.4f of the feed; balance: chi squared %.3g with %d degrees of freedom.\n", m->coarse_share, m->chi_squared,
-                 m->freedom);
+    common_print("Coarse product %.4f of the feed; balance: chi squared %.3g with %d degrees of freedom.\n",
+                 m->coarse_share, m->chi_squared, m->freedom);
     if (m->from_curve)
-        common_print("The balance closes better than T follows a curve: was the feed computed from the products? Deviations are those of the "
+        common_print("The balance closes better than T follows a curve: was the feed computed from the products? "
+                     "Deviations are those of the "
                      "points about the curve.\n");
     common_print("\n");
 }
@@ -250,7 +263,8 @@ static void sample_approach(const classifier_def *def, int per_axis, approach *a
            edge = asin(0.5 * def->wheel.thickness / def->wheel.outer_radius);
     double arc = 2.0 * RIDDLE_PI / def->wheel.paddles - 2.0 * edge, each = 1.0 / per_axis;
     double flat = classifier_distribution_mean(&def->sphericity_2d); /* the mean shape, where gas bends the flight */
-    classifier_drag drag = classifier_hoelzer_sommerfeld(def->sphericity_is_3d ? flat : classifier_rorato(flat), def->basis);
+    classifier_drag drag =
+        classifier_hoelzer_sommerfeld(def->sphericity_is_3d ? flat : classifier_rorato(flat), def->basis);
     int hits = 0, n = per_axis;
     *a = (approach){0};
     for (int i = 0; i < n; i++) {
@@ -298,10 +312,10 @@ static void sample_approach(const classifier_def *def, int per_axis, approach *a
 
 /* What drag before the hit changes: hit and cut with the straight flight of the paper, and with gas that bends it. */
 static void compare_approach(const program *self, const classifier_def defs[3]) {
-    riddle_io_file *file =
-        csv_open(self->out, "approach_in_gas.csv",
-                 "rpm,speed_straight,speed_in_gas,angle_straight_deg,angle_in_gas_deg,x50_clean_straight_um,x50_clean_in_gas_um,"
-                 "x50_straight_um,x50_in_gas_um");
+    riddle_io_file *file = csv_open(
+        self->out, "approach_in_gas.csv",
+        "rpm,speed_straight,speed_in_gas,angle_straight_deg,angle_in_gas_deg,x50_clean_straight_um,x50_clean_in_gas_um,"
+        "x50_straight_um,x50_in_gas_um");
     const classifier_weights clean = {1.0, 0.0, 0.0};
     for (int k = 0; k < 3; k++) {
         classifier_def def = defs[k];
@@ -319,8 +333,9 @@ static void compare_approach(const program *self, const classifier_def defs[3]) 
         sample_approach(&def, 12, &a[0]);
         def.approach_size = x50[1][1];
         sample_approach(&def, 12, &a[1]);
-        csv_line(file, "%.0f,%.4f,%.4f,%.2f,%.2f,%.3f,%.3f,%.3f,%.3f", def.rpm, a[0].mean_speed / rim, a[1].mean_speed / rim,
-                 a[0].mean_angle / degree, a[1].mean_angle / degree, 1e6 * x50[0][0], 1e6 * x50[0][1], 1e6 * x50[1][0], 1e6 * x50[1][1]);
+        csv_line(file, "%.0f,%.4f,%.4f,%.2f,%.2f,%.3f,%.3f,%.3f,%.3f", def.rpm, a[0].mean_speed / rim,
+                 a[1].mean_speed / rim, a[0].mean_angle / degree, a[1].mean_angle / degree, 1e6 * x50[0][0],
+                 1e6 * x50[0][1], 1e6 * x50[1][0], 1e6 * x50[1][1]);
     }
     riddle_io_close(file);
 }
@@ -413,7 +428,8 @@ static void draw_contacts(const program *self, const classifier_def *def) {
         riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     }
     if (def->contacts.law == CLASSIFIER_COUNTED) {
-        riddle_plot_line(figure, "your counts", (double[]){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, def->contacts.share, 12);
+        riddle_plot_line(figure, "your counts", (double[]){0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, def->contacts.share,
+                         12);
         riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_BLACK);
     }
     riddle_plot_write(figure, self->out, "fig11_contacts.svg");
@@ -440,7 +456,8 @@ static void draw_contacts(const program *self, const classifier_def *def) {
 /* ---- separation ---- */
 
 static double eq6(const classifier_def *def, classifier_basis basis, bool stokes) {
-    double r = def->wheel.outer_radius, psi = classifier_rorato_clamped(classifier_distribution_mean(&def->sphericity_2d), NULL);
+    double r = def->wheel.outer_radius,
+           psi = classifier_rorato_clamped(classifier_distribution_mean(&def->sphericity_2d), NULL);
     classifier_balance at = {def->fluid_density,
                              def->viscosity,
                              def->particle_density,
@@ -448,7 +465,8 @@ static double eq6(const classifier_def *def, classifier_basis basis, bool stokes
                              classifier_radial_velocity(&def->wheel, def->air_flow, r),
                              def->rpm * RIDDLE_PI / 30.0 * r,
                              def->buoyancy};
-    return stokes ? classifier_cut_size_stokes(&at) : classifier_cut_size(&at, classifier_hoelzer_sommerfeld(psi, basis), NULL);
+    return stokes ? classifier_cut_size_stokes(&at)
+                  : classifier_cut_size(&at, classifier_hoelzer_sommerfeld(psi, basis), NULL);
 }
 
 static int prepare(const program *self, classifier_model *model, const classifier_def *def) {
@@ -465,8 +483,8 @@ static void size_grid(double *x, double low, double high) {
 }
 
 /* Fig 13: three speeds, the model against the two force balances */
-static void draw_separation(const program *self, const classifier_def defs[3], const classifier_def *def, const measured *m,
-                            const classifier_fit_result *fit, const char *name) {
+static void draw_separation(const program *self, const classifier_def defs[3], const classifier_def *def,
+                            const measured *m, const classifier_fit_result *fit, const char *name) {
     double x[SIZES], um[SIZES], t[SIZES];
     char label[120], title[160];
     snprintf(title, sizeof title, "Weers et al. (2022), Fig 13: separation of %s", name);
@@ -484,8 +502,8 @@ static void draw_separation(const program *self, const classifier_def defs[3], c
         classifier_model model;
         if (prepare(self, &model, d)) break;
         for (int i = 0; i < SIZES; i++) t[i] = classifier_tromp(&model, x[i], NULL);
-        snprintf(label, sizeof label, "%.0f 1/min%s: x50 = %.1f µm", d->rpm, d->rpm < 3000.0 || d->rpm > 15000.0 ? " (not measured)" : "",
-                 1e6 * classifier_quantile(&model, 0.5));
+        snprintf(label, sizeof label, "%.0f 1/min%s: x50 = %.1f µm", d->rpm,
+                 d->rpm < 3000.0 || d->rpm > 15000.0 ? " (not measured)" : "", 1e6 * classifier_quantile(&model, 0.5));
         riddle_plot_line(figure, label, um, t, SIZES);
         riddle_plot_style(figure, 0, k);
         double line_x[2], line_y[2] = {0.0, 1.0};
@@ -517,7 +535,8 @@ static void draw_separation(const program *self, const classifier_def defs[3], c
 static void draw_fixed_contacts(const program *self, classifier_model *model) {
     double x[SIZES], um[SIZES], t[SIZES], centre = classifier_quantile(model, 0.5);
     char label[80];
-    riddle_plot *figure = riddle_plot_new("Weers et al. (2022), Fig A4: fixed numbers of contacts, and the cases alone", 1, 1);
+    riddle_plot *figure =
+        riddle_plot_new("Weers et al. (2022), Fig A4: fixed numbers of contacts, and the cases alone", 1, 1);
     riddle_plot_panel_size(figure, 600, 380);
     riddle_plot_panel(figure, 0, 0, "particle size [µm]", "share rejected to the coarse product T [-]");
     riddle_plot_log_x(figure);
@@ -529,7 +548,8 @@ static void draw_fixed_contacts(const program *self, classifier_model *model) {
     for (int k = 0; k < 6; k++) {
         model->weights = k < 3 ? classifier_weights_of(k) : k == 3 ? mixed : alone[k - 3];
         for (int i = 0; i < SIZES; i++) t[i] = classifier_tromp(model, x[i], NULL);
-        if (k < 3) snprintf(label, sizeof label, "%d contact%s%s", k, k == 1 ? "" : "s", k == 0 ? " (case A alone)" : "");
+        if (k < 3)
+            snprintf(label, sizeof label, "%d contact%s%s", k, k == 1 ? "" : "s", k == 0 ? " (case A alone)" : "");
         riddle_plot_line(figure, k < 3 ? label : k == 3 ? "contacts mixed as in Fig 11" : cases[k - 3], um, t, SIZES);
         riddle_plot_style(figure, k > 3 ? RIDDLE_PLOT_DASHED : 0, k == 3 ? RIDDLE_PLOT_BLACK : RIDDLE_PLOT_NEXT);
     }
@@ -542,8 +562,8 @@ static void draw_fixed_contacts(const program *self, classifier_model *model) {
 static void draw_circuit(const program *self, const classifier_model *model, json *report) {
     const classifier_circuit_def clean_fine = {2, {CLASSIFIER_TO_COARSE, 0}, {1, CLASSIFIER_TO_FINE}};
     const classifier_circuit_def clean_coarse = {2, {1, CLASSIFIER_TO_COARSE}, {CLASSIFIER_TO_FINE, 0}};
-    double x[SIZES], um[SIZES], one[SIZES], fine[SIZES], coarse[SIZES], load[2], loads[SIZES], centre = classifier_quantile(model, 0.5),
-                                                                                               highest = 0.0;
+    double x[SIZES], um[SIZES], one[SIZES], fine[SIZES], coarse[SIZES], load[2], loads[SIZES],
+        centre = classifier_quantile(model, 0.5), highest = 0.0;
     if (!(centre > 0.0)) return;
     size_grid(x, 0.4 * centre, 8.0 * centre);
     for (int i = 0; i < SIZES; i++) {
@@ -595,7 +615,9 @@ static void draw_paths(const program *self, const classifier_def *def, const cla
         int n = 0;
         for (int i = 0; i < PATH_SIZES && !common_interrupted(); i++) {
             double size = 0.6 * centre * pow(2.0 / 0.6, i / (PATH_SIZES - 1.0));
-            if (classifier_trajectory_tromp(&fewer, size, (classifier_slip)slip, &path_t[i], &error[i]) != CLASSIFIER_OK) break;
+            if (classifier_trajectory_tromp(&fewer, size, (classifier_slip)slip, &path_t[i], &error[i]) !=
+                CLASSIFIER_OK)
+                break;
             path_um[n++] = 1e6 * size;
         }
         riddle_plot_error_bars(figure, names[slip], path_um, path_t, error, n);
@@ -626,10 +648,12 @@ static void refuse_definition(const program *self, const classifier_def *def) {
                               : !strcmp(field, "particle_restitution") ? "restitution"
                                                                        : field;
     program_refuse(self, option_name, NULL,
-                   "values in its range: restitution and sphericity 0 .. 1, inward velocity >= 0, angles with rebounds off the face");
+                   "values in its range: restitution and sphericity 0 .. 1, inward velocity >= 0, angles with rebounds "
+                   "off the face");
 }
 
-/* Scales the gas velocities so that the wanted speed has this cut size: the paper's proposal, one point serves all speeds. */
+/* Scales the gas velocities so that the wanted speed has this cut size: the paper's proposal, one point
+   serves all speeds. */
 static void calibrate_to(const program *self, double x50_um, classifier_def *def, classifier_def defs[3]) {
     classifier_def calibrated;
     if (classifier_calibrate(def, 1e-6 * x50_um, NULL, &calibrated) != CLASSIFIER_OK)
@@ -652,9 +676,10 @@ static classifier_status evaluate(const classifier_model *model, outcome *o) {
 }
 
 static void write_curve(const program *self, const classifier_model *model, const double *x) {
-    riddle_io_file *file = csv_open(self->out, "tromp.csv",
-                                    "# share of a size that is rejected to the coarse product, half width of its 95 % interval, cases "
-                                    "alone\nsize_m,t,t_error,t_a,t_b,t_c");
+    riddle_io_file *file =
+        csv_open(self->out, "tromp.csv",
+                 "# share of a size that is rejected to the coarse product, half width of its 95 % interval, cases "
+                 "alone\nsize_m,t,t_error,t_a,t_b,t_c");
     for (int i = 0; i < SIZES; i++) {
         double error;
         const double share = classifier_tromp(model, x[i], &error);
@@ -671,8 +696,9 @@ static void tell_outcome(json *report, const outcome *o, const char *material, c
     const classifier_result *r = &o->r;
     const double weights[3] = {r->weights.clean, r->weights.thrown, r->weights.again};
     const double undisturbed = classifier_radial_velocity(&def->wheel, def->air_flow, def->wheel.outer_radius);
-    common_print("%s, %.0f 1/min, %g m3/h, rim %.2f m/s, gas %.2f m/s (undisturbed %.2f)\n\n", material, def->rpm, 3600.0 * def->air_flow,
-                 def->rpm * RIDDLE_PI / 30.0 * def->wheel.outer_radius, def->radial_factor * undisturbed, undisturbed);
+    common_print("%s, %.0f 1/min, %g m3/h, rim %.2f m/s, gas %.2f m/s (undisturbed %.2f)\n\n", material, def->rpm,
+                 3600.0 * def->air_flow, def->rpm * RIDDLE_PI / 30.0 * def->wheel.outer_radius,
+                 def->radial_factor * undisturbed, undisturbed);
     json_string(report, "material", key);
     json_string(report, "basis", def->basis == CLASSIFIER_PROJECTED ? "projected" : "equivalent");
     results_values(report, {"rpm", def->rpm}, {"air_m3_per_s", def->air_flow}, {"radial_factor", def->radial_factor},
@@ -688,24 +714,28 @@ static void tell_outcome(json *report, const outcome *o, const char *material, c
     json_array(report, "tromp", o->t, SIZES);
     json_bool(report, "cut_outside", (r->flags & CLASSIFIER_CUT_OUTSIDE) != 0);
     json_bool(report, "extrapolated", (o->flags & CLASSIFIER_EXTRAPOLATED) != 0);
-    common_print("\nCases: clean %.3f, thrown by a particle %.3f, hit again %.3f. Model and curve: %.1f ms.\n", r->weights.clean,
-                 r->weights.thrown, r->weights.again, 1e3 * o->seconds);
+    common_print("\nCases: clean %.3f, thrown by a particle %.3f, hit again %.3f. Model and curve: %.1f ms.\n",
+                 r->weights.clean, r->weights.thrown, r->weights.again, 1e3 * o->seconds);
     if (o->flags & CLASSIFIER_EXTRAPOLATED)
-        common_print("Note: the paper measured 3000 .. 15000 1/min; inputs that depend on the speed are held at the end.\n");
+        common_print(
+            "Note: the paper measured 3000 .. 15000 1/min; inputs that depend on the speed are held at the end.\n");
     if (r->flags & CLASSIFIER_CUT_OUTSIDE)
         common_print("Note: a cut lies outside %g .. %g um.\n", 1e6 * def->size_low, 1e6 * def->size_high);
     if (r->flags & CLASSIFIER_MISSED)
         common_print("Note: %.1f %% of the particles pass between the paddles untouched.\n", 100.0 * r->missed);
     if (r->clamped > 1e-3)
-        common_print("Note: %.1f %% of the sphericities lie outside the conversion's range and were set to its end.\n", 100.0 * r->clamped);
+        common_print("Note: %.1f %% of the sphericities lie outside the conversion's range and were set to its end.\n",
+                     100.0 * r->clamped);
 }
 
 static void print_fit(const classifier_fit_result *fit) {
     char range[3][60];
-    common_print("Measured curve: x50 %.2f%s um, slope %.2f%s, bypass %.3f%s, rms %.3f (95 %% ranges, %.0f degrees of freedom)\n",
-                 1e6 * fit->curve.size, range_of(range[0], sizeof *range, 1e6 * fit->size_low, 1e6 * fit->size_high, 2), fit->curve.slope,
-                 range_of(range[1], sizeof *range, fit->slope_low, fit->slope_high, 2), fit->curve.bypass,
-                 range_of(range[2], sizeof *range, fit->bypass_low, fit->bypass_high, 3), fit->rms, fit->dof);
+    common_print("Measured curve: x50 %.2f%s um, slope %.2f%s, bypass %.3f%s, rms %.3f (95 %% ranges, %.0f degrees of "
+                 "freedom)\n",
+                 1e6 * fit->curve.size, range_of(range[0], sizeof *range, 1e6 * fit->size_low, 1e6 * fit->size_high, 2),
+                 fit->curve.slope, range_of(range[1], sizeof *range, fit->slope_low, fit->slope_high, 2),
+                 fit->curve.bypass, range_of(range[2], sizeof *range, fit->bypass_low, fit->bypass_high, 3), fit->rms,
+                 fit->dof);
 }
 
 static void report_fit(json *report, const classifier_fit_result *fit) {
@@ -722,36 +752,47 @@ int main(int argc, char **argv) {
     int material = 0, basis = 0, law = 0;
     double rpm = 3000.0, air = 75.0, contacts = 1.0, x50 = 0.0, factor = 2.7;
     bool calibrate = false;
-    const char *sphericity = NULL, *restitution = NULL, *imperfection = NULL, *tangential = NULL, *radial = NULL, *counts = NULL,
-               *sizes = NULL, *points = NULL;
+    const char *sphericity = NULL, *restitution = NULL, *imperfection = NULL, *tangential = NULL, *radial = NULL,
+               *counts = NULL, *sizes = NULL, *points = NULL;
     option options[] = {
-        option_choice("material", &material, "limestone|ground-glass|beads", "the paper's materials: density, shape, rebound, contacts"),
-        option_positive("rpm", "N", &rpm, 1e6, "rotor speed [1/min]; outside 3000 .. 15000 inputs are held at the ends"),
+        option_choice("material", &material, "limestone|ground-glass|beads",
+                      "the paper's materials: density, shape, rebound, contacts"),
+        option_positive("rpm", "N", &rpm, 1e6,
+                        "rotor speed [1/min]; outside 3000 .. 15000 inputs are held at the ends"),
         option_positive("air-m3-per-h", "Q", &air, 1e6, "air flow [m3/h]"),
-        option_choice("basis", &basis, "equivalent|projected", "area of the drag coefficient; projected reproduces the paper"),
-        option_choice("drag", &law, "hoelzer-sommerfeld|schiller-naumann|stokes", "drag law; the last two ignore the shape"),
-        option_double("contacts", "MEAN", &contacts, 0.0, 1e6, "mean number of contacts, geometric; default 1, beads 0.2"),
+        option_choice("basis", &basis, "equivalent|projected",
+                      "area of the drag coefficient; projected reproduces the paper"),
+        option_choice("drag", &law, "hoelzer-sommerfeld|schiller-naumann|stokes",
+                      "drag law; the last two ignore the shape"),
+        option_double("contacts", "MEAN", &contacts, 0.0, 1e6,
+                      "mean number of contacts, geometric; default 1, beads 0.2"),
         option_positive("radial-factor", "CHI", &factor, 1e3,
                         "gas velocity before the paddle / undisturbed [-]; default 2.7 .. 4.3 by speed"),
         option_string("sphericity", "FILE", &sphericity, "2D sphericity: CSV with low,high,share"),
         option_string("restitution", "FILE", &restitution, "coefficient of restitution: CSV with low,high,share"),
-        option_string("imperfection", "FILE", &imperfection, "rebound - impact angle [degrees]: CSV with low,high,share"),
-        option_string("tangential", "FILE", &tangential, "velocity of entering particles against the wheel [m/s]: CSV with low,high,share"),
-        option_string("radial", "FILE", &radial, "velocity of entering particles inward [m/s]: CSV with low,high,share"),
+        option_string("imperfection", "FILE", &imperfection,
+                      "rebound - impact angle [degrees]: CSV with low,high,share"),
+        option_string("tangential", "FILE", &tangential,
+                      "velocity of entering particles against the wheel [m/s]: CSV with low,high,share"),
+        option_string("radial", "FILE", &radial,
+                      "velocity of entering particles inward [m/s]: CSV with low,high,share"),
         option_string("contact-counts", "FILE", &counts, "contacts counted: CSV with contacts,share"),
         option_string("sizes", "FILE", &sizes,
-                      "size distributions of feed, coarse and fine: low_um,high_um,feed,coarse,fine, or classes or sieves as a laboratory "
+                      "size distributions of feed, coarse and fine: low_um,high_um,feed,coarse,fine, or classes or "
+                      "sieves as a laboratory "
                       "writes them"),
         option_string("measured", "FILE", &points, "measured separation curve: CSV with size_um,t"),
         option_flag("calibrate", &calibrate, "find the gas velocity that gives the measured x50"),
         option_double("x50-um", "X", &x50, 0.0, 1e4, "calibrate to this cut size [um]; 0: off"),
     };
-    program self = program_start("classifier", "Separation curve of a deflector-wheel classifier, from the rebound of single particles.",
-                                 options, (int)(sizeof options / sizeof *options), argc, argv);
+    program self = program_start(
+        "classifier", "Separation curve of a deflector-wheel classifier, from the rebound of single particles.",
+        options, (int)(sizeof options / sizeof *options), argc, argv);
     if (counts && is_given(&self, "contacts"))
         program_refuse(&self, "contacts", NULL, "either --contacts or --contact-counts");
     if (sizes && points) program_refuse(&self, "measured", points, "either --measured or --sizes");
-    if (calibrate && !sizes && !points) program_refuse(&self, "calibrate", NULL, "only with --measured or --sizes; else --x50-um");
+    if (calibrate && !sizes && !points)
+        program_refuse(&self, "calibrate", NULL, "only with --measured or --sizes; else --x50-um");
 
     static outcome o;
     classifier_def defs[3];
@@ -783,7 +824,8 @@ int main(int argc, char **argv) {
     if (m.n) {
         const classifier_status status = fit_measured(&m, &fit);
         fitted = status == CLASSIFIER_OK;
-        if (!fitted && calibrate) refuse_file(&self, sizes ? "sizes" : "measured", sizes ? sizes : points, classifier_status_text(status));
+        if (!fitted && calibrate)
+            refuse_file(&self, sizes ? "sizes" : "measured", sizes ? sizes : points, classifier_status_text(status));
         if (!fitted) common_print("The points are drawn without a curve: %s\n", classifier_status_text(status));
         if (calibrate && x50 <= 0.0) x50 = 1e6 * fit.curve.size; /* of the curve without bypass: the model has none */
     }

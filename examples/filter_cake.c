@@ -1,14 +1,16 @@
 /* A filter cake that grows on a woven wire cloth, the flow resolved around wires and spheres, by filtration.h.
 
-   filter_cake               2/2 twill of 28 um wires and 32 um openings, glass spheres of 55 to 109 um, 1e11 1/m3 in water, 1000 Pa, 98 ms:
-                             Puderbach, Schmidt & Antonyuk, Processes 9 (2021) 826 ("the paper"), a box of 480 um
+   filter_cake               2/2 twill of 28 um wires and 32 um openings, glass spheres of 55 to 109 um, 1e11 1/m3 in
+                             water, 1000 Pa, 98 ms: Puderbach, Schmidt & Antonyuk, Processes 9 (2021) 826 ("the paper"),
+                             a box of 480 um
    filter_cake --unit-cell   a box of 240 um, the smallest that repeats: a quarter of the spheres
    filter_cake --short       the clean cloth up to its resistance and the first spheres, in less than a minute
    Your own particles:       --sizes sizes.csv     columns diameter_um and number_share, volume_share or q3
    Long runs:                --checkpoint FILE --stop-ms 20, then --resume FILE: the same bits as without a stop
 
-   series.csv and velocity.svg (filtrate velocity in time), curve.svg (t / V over V, scaled to 20 cm2, with its line), spheres.svg (height
-   and velocity of each), slice.svg (speed in a cut), particles.pvd and flow.pvd for ParaView: the paper's Figs 18 to 21. */
+   series.csv and velocity.svg (filtrate velocity in time), curve.svg (t / V over V, scaled to 20 cm2, with its line),
+   spheres.svg (height and velocity of each), slice.svg (speed in a cut), particles.pvd and flow.pvd for ParaView: the
+   paper's Figs 18 to 21. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,13 +29,15 @@ typedef struct duty {
     double width, height, centre;                     /* of the box; height of the cloth in it [m] */
     double voxel, tau, fastest_tau, bulk_ratio, time; /* tau at the start and later */
     double magic, ramp;                               /* [-]; time in which the pressure comes [s] */
-    double first_share; /* of the pressure at the start: 1, or less where the lattice would not resolve the jets through the clean cloth */
+    double first_share; /* of the pressure at the start: 1, or less where the lattice would not resolve the jets through
+                           the clean cloth */
     int twill, paper_force, half_way, classes;
     double diameter[MOST_CLASSES], share[MOST_CLASSES]; /* by number, adding up to 1 */
 } duty;
 
-/* Lambda of the two relaxation times. Jets near that limit need the smaller one, which damps what the lattice does not resolve; through
-   pores of four voxels the clean cloth then resists a quarter more, so it goes once the cake has slowed the jets. */
+/* Lambda of the two relaxation times. Jets near that limit need the smaller one, which damps what the lattice does not
+   resolve; through pores of four voxels the clean cloth then resists a quarter more, so it goes once the cake has
+   slowed the jets. */
 static const double exact_magic = 3.0 / 16.0, jet_magic = 0.03;
 
 /* The paper's numbers; number shares are the specification's conversion of its Figure 9. */
@@ -51,8 +55,8 @@ static duty paper_duty(void) {
     return d;
 }
 
-/* Classes of a curve Q3, cumulative by volume: between two sizes q3 is constant, and a class has the diameter of its mean
-   volume. Returns what is wrong, or NULL. */
+/* Classes of a curve Q3, cumulative by volume: between two sizes q3 is constant, and a class has the diameter of its
+   mean volume. Returns what is wrong, or NULL. */
 static const char *classes_of_curve(const sheet_sizes *data, duty *d) {
     double Q3[MOST_CLASSES + 1], Q0[MOST_CLASSES + 1];
     const double *x = data->size;
@@ -81,8 +85,8 @@ static const char *classes_of_shares(const sheet_sizes *data, duty *d) {
 }
 
 static void read_sizes(const program *self, const char *path, duty *d) {
-    static const char *const wanted =
-        "a file with the columns diameter_um and number_share, volume_share or q3 (cumulative, by volume), up to 64 rows";
+    static const char *const wanted = "a file with the columns diameter_um and number_share, volume_share or q3 "
+                                      "(cumulative, by volume), up to 64 rows";
     sheet_sizes data;
     char message[600], text[800];
     if (sheet_read_sizes(path, NULL, 1, &data, message, sizeof message) != 0) {
@@ -104,8 +108,9 @@ static void check_sizes(const program *self, const char *path, const duty *d) {
     char text[200];
     for (int i = 0; i < d->classes; i++) least = fmin(least, d->diameter[i]), most = fmax(most, d->diameter[i]);
     if (least >= 4.0 * d->voxel && most <= 0.5 * d->width) return;
-    snprintf(text, sizeof text, "diameters of %.3g um (4 voxels) to %.3g um (half the box); these: %.3g to %.3g um%s", 4e6 * d->voxel,
-             0.5e6 * d->width, 1e6 * least, 1e6 * most, least < 4.0 * d->voxel ? "; or finer voxels" : "; or no --unit-cell");
+    snprintf(text, sizeof text, "diameters of %.3g um (4 voxels) to %.3g um (half the box); these: %.3g to %.3g um%s",
+             4e6 * d->voxel, 0.5e6 * d->width, 1e6 * least, 1e6 * most,
+             least < 4.0 * d->voxel ? "; or finer voxels" : "; or no --unit-cell");
     program_refuse(self, "sizes", path, text);
 }
 
@@ -121,7 +126,7 @@ typedef struct cake {
     double clean_velocity; /* largest filtrate velocity before that [m/s], over the share of the pressure that acts */
     double share;          /* of the pressure that acts after the ramp [-] */
     double limited_time, limited_filtrate; /* until when, and until what filtrate, it was below 1 [s] [m3] */
-    double next_sample;    /* [s] */
+    double next_sample;                    /* [s] */
     int samples;
     double time[MOST_SAMPLES], volume[MOST_SAMPLES], velocity[MOST_SAMPLES]; /* [s] [m3] [m/s] */
     double pressure_noise; /* sum of squared changes of the force on resting spheres [N2] */
@@ -259,7 +264,8 @@ static cake_shape measure_cake(const run *r) {
     s.deposited = mark_cake(r, in_cake);
     for (int i = 0; i < c->n; i++) {
         if (!(c->radius[i] > 0.0)) continue;
-        const double R = c->radius[i], volume = 4.0 / 3.0 * RIDDLE_PI * R * R * R, above = c->centre[3 * i + 2] - surface;
+        const double R = c->radius[i], volume = 4.0 / 3.0 * RIDDLE_PI * R * R * R,
+                     above = c->centre[3 * i + 2] - surface;
         if (!in_cake[i]) {
             s.settling++;
             continue;
@@ -322,8 +328,8 @@ static filtration_status set_pressure(run *r) {
     return status == FILTRATION_OK ? filtration_fluid_set_face_pressure(&r->fluid, FILTRATION_LOW_Z, -p) : status;
 }
 
-/* A longer time step once the pores are clogged, a shorter one for a fast flow: lattice speed at most 0.1 and density difference at most
-   0.08. */
+/* A longer time step once the pores are clogged, a shorter one for a fast flow: lattice speed at most 0.1 and density
+   difference at most 0.08. */
 static filtration_status choose_step(run *r) {
     const double speed = filtration_fluid_max_speed(&r->fluid) * r->fluid.dt / r->d.voxel;
     const double now = r->fluid.def.tau;
@@ -336,7 +342,8 @@ static filtration_status choose_step(run *r) {
 /* Largest u dx / nu that the lattice resolves: faster jets become unsteady between the wires, and the run stops. */
 static const double resolved = 18.0;
 
-/* As a pump of limited rate does: where the jets through the clean cloth are too fast for the lattice, part of the pressure waits for the cake. */
+/* As a pump of limited rate does: where the jets through the clean cloth are too fast for the lattice, part of the
+   pressure waits for the cake. */
 static filtration_status limit_pressure(run *r) {
     cake *c = r->c;
     if (!(r->d.first_share < 1.0) || r->fluid.time < r->d.ramp) return FILTRATION_OK;
@@ -349,7 +356,8 @@ static filtration_status limit_pressure(run *r) {
     return filtration_fluid_set_tau(&r->fluid, r->fluid.def.tau);
 }
 
-/* Mean square change of the force on touching spheres from one step to the next: what sound of the moving surfaces adds. */
+/* Mean square change of the force on touching spheres from one step to the next: what sound of the moving
+   surfaces adds. */
 static void listen(cake *c, const double *before) {
     for (int i = 0; i < c->n; i++) {
         if (!(c->radius[i] > 0.0)) continue;
@@ -534,10 +542,13 @@ static void print_run(const run *r, const findings *f) {
     }
     table_end(&t);
     if (r->d.first_share < 1.0)
-        common_print("The lattice does not resolve the jets of the whole pressure through the clean cloth: %.3g Pa at the start, less than the "
+        common_print("The lattice does not resolve the jets of the whole pressure through the clean cloth: %.3g Pa at "
+                     "the start, less than the "
                      "whole until %.3g ms, as with a pump of limited rate; the line begins after that.\n",
                      r->d.first_share * r->d.pressure, 1e3 * c->limited_time);
-    if (r->d.first_share < 1.0) common_print("R_M0 is then too high, by a quarter where pores are four voxels wide: finer voxels or a lower pressure give it.\n");
+    if (r->d.first_share < 1.0)
+        common_print("R_M0 is then too high, by a quarter where pores are four voxels wide: finer voxels or a lower "
+                     "pressure give it.\n");
     if (f->evaluated != FILTRATION_OK) common_print("No line: %s\n", filtration_status_text(f->evaluated));
     else if (line < 0.0)
         common_print("R_M from the line is below 0, which no medium has: the first spheres clog pores, and the line "
@@ -563,6 +574,10 @@ static void draw_curves(const program *self, const run *r, const findings *f) {
     riddle_plot_line(figure, "", ms, c->velocity, c->samples);
     if (c->first_touch >= 0.0) riddle_plot_vertical(figure, "first sphere on the cloth", 1e3 * c->first_touch);
     riddle_plot_write(figure, self->out, "velocity.svg");
+    if (c->first_touch < 0.0) {
+        figure_left_out(self->out, "curve.svg", "no sphere has reached the cloth");
+        return;
+    }
     figure = riddle_plot_new("Filter curve", 1, 1);
     riddle_plot_panel(figure, 0, 0, "filtrate over 20 cm² [mL]", "t / V [s/mL]");
     riddle_plot_line(figure, "simulated", V, ratio, c->samples);
@@ -586,6 +601,10 @@ static void draw_spheres(const program *self, const run *r) {
         const double *v = c->speed + 3 * i;
         height[k][n[k]] = 1e3 * (c->centre[3 * i + 2] - r->d.centre),
         speed[k][n[k]++] = 1e3 * sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    }
+    if (!n[1]) {
+        figure_left_out(self->out, "spheres.svg", "no sphere has reached the cloth");
+        return;
     }
     riddle_plot *figure = riddle_plot_new("Velocity of the spheres", 1, 1);
     riddle_plot_panel(figure, 0, 0, "speed [mm/s]", "height over the cloth [mm]");
@@ -626,17 +645,20 @@ typedef struct typed {
     const char *sizes, *checkpoint, *resume;
 } typed;
 
-/* Start step from the largest speed in the pores: that of a free jet and a fifth more, less what viscosity takes (fitted to the
-   paper's twill from 500 to 5000 Pa), with the share of the pressure that the lattice resolves. Refuses what has less than a third of it. */
+/* Start step from the largest speed in the pores: that of a free jet and a fifth more, less what viscosity takes
+   (fitted to the paper's twill from 500 to 5000 Pa), with the share of the pressure that the lattice resolves. Refuses
+   what has less than a third of it. */
 static void choose_start(const program *self, const typed *t, duty *d) {
     const double friction = 8.0 * d->viscosity * d->wire / (d->opening * d->opening) / d->density;
     const double jet = sqrt(friction * friction + 1.44 * 2.0 * d->pressure / d->density) - friction;
     const double needed = jet * d->voxel * d->density / d->viscosity, cell = fmin(needed, resolved);
     const double reached = cell * d->viscosity / (d->voxel * d->density) + friction;
     char text[300];
-    d->first_share = needed > resolved ? (reached * reached - friction * friction) * d->density / 2.88 / d->pressure : 1.0;
+    d->first_share =
+        needed > resolved ? (reached * reached - friction * friction) * d->density / 2.88 / d->pressure : 1.0;
     if (!(d->first_share >= 1.0 / 3.0)) {
-        snprintf(text, sizeof text, "at most %.2g with %.3g um voxels, or voxels of %.2g um: the liquid has about %.2g m/s in the pores",
+        snprintf(text, sizeof text,
+                 "at most %.2g with %.3g um voxels, or voxels of %.2g um: the liquid has about %.2g m/s in the pores",
                  3.0 * d->first_share * d->pressure, 1e6 * d->voxel, 1e6 * d->voxel * resolved / needed, jet);
         program_refuse(self, "pressure-pa", NULL, text);
     }
@@ -660,14 +682,16 @@ static duty completed(const program *self, const typed *t) {
     if (!(cells <= 1e5)) program_refuse(self, "voxel-um", NULL, "at least a 100 000th of the box's width");
     if (fabs(cells - floor(cells + 0.5)) > 1e-6 * cells || !(fmin(d.wire, d.opening) >= 2.0 * d.voxel))
         program_refuse(self, "voxel-um", NULL,
-                       "a whole part of the box's width (one or two periods of the weave), and at most half a wire and half an opening");
+                       "a whole part of the box's width (one or two periods of the weave), and at most half a wire and "
+                       "half an opening");
     choose_start(self, t, &d);
     if (t->sizes) read_sizes(self, t->sizes, &d);
     check_sizes(self, t->sizes, &d);
     return d;
 }
 
-/* Options of the set-up that are given with a checkpoint of another one are not ignored. first: what they are where they are not given. */
+/* Options of the set-up that are given with a checkpoint of another one are not ignored. first: what they are where
+   they are not given. */
 static void check_resumed(const program *self, const typed *t, const typed *first, const duty *d) {
     const struct {
         const char *name;

@@ -3,11 +3,13 @@
    1. curve.svg: t / V over V, the straight stretch, its line with the interval, and the residuals.
    2. prediction.svg: filtrate over time on another filter: --new-area-cm2, --new-pressure-pa, --new-rate-ml-s.
 
-   Your own curve:  filter_curve --data run.csv --pressure-pa 1e5 --area-cm2 20     a laboratory's table (common/sheet.h) with columns time
-   and volume or mass of the filtrate, in English or German, with their units; pressure and test may be columns, too
+   Your own curve:  filter_curve --data run.csv --pressure-pa 1e5 --area-cm2 20     a laboratory's table
+   (common/sheet.h) with columns time and volume or mass of the filtrate, in English or German, with their units;
+   pressure and test may be columns, too
    3. compressibility.svg: resistance over pressure, where the table has runs at several pressures.
-   Without --data the readings are generated: 14 mL through 20 cm2 at 1000 Pa with R_M0 3.4e6 1/m, as in Puderbach, Schmidt & Antonyuk,
-   Processes 9 (2021) 826, R_MI 2e6 1/m, r_K K_S 4.14e9 1/m2 and 0.5 % scatter. The paper's raw readings are not printed. */
+   Without --data the readings are generated: 14 mL through 20 cm2 at 1000 Pa with R_M0 3.4e6 1/m, as in Puderbach,
+   Schmidt & Antonyuk, Processes 9 (2021) 826, R_MI 2e6 1/m, r_K K_S 4.14e9 1/m2 and 0.5 % scatter. The paper's raw
+   readings are not printed. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -68,7 +70,8 @@ static void refuse_file(const program *self, const char *path, const char *reaso
     program_refuse(self, "data", path, text);
 }
 
-/* Does another run begin in this row? By another test, a time that falls together with the volume, or another pressure. */
+/* Does another run begin in this row? By another test, a time that falls together with the volume, or
+   another pressure. */
 static bool begins_a_run(const sheet *table, const sheet_column *c, int i, const readings *r, double volume) {
     if (i == 0) return true;
     if (c[TEST].value) {
@@ -300,16 +303,19 @@ static void predict(const program *self, json *report, const settings *s, const 
     }
     results_csv(course, self->out, "prediction.csv");
     const double *V = results_column(course, "volume_m3", 1e6), *t = results_column(course, "time_s", 1.0);
-    riddle_plot *figure = riddle_plot_new(outside ? "Prediction, outside the readings" : "Prediction", 1, 3);
+    riddle_plot *figure =
+        riddle_plot_new(outside ? "Prediction, outside the readings" : "Prediction", 1, at_pressure ? 2 : 3);
     riddle_plot_panel(figure, 0, 0, "filtrate V [mL]", "time [s]");
     if (at_pressure && isfinite(time.low)) riddle_plot_band(figure, "interval of the fit", V, low, high, CURVE);
     riddle_plot_line(figure, "time", V, t, CURVE);
     if (outside & FILTRATION_OUTSIDE_MORE)
-        riddle_plot_vertical(figure, "as thick a cake as measured", 1e6 * c->largest * o.area / c->area);
+        riddle_plot_vertical(figure, "readings end here", 1e6 * c->largest * o.area / c->area);
     riddle_plot_panel(figure, 0, 1, "time [s]", "filtrate flow [mL/s]");
     riddle_plot_line(figure, "", t, results_column(course, "flow_m3_per_s", 1e6), CURVE);
-    riddle_plot_panel(figure, 0, 2, "time [s]", "pressure difference [Pa]");
-    riddle_plot_line(figure, "", t, results_column(course, "pressure_pa", 1.0), CURVE);
+    if (!at_pressure) {
+        riddle_plot_panel(figure, 0, 2, "time [s]", "pressure difference [Pa]");
+        riddle_plot_line(figure, "", t, results_column(course, "pressure_pa", 1.0), CURVE);
+    }
     riddle_plot_write(figure, self->out, "prediction.svg");
     results_free(course);
 }

@@ -1,17 +1,18 @@
-/* High-shear granulation by granulation.h: the studies of Gantt & Gatzke, High-shear granulation modeling using a discrete element
-   simulation approach ("the paper"), each as an ensemble of replicates, beside a population balance.
+/* High-shear granulation by granulation.h: the studies of Gantt & Gatzke, High-shear granulation modeling using a
+   discrete element simulation approach ("the paper"), each as an ensemble of replicates, beside a population balance.
 
-   pouw      Table 1: solid, liquid and air by size class in time (figure 5), beside a population balance with the same laws and with Pouw's
-             saturation kernel; a normal start (figures 6 and 7)
+   pouw      Table 1: solid, liquid and air by size class in time (figure 5), beside a population balance with the same
+             laws and with Pouw's saturation kernel; a normal start (figures 6 and 7)
    impeller  Table 2 and figure 8: 120, 360, 720 and 840 rpm
    binder    Table 3 and figure 9: 15, 25, 33 and 40 % binder
-   map       figure 10: every collision of some runs in the plane of the Stokes numbers, and the coalescence boundaries of the population
-             as it then is
+   map       figure 10: every collision of some runs in the plane of the Stokes numbers, and the coalescence boundaries
+             of the population as it then is
    midbatch  binder is sprayed on, the impeller slows down and the binder cools while a batch runs
    sound     Tables 2 and 3 with readings that conserve momentum: swept contacts
    custom    one condition of your own: --rpm, --binder, --viscosity ...
 
-   The paper leaves about ten parameters and rules open. The set used here ("G1", granulation_paper_def) is a fit: docs/granulation.md. */
+   The paper leaves about ten parameters and rules open. The set used here ("G1", granulation_paper_def) is a fit:
+   docs/granulation.md. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -62,8 +63,9 @@ static double speed_of(double rpm) {
     return granulation_tip_speed(GRANULATION_PRINTED, rpm / 60.0, 1.0);
 } /* (33) as the paper uses it, 1 m */
 
-/* Swept contacts at the sum of the radii, momentum conserved, two velocities of three drawn anew each step (the impeller acts all the
-   time), half of the granules moving against the other half. Four numbers refitted to the same 12 percentages and 6 sizes. */
+/* Swept contacts at the sum of the radii, momentum conserved, two velocities of three drawn anew each step (the
+   impeller acts all the time), half of the granules moving against the other half. Four numbers refitted to the same 12
+   percentages and 6 sizes. */
 static granulation_def sound_def(void) {
     granulation_def def = granulation_default_def();
     def.stirring = 1.0;
@@ -82,8 +84,8 @@ static unsigned outside_of(const granulation_sim *sim) {
     granulation_def *d = &fitted.def;
     if (d->stirring == sound.stirring && d->signs == sound.signs && d->dilation == sound.dilation &&
         d->laws.viscosity == sound.laws.viscosity && d->laws.yield_ratio == sound.laws.yield_ratio &&
-        d->laws.limit_diameter == sound.laws.limit_diameter && d->detection == sound.detection && d->contact == sound.contact &&
-        d->bounce == sound.bounce && d->approaching_only == sound.approaching_only) {
+        d->laws.limit_diameter == sound.laws.limit_diameter && d->detection == sound.detection &&
+        d->contact == sound.contact && d->bounce == sound.bounce && d->approaching_only == sound.approaching_only) {
         d->stirring = paper.stirring, d->signs = paper.signs, d->dilation = paper.dilation;
         d->laws.viscosity = paper.laws.viscosity, d->laws.yield_ratio = paper.laws.yield_ratio;
         d->laws.limit_diameter = paper.laws.limit_diameter, d->detection = paper.detection, d->contact = paper.contact;
@@ -148,7 +150,8 @@ static granulation_status apply(granulation_sim *sim, const change *what, int st
     return status;
 }
 
-/* Classes by the volume that a granule would have with the air of the feed: consolidation then moves nobody to another class. */
+/* Classes by the volume that a granule would have with the air of the feed: consolidation then moves nobody to
+   another class. */
 static double volume_at_start(double wet) { return wet / 0.85; }
 
 static void note(const granulation_sim *sim, const ensemble *e, record *r, int step, const granulation_tally *before) {
@@ -167,7 +170,8 @@ static void note(const granulation_sim *sim, const ensemble *e, record *r, int s
     r->number[step] = sim->n;
     double film = 0.0, held = 0.0, met = (double)(sim->tally.interactions - before->interactions);
     for (int i = 0; i < sim->n; i++) film += sim->body[i].film / sim->n;
-    for (int k = GRANULATION_TYPE_I; k <= GRANULATION_TYPE_II_DRY; k++) held += (double)(sim->tally.by_reason[k] - before->by_reason[k]);
+    for (int k = GRANULATION_TYPE_I; k <= GRANULATION_TYPE_II_DRY; k++)
+        held += (double)(sim->tally.by_reason[k] - before->by_reason[k]);
     r->film[step] = film;
     r->success[step] = met > 0.0 ? held / met : 0.0;
 }
@@ -283,9 +287,9 @@ static const paper_row *paper_for(double rpm, double liquid) {
 }
 
 static void write_row(json *report, const char *study, const ensemble *e) {
-    static const char *const keys[GRANULATION_REPLICATE_FIELDS] = {"type1_pct",    "type2_pct", "rebound_pct", "both_pct", "mean_size_m",
-                                                                   "interactions", "breakages", "granules",    "d10_m",    "d30_m",
-                                                                   "d32_m",        "x10_m",     "x50_m",       "x90_m",    "span"};
+    static const char *const keys[GRANULATION_REPLICATE_FIELDS] = {
+        "type1_pct", "type2_pct", "rebound_pct", "both_pct", "mean_size_m", "interactions", "breakages", "granules",
+        "d10_m",     "d30_m",     "d32_m",       "x10_m",    "x50_m",       "x90_m",        "span"};
     char key[40], words[500];
     json_object_begin(report, NULL);
     json_string(report, "study", study);
@@ -347,7 +351,8 @@ static void table1_classes(double edges[CLASSES + 1]) {
 
 /* ---- impeller and binder: four conditions ---- */
 
-static int study_rows(const program *self, json *report, const char *name, const condition *conditions, int n, int replicates, int steps) {
+static int study_rows(const program *self, json *report, const char *name, const condition *conditions, int n,
+                      int replicates, int steps) {
     bool impeller = !strcmp(name, "impeller");
     double edges[CLASSES + 1];
     unsigned outside[4] = {0};
@@ -361,21 +366,28 @@ static int study_rows(const program *self, json *report, const char *name, const
     progress_begin(&bar, impeller ? "impeller speeds" : "binder contents", (double)n * replicates);
     int bad = 0;
     for (int i = 0; i < n && !bad; i++) {
-        ensemble e = {.c = conditions + i, .edges = edges, .steps = steps, .replicates = replicates, .seed = self->seed, .bar = &bar};
+        ensemble e = {.c = conditions + i,
+                      .edges = edges,
+                      .steps = steps,
+                      .replicates = replicates,
+                      .seed = self->seed,
+                      .bar = &bar};
         bad = ensemble_run(&e, self);
         if (!bad) {
             add_row(t, &e);
             write_row(report, name, &e);
             outside[i] = outside_in_most(&e);
-            snprintf(titles[i], sizeof titles[i], impeller ? "%g rpm%s" : "%g %% binder%s", impeller ? e.c->rpm : 100.0 * e.c->liquid,
-                     outside[i] ? " (outside the fit)" : "");
-            riddle_plot_panel(figure, i / 2, i % 2, "volume at the feed's air content [10⁻¹² m³]", "share of the solid volume [-]");
+            snprintf(titles[i], sizeof titles[i], impeller ? "%g rpm%s" : "%g %% binder%s",
+                     impeller ? e.c->rpm : 100.0 * e.c->liquid, outside[i] ? " (outside the fit)" : "");
+            riddle_plot_panel(figure, i / 2, i % 2, "volume at the feed's air content [10⁻¹² m³]",
+                              "share of the solid volume [-]");
             riddle_plot_title(figure, titles[i]);
             for (int k = 0; k < 4; k++) {
                 int step = k == 3 ? steps : k * steps / 4;
                 double x[CLASSES], y[CLASSES], all = 0.0;
                 size_t block = (size_t)(steps + 1) * CLASSES;
-                for (int c = 0; c < CLASSES; c++) all += y[c] = over(&e, e.records[0].q + block + (size_t)step * CLASSES + c).mean;
+                for (int c = 0; c < CLASSES; c++)
+                    all += y[c] = over(&e, e.records[0].q + block + (size_t)step * CLASSES + c).mean;
                 for (int c = 0; c < CLASSES; c++) {
                     x[c] = 2.0 * (c + 1);
                     y[c] /= all > 0.0 ? all : 1.0;
@@ -398,10 +410,11 @@ static int study_rows(const program *self, json *report, const char *name, const
     results_csv(t, self->out, impeller ? "table2.csv" : "table3.csv");
     for (int i = 0; i < n; i++) say_outside(titles[i], outside[i]);
     riddle_plot_write(figure, self->out, impeller ? "figure8.svg" : "figure9.svg");
-    figure = riddle_plot_new(
-        impeller ? "Gantt & Gatzke, Table 2: what becomes of collisions" : "Gantt & Gatzke, Table 3: what becomes of collisions", 1, 3);
-    static const char *const y_labels[3] = {"Type I coalescence [% of collisions]", "Type II coalescence [% of collisions]",
-                                            "mean size d43 [µm]"};
+    figure = riddle_plot_new(impeller ? "Gantt & Gatzke, Table 2: what becomes of collisions"
+                                      : "Gantt & Gatzke, Table 3: what becomes of collisions",
+                             1, 3);
+    static const char *const y_labels[3] = {"Type I coalescence [% of collisions]",
+                                            "Type II coalescence [% of collisions]", "mean size d43 [µm]"};
     static const char *const keys[3][3] = {{"type1_pct", "type1_ci95", "paper_type1_pct"},
                                            {"type2_pct", "type2_ci95", "paper_type2_pct"},
                                            {"d43_m", "d43_ci95", "paper_d43_m"}};
@@ -423,8 +436,9 @@ static int study_rows(const program *self, json *report, const char *name, const
 
 /* ---- pouw: the discrete simulation beside population balances ---- */
 
-/* Coalescence in the paper's discrete simulation as a kernel: how often the rule for contacts finds a pair (one granule's centre within
-   the larger radius at the end of a step), times the share of relative speeds at which the laws say coalescence. */
+/* Coalescence in the paper's discrete simulation as a kernel: how often the rule for contacts finds a pair (one
+   granule's centre within the larger radius at the end of a step), times the share of relative speeds at which the laws
+   say coalescence. */
 typedef struct found_pairs {
     const granulation_laws *laws;
     double per_step; /* (4 pi / 3) / (box volume) / step [1/(m3 s)] */
@@ -464,8 +478,8 @@ typedef struct curve {
 } curve;
 
 /* Table 1 on keys that are multiples of the smallest: no error of the grid at all */
-static granulation_status balance_curve(curve *out, const condition *c, granulation_kernel kernel, const void *user, const double *edges,
-                                        int steps) {
+static granulation_status balance_curve(curve *out, const condition *c, granulation_kernel kernel, const void *user,
+                                        const double *edges, int steps) {
     double cells[GRID];
     for (int i = 0; i < GRID; i++) cells[i] = 0.85e-12 * (2 * i + 1);
     granulation_balance_def def = granulation_balance_default_def();
@@ -502,7 +516,8 @@ static granulation_status balance_curve(curve *out, const condition *c, granulat
 }
 
 /* Pouw's rate constant, such that as many granules are left as in the discrete simulation */
-static double fit_pouw(curve *out, const condition *c, granulation_kernel_data *data, const double *edges, int steps, double left) {
+static double fit_pouw(curve *out, const condition *c, granulation_kernel_data *data, const double *edges, int steps,
+                       double left) {
     double low = 1e-7, high = 1.0;
     for (int i = 0; i < 16; i++) {
         data->rate = sqrt(low * high);
@@ -525,7 +540,8 @@ static void write_by_class(json *report, const char *key, const ensemble *e, int
     json_array_end(report);
 }
 
-/* Ends the array "rows" and writes solid, liquid and air by class and time after it: the last thing that a study does with an ensemble. */
+/* Ends the array "rows" and writes solid, liquid and air by class and time after it: the last thing that a study does
+   with an ensemble. */
 static void end_rows_with_classes(json *report, const ensemble *e, int classes) {
     double time[MOST_STEPS + 1];
     for (int step = 0; step <= e->steps; step++) time[step] = step * e->c->def.step;
@@ -538,14 +554,14 @@ static void end_rows_with_classes(json *report, const ensemble *e, int classes) 
 }
 
 /* figure 5, or 7 with a normal start: q of solid, liquid and air by class; balance may be NULL */
-static int draw_classes(const program *self, const ensemble *e, const curve *balance, const char *title, const char *file,
-                        const char *csv_name, int first, int classes) {
+static int draw_classes(const program *self, const ensemble *e, const curve *balance, const char *title,
+                        const char *file, const char *csv_name, int first, int classes) {
     static const char *const phases[3] = {"solid [10⁻¹⁰ m³]", "liquid [10⁻¹⁰ m³]", "air [10⁻¹⁰ m³]"};
     static double time[MOST_STEPS + 1], y[MOST_STEPS + 1], low[MOST_STEPS + 1], high[MOST_STEPS + 1];
     size_t block = (size_t)(e->steps + 1) * CLASSES;
     riddle_plot *figure = riddle_plot_new(title, 1, 3);
-    riddle_io_file *data =
-        csv_open(self->out, csv_name, "step,class,solid_m3,liquid_m3,air_m3,balance_solid_m3,balance_liquid_m3,balance_air_m3");
+    riddle_io_file *data = csv_open(
+        self->out, csv_name, "step,class,solid_m3,liquid_m3,air_m3,balance_solid_m3,balance_liquid_m3,balance_air_m3");
     for (int step = 0; step <= e->steps; step++) {
         time[step] = step;
         for (int k = first; k < classes; k++) {
@@ -563,13 +579,14 @@ static int draw_classes(const program *self, const ensemble *e, const curve *bal
         for (int k = first; k < classes; k++) {
             char label[40];
             for (int step = 0; step <= e->steps; step++) {
-                granulation_estimate x = over(e, e->records[0].q + (size_t)(p + 1) * block + (size_t)step * CLASSES + k);
+                granulation_estimate x =
+                    over(e, e->records[0].q + (size_t)(p + 1) * block + (size_t)step * CLASSES + k);
                 y[step] = 1e10 * x.mean;
                 low[step] = 1e10 * (x.mean - x.confidence);
                 high[step] = 1e10 * (x.mean + x.confidence);
             }
-            snprintf(label, sizeof label, k + 1 < CLASSES ? "%g to %g · 10⁻¹² m³" : "over %g · 10⁻¹² m³", 1e12 * e->edges[k],
-                     1e12 * e->edges[k + 1]);
+            snprintf(label, sizeof label, k + 1 < CLASSES ? "%g to %g · 10⁻¹² m³" : "over %g · 10⁻¹² m³",
+                     1e12 * e->edges[k], 1e12 * e->edges[k + 1]);
             riddle_plot_line(figure, p == 2 ? label : NULL, time, y, e->steps + 1);
             riddle_plot_style(figure, k - first < 8 ? 0 : RIDDLE_PLOT_DASHED, (k - first) % 8);
             if (balance || classes < 7) {
@@ -609,9 +626,11 @@ static int study_pouw(const program *self, json *report, granulation_def def, in
     double left = over(&e, e.records[0].number + steps).mean;
     double rate = fit_pouw(&pouw, &c, &data, edges, steps, left);
     draw_classes(self, &e, &laws,
-                 "Gantt & Gatzke, Fig 5: their Table 1 by size class, discrete simulation (full) and population balance (dashed)",
+                 "Gantt & Gatzke, Fig 5: their Table 1 by size class, discrete simulation (full) and population "
+                 "balance (dashed)",
                  "figure5.svg", "figure5.csv", 0, 5);
-    riddle_plot *figure = riddle_plot_new("Gantt & Gatzke, Table 1 at 360 rpm: discrete simulation, population balances", 1, 2);
+    riddle_plot *figure =
+        riddle_plot_new("Gantt & Gatzke, Table 1 at 360 rpm: discrete simulation, population balances", 1, 2);
     for (int panel = 0; panel < 2; panel++) {
         double unit = panel ? 1e6 : 1.0;
         riddle_plot_panel(figure, 0, panel, "step [s]", panel ? "mean size d43 [µm]" : "granules [-]");
@@ -664,7 +683,8 @@ static int study_normal(const program *self, json *report, granulation_def def, 
     int bad = ensemble_run(&f, self);
     if (!bad) {
         write_row(report, "normal", &f);
-        draw_classes(self, &f, NULL, "Gantt & Gatzke, Fig 7: a normal start, 10 size classes", "figure7.svg", "figure7.csv", 0, CLASSES);
+        draw_classes(self, &f, NULL, "Gantt & Gatzke, Fig 7: a normal start, 10 size classes", "figure7.svg",
+                     "figure7.csv", 0, CLASSES);
         riddle_plot *figure = riddle_plot_new("Gantt & Gatzke, Fig 6: a normal start, one run", 1, 1);
         riddle_plot_panel(figure, 0, 0, "volume at the feed's air content [10⁻¹² m³]", "granules [-]");
         for (int k = 0; k < 5; k++) {
@@ -705,7 +725,8 @@ typedef struct outcome_plane {
 } outcome_plane;
 
 /* Draws the outcomes that the population would have at a step. */
-static granulation_status draw_outcomes(const granulation_sim *sim, const condition *c, int k, int step, riddle_plot *map) {
+static granulation_status draw_outcomes(const granulation_sim *sim, const condition *c, int k, int step,
+                                        riddle_plot *map) {
     static const char *const outcomes[3] = {"rebound", "Type I", "Type II"};
     double film = 0.0, cells[MAP_SIDE * MAP_SIDE], st_v[MAP_SIDE], st_def[MAP_SIDE];
     granulation_reason reasons[MAP_SIDE * MAP_SIDE];
@@ -762,7 +783,8 @@ static void sort_collisions(const program *self, const events *all, outcome_plan
 
 static void draw_collisions(const program *self, const outcome_plane *p) {
     static const char *const names[MAP_KINDS] = {"rebound", "Type II", "Type I", "Type I, eq 21 met, too"};
-    riddle_plot *figure = riddle_plot_new("Gantt & Gatzke, Fig 10: every collision in the plane of the Stokes numbers", 1, 1);
+    riddle_plot *figure =
+        riddle_plot_new("Gantt & Gatzke, Fig 10: every collision in the plane of the Stokes numbers", 1, 1);
     riddle_plot_panel_size(figure, 620, 430);
     riddle_plot_panel(figure, 0, 0, "Stokes deformation number St_def [-]", "viscous Stokes number St_v [-]");
     riddle_plot_log_x(figure);
@@ -856,8 +878,13 @@ static int study_midbatch(const program *self, json *report, granulation_def def
     progress_begin(&bar, "changes in mid-batch", 4.0 * replicates);
     int bad = 0;
     for (int k = 0; k < 4 && !bad; k++) {
-        ensemble e = {
-            .c = &c, .change = changes + k, .edges = edges, .steps = steps, .replicates = replicates, .seed = self->seed, .bar = &bar};
+        ensemble e = {.c = &c,
+                      .change = changes + k,
+                      .edges = edges,
+                      .steps = steps,
+                      .replicates = replicates,
+                      .seed = self->seed,
+                      .bar = &bar};
         bad = ensemble_run(&e, self);
         if (!bad) {
             outside[k] = outside_in_most(&e);
@@ -888,7 +915,8 @@ static int study_midbatch(const program *self, json *report, granulation_def def
         if (outside[k]) strncat(texts[k], " (outside the fit)", sizeof texts[k] - strlen(texts[k]) - 1);
     }
     riddle_plot *figure = riddle_plot_new("Operating conditions that change in mid-batch", 2, 2);
-    const char *const labels[4] = {"mean size d43 [µm]", "granules [-]", "mean binder film [nm]", "coalescing collisions [%]"};
+    const char *const labels[4] = {"mean size d43 [µm]", "granules [-]", "mean binder film [nm]",
+                                   "coalescing collisions [%]"};
     for (int p = 0; p < 4; p++) {
         riddle_plot_panel(figure, p / 2, p % 2, "step [s]", labels[p]);
         for (int k = 0; k < 4; k++) {
@@ -929,13 +957,15 @@ static granulation_def reading(int k, const char **name) {
 
 static int study_sound(const program *self, json *report, int replicates, int steps) {
     double edges[CLASSES + 1], points[READINGS], microns[READINGS], last[3][6], paper[3][6];
-    const char *short_names[READINGS] = {"G1", "+ conserved", "+ swept", "swept, cons.", "stirred", "signs", "streams", "refitted"};
+    const char *short_names[READINGS] = {"G1",      "+ conserved", "+ swept", "swept, cons.",
+                                         "stirred", "signs",       "streams", "refitted"};
     const char *conditions[6] = {"120 rpm", "360", "720", "840", "15 %", "25 %"};
     ten_classes(edges);
-    riddle_io_table t = riddle_io_table_begin(
-        "reading|mean error I, II [points]|mean error d43 [um]|interactions|I / II at 120|360|720|840 rpm|15 %|25 % binder");
+    riddle_io_table t = riddle_io_table_begin("reading|mean error I, II [points]|mean error d43 [um]|interactions|I / "
+                                              "II at 120|360|720|840 rpm|15 %|25 % binder");
     riddle_io_file *file = csv_open(
-        self->out, "sound.csv", "reading,rpm,binder,type1_pct,type2_pct,d43_m,interactions,paper_type1_pct,paper_type2_pct,paper_d43_m");
+        self->out, "sound.csv",
+        "reading,rpm,binder,type1_pct,type2_pct,d43_m,interactions,paper_type1_pct,paper_type2_pct,paper_d43_m");
     progress bar;
     progress_begin(&bar, "sounder readings", 6.0 * READINGS * replicates);
     int bad = 0;
@@ -946,7 +976,8 @@ static int study_sound(const program *self, json *report, int replicates, int st
         points[k] = microns[k] = 0.0;
         for (int i = 0; i < 6 && !bad; i++) {
             condition c = condition_of(def, paper_rows[i].rpm, paper_rows[i].liquid);
-            ensemble e = {.c = &c, .edges = edges, .steps = steps, .replicates = replicates, .seed = self->seed, .bar = &bar};
+            ensemble e = {
+                .c = &c, .edges = edges, .steps = steps, .replicates = replicates, .seed = self->seed, .bar = &bar};
             bad = ensemble_run(&e, self);
             if (!bad) {
                 one[i] = last[0][i] = result_of(&e, 0).mean;
@@ -959,8 +990,8 @@ static int study_sound(const program *self, json *report, int replicates, int st
                 microns[k] += fabs(last[2][i] - paper[2][i]) / 6.0;
                 met += result_of(&e, 5).mean / 6.0;
                 write_row(report, name, &e);
-                csv_line(file, "%d,%g,%g,%.6g,%.6g,%.6g,%.6g,%g,%g,%g", k, c.rpm, c.liquid, one[i], two[i], 1e-6 * last[2][i],
-                         result_of(&e, 5).mean, paper[0][i], paper[1][i], 1e-6 * paper[2][i]);
+                csv_line(file, "%d,%g,%g,%.6g,%.6g,%.6g,%.6g,%g,%g,%g", k, c.rpm, c.liquid, one[i], two[i],
+                         1e-6 * last[2][i], result_of(&e, 5).mean, paper[0][i], paper[1][i], 1e-6 * paper[2][i]);
             }
             ensemble_free(&e);
         }
@@ -975,8 +1006,9 @@ static int study_sound(const program *self, json *report, int replicates, int st
     table_end(&t);
     riddle_io_close(file);
     if (bad) return bad;
-    riddle_plot *figure =
-        riddle_plot_new("Physically sounder readings of Gantt & Gatzke (G1: as printed; docs/granulation.md explains the others)", 2, 2);
+    riddle_plot *figure = riddle_plot_new(
+        "Physically sounder readings of Gantt & Gatzke (G1: as printed; docs/granulation.md explains the others)", 2,
+        2);
     riddle_plot_panel_size(figure, 560, 280);
     riddle_plot_panel(figure, 0, 0, "reading", "error of Types I, II [% of collisions]");
     riddle_plot_bars(figure, NULL, short_names, points, READINGS);
@@ -1013,8 +1045,8 @@ static void write_granules(const program *self, const condition *c, int steps) {
         }
         riddle_io_array arrays[] = {riddle_io_scalar("radius", radius), riddle_io_scalar("film_m", radius + sim.n),
                                     riddle_io_vector3("velocity", sim.vx, sim.vy, sim.vz)};
-        riddle_io_points(self->out, riddle_io_series_name(series, sim.time), sim.n, riddle_io_vector3("position", sim.x, sim.y, sim.z),
-                         arrays, 3);
+        riddle_io_points(self->out, riddle_io_series_name(series, sim.time), sim.n,
+                         riddle_io_vector3("position", sim.x, sim.y, sim.z), arrays, 3);
         free(radius);
     }
     riddle_io_series_close(series);
@@ -1022,8 +1054,8 @@ static void write_granules(const program *self, const condition *c, int steps) {
     if (status != GRANULATION_OK) common_fail("granules: %s", granulation_status_text(status));
 }
 
-static int study_custom(const program *self, json *report, granulation_def def, double rpm, double liquid, int granules, bool normal,
-                        bool frames, int replicates, int steps) {
+static int study_custom(const program *self, json *report, granulation_def def, double rpm, double liquid, int granules,
+                        bool normal, bool frames, int replicates, int steps) {
     static double time[MOST_STEPS + 1], y[MOST_STEPS + 1], low[MOST_STEPS + 1], high[MOST_STEPS + 1];
     double edges[CLASSES + 1];
     condition c = condition_of(def, rpm, liquid);
@@ -1047,10 +1079,10 @@ static int study_custom(const program *self, json *report, granulation_def def, 
     results_free(t);
     const unsigned outside = outside_in_most(&e);
     say_outside("This case", outside);
-    riddle_plot *figure =
-        riddle_plot_new(outside ? "Mean over the replicates with its 95 % interval: an extrapolation, outside the data of the fit"
-                                : "Mean over the replicates with its 95 % interval",
-                        1, 3);
+    riddle_plot *figure = riddle_plot_new(
+        outside ? "Mean over the replicates with its 95 % interval: an extrapolation, outside the data of the fit"
+                : "Mean over the replicates with its 95 % interval",
+        1, 3);
     static const char *const labels[3] = {"mean size d43 [µm]", "granules [-]", "mean binder film [nm]"};
     static const double units[3] = {1e6, 1.0, 1e9};
     for (int p = 0; p < 3; p++) {
@@ -1083,8 +1115,8 @@ int main(int argc, char **argv) {
     enum { ALL, POUW, IMPELLER, BINDER, MAP, MIDBATCH, SOUND, CUSTOM };
     int study = ALL, replicates = 50, steps = 100, granules = 192, feed = 0, readings = 0;
     bool frames = false;
-    double rpm = 360, binder = 33, viscosity = 0.035, ratio = 0.04, tension = 0.048, rate = 0.0425, breakage = 0.2, saturation = 0.85,
-           stirring = 0;
+    double rpm = 360, binder = 33, viscosity = 0.035, ratio = 0.04, tension = 0.048, rate = 0.0425, breakage = 0.2,
+           saturation = 0.85, stirring = 0;
     option options[] = {
         option_choice("study", &study, "all|pouw|impeller|binder|map|midbatch|sound|custom", "which study"),
         option_int("replicates", "N", &replicates, 1, MOST_REPLICATES, "runs with different seeds; --quick: 10"),
@@ -1126,7 +1158,8 @@ int main(int argc, char **argv) {
     if (is_given(&self, "critical-saturation")) def.laws.critical_saturation = saturation;
     if (is_given(&self, "stirring")) def.stirring = stirring;
     const char *field = NULL;
-    if (granulation_check_def(&def, &field) != GRANULATION_OK) program_refuse(&self, "readings", field, "a definition that is allowed");
+    if (granulation_check_def(&def, &field) != GRANULATION_OK)
+        program_refuse(&self, "readings", field, "a definition that is allowed");
 
     json *report = json_open(self.json);
     json_string(report, "readings", readings ? "sound" : "paper");
@@ -1143,7 +1176,8 @@ int main(int argc, char **argv) {
                           condition_of(def, 360, 0.40)};
         bad = study_rows(&self, report, "binder", c, 4, replicates, steps);
     }
-    if (!bad && (study == ALL || study == MAP)) bad = study_map(&self, report, def, replicates < 20 ? replicates : 20, steps);
+    if (!bad && (study == ALL || study == MAP))
+        bad = study_map(&self, report, def, replicates < 20 ? replicates : 20, steps);
     if (!bad && (study == ALL || study == MIDBATCH)) bad = study_midbatch(&self, report, def, replicates, steps);
     if (!bad && (study == ALL || study == SOUND))
         bad = study_sound(&self, report, self.quick ? 3 : replicates < 20 ? replicates : 20, steps);

@@ -1,5 +1,5 @@
-/* mesh_solid.h: a closed surface of triangles as a solid of filtration.h, in a box that repeats. Include dem.h (dem_mesh) and filtration.h
-   first. */
+/* mesh_solid.h: a closed surface of triangles as a solid of filtration.h, in a box that repeats. Include dem.h
+   (dem_mesh) and filtration.h first. */
 #ifndef RIDDLE_MESH_SOLID_H
 #define RIDDLE_MESH_SOLID_H
 
@@ -98,7 +98,8 @@ static inline int mesh_holds(const mesh_solid *m, const double p[3]) {
     return votes >= 2;
 }
 
-/* Moves a point by whole boxes; returns 0 if the surface cannot reach it there. reach: the length of what begins at it [m]. */
+/* Moves a point by whole boxes; returns 0 if the surface cannot reach it there. reach: the length of what
+   begins at it [m]. */
 static inline int mesh_moved(const mesh_solid *m, const double p[3], int image, double reach, double moved[3]) {
     for (int k = 0; k < 3; k++) {
         const int shift = image % 3 - 1;

@@ -1,9 +1,11 @@
-/* paddle_gap - one interspace of a deflector wheel: how often particles meet the paddles and each other, and how fast (Weers et al. 2022).
+/* paddle_gap - one interspace of a deflector wheel: how often particles meet the paddles and each other, and how fast
+   (Weers et al. 2022).
 
-   Two paddles turn in the inertial frame, and the gas between them turns with them. Particles enter over the free arc at the wheel's rim,
-   as many as the loading says, with the radial and tangential velocities of classifier.h, and are followed until they leave outward or
-   inward. In flight each takes steps of its own, chosen by its error; only where it touches does it take those of a contact. What the
-   histories give, contacts by particle and restitution, goes into the separation model of classifier.h. */
+   Two paddles turn in the inertial frame, and the gas between them turns with them. Particles enter over the free arc
+   at the wheel's rim, as many as the loading says, with the radial and tangential velocities of classifier.h, and are
+   followed until they leave outward or inward. In flight each takes steps of its own, chosen by its error; only where
+   it touches does it take those of a contact. What the histories give, contacts by particle and restitution, goes into
+   the separation model of classifier.h. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,7 +48,8 @@ typedef struct meeting {
 /* What is known of a particle by its id. */
 typedef struct history {
     double size, entered, left;   /* [m], [s]; left: NaN inside */
-    double hit_radius, hit_speed; /* of the first hit on the paddle behind [m], against it along its normal [m/s]; NaN: none */
+    double hit_radius, hit_speed; /* of the first hit on the paddle behind [m], against it along its
+                                     normal [m/s]; NaN: none */
     double along, across;         /* velocity of its centre against the paddle that it strikes, when this began [m/s] */
     int struck, disturbed;        /* that paddle + 1, until it is clear of it; whether it touched others meanwhile */
     meeting met[MEETINGS];
@@ -90,8 +93,10 @@ static double reach(const gap *g, int shape, double d) {
 static dem_vec minus(dem_vec a, dem_vec b) { return dem_vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
 static double dot(dem_vec a, dem_vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/* Velocity of a body's centre against a paddle, along it and across it [m/s], and its distance from the paddle's middle [m]. */
-static void seen_from(const dem_world *w, const gap *g, const dem_body *p, int wall, double *along, double *across, double *distance) {
+/* Velocity of a body's centre against a paddle, along it and across it [m/s], and its distance from the
+   paddle's middle [m]. */
+static void seen_from(const dem_world *w, const gap *g, const dem_body *p, int wall, double *along, double *across,
+                      double *distance) {
     const dem_vec a = w->wall[wall].axis[0], b = w->wall[wall].axis[1];
     const double turn = wall * pitch(g), c = cos(turn), s = sin(turn), spin = w->wall[wall].spin;
     const dem_vec line = dem_vec3(c * a.x + s * b.x, c * a.y + s * b.y, 0.0), normal = dem_vec3(-line.y, line.x, 0.0);
@@ -143,7 +148,8 @@ static void strikes(const dem_world *w, const gap *g, history *h, ptrdiff_t i, i
     h->hit_speed = fabs(across);
 }
 
-/* A point of contact begins. A contact lasts from its first point to its last; it counts if the first one begins fast. */
+/* A point of contact begins. A contact lasts from its first point to its last; it counts if the first one
+   begins fast. */
 static void begins(dem_world *w, const int32_t *numbers, ptrdiff_t n, void *user) {
     record *r = user;
     const double least = r->g->least * omega(r->g) * r->g->machine.wheel.outer_radius;
@@ -173,7 +179,8 @@ static void ends(dem_world *w, int32_t number, void *user) {
     if (met && met->points > 0) met->points--;
 }
 
-/* A particle that has struck a paddle and is clear of it: a rebound, unless it touched others meanwhile. A brick may strike twice. */
+/* A particle that has struck a paddle and is clear of it: a rebound, unless it touched others meanwhile. A brick may
+   strike twice. */
 static void rebounds(const dem_world *w, record *r, history *h, const dem_body *body) {
     const gap *g = r->g;
     double along, across, distance;
@@ -188,8 +195,16 @@ static void rebounds(const dem_world *w, record *r, history *h, const dem_body *
     r->turned_sum += turned, r->turned_square += turned * turned;
 }
 
-static const dem_law counted = {
-    "linear, friction, one contact time, counted", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, prepare, dem_force_linear_friction, begins, ends};
+static const dem_law counted = {"linear, friction, one contact time, counted",
+                                1,
+                                3,
+                                3,
+                                1,
+                                DEM_LINEAR_CONSTANTS,
+                                prepare,
+                                dem_force_linear_friction,
+                                begins,
+                                ends};
 DEM_KERNEL(counting, counted, DEM_LINEAR | DEM_FRICTION)
 
 DEM_GAS(air_drag, dem_drag_schiller_naumann)
@@ -204,7 +219,8 @@ static double *analytic_field(const gap *g, dem_gas *gas) {
     gas->n[0] = NODES_X, gas->n[1] = NODES_Y, gas->n[2] = 2;
     for (int k = 0; u && k < 2 * NODES_X * NODES_Y; k++) {
         const double x = gas->low.x + (gas->high.x - gas->low.x) * (k % NODES_X) / (NODES_X - 1);
-        const double y = gas->low.y + (gas->high.y - gas->low.y) * (k / NODES_X % NODES_Y) / (NODES_Y - 1), r = hypot(x, y);
+        const double y = gas->low.y + (gas->high.y - gas->low.y) * (k / NODES_X % NODES_Y) / (NODES_Y - 1),
+                     r = hypot(x, y);
         const double within = r < wheel->outer_radius ? wheel->paddles * wheel->thickness : 0.0;
         const double in = g->machine.air_flow / (wheel->height * (2.0 * RIDDLE_PI * r - within));
         u[3 * k] = -in * x / r, u[3 * k + 1] = -in * y / r, u[3 * k + 2] = 0.0;
@@ -225,25 +241,30 @@ static int axis_of(const csv_data *data, int column, double factor, double *valu
         if (n == 0 || value[k] - value[n - 1] > 1e-9) value[n++] = value[k];
     }
     for (int k = 0; k < n; k++) {
-        if (!(fabs(value[k] - value[0] - (value[n - 1] - value[0]) * k / (n - 1)) < 1e-6 * fabs(value[n - 1] - value[0]))) return 0;
+        if (!(fabs(value[k] - value[0] - (value[n - 1] - value[0]) * k / (n - 1)) <
+              1e-6 * fabs(value[n - 1] - value[0])))
+            return 0;
     }
     return n > 1 ? n : 0;
 }
 
-/* A field of the user's: x_m, y_m in the wheel's frame, the paddle behind along x; u_m_s, v_m_s as seen from the wheel. */
+/* A field of the user's: x_m, y_m in the wheel's frame, the paddle behind along x; u_m_s, v_m_s as seen
+   from the wheel. */
 static double *field_of_file(const gap *g, dem_gas *gas) {
     static const char *const names[4] = {"x_m", "y_m", "u_m_s", "v_m_s"};
     csv_data data;
     char message[400];
     int column[4];
     double factor[4], *u = NULL;
-    if (csv_read(g->field_file, &data, message, sizeof message)) program_refuse(g->self, "field", g->field_file, message);
+    if (csv_read(g->field_file, &data, message, sizeof message))
+        program_refuse(g->self, "field", g->field_file, message);
     for (int k = 0; k < 4; k++) {
         column[k] = csv_find(&data, names[k], &factor[k], message, sizeof message);
         if (column[k] < 0) program_refuse(g->self, "field", g->field_file, message);
     }
     double *x = malloc(sizeof *x * 2 * (size_t)(data.rows + 1)), *y = x + data.rows + 1;
-    const int nx = x ? axis_of(&data, column[0], factor[0], x) : 0, ny = x ? axis_of(&data, column[1], factor[1], y) : 0;
+    const int nx = x ? axis_of(&data, column[0], factor[0], x) : 0,
+              ny = x ? axis_of(&data, column[1], factor[1], y) : 0;
     if (nx == 0 || ny == 0 || (long)nx * ny != data.rows || nx > NODES_MAX / ny)
         program_refuse(g->self, "field", g->field_file, "every node of an evenly spaced grid in x and y once");
     gas->low = dem_vec3(x[0], y[0], -1.0), gas->high = dem_vec3(x[nx - 1], y[ny - 1], 1.0);
@@ -256,7 +277,8 @@ static double *field_of_file(const gap *g, dem_gas *gas) {
         for (int layer = 0; layer < 2; layer++) {
             double *at = u + 3 * ((ptrdiff_t)(layer * ny + j) * nx + i);
             at[0] = factor[2] * row[column[2]], at[1] = factor[3] * row[column[3]];
-            if (!isfinite(at[0]) || !isfinite(at[1])) program_refuse(g->self, "field", g->field_file, "finite velocities");
+            if (!isfinite(at[0]) || !isfinite(at[1]))
+                program_refuse(g->self, "field", g->field_file, "finite velocities");
         }
     }
     free(x);
@@ -267,7 +289,9 @@ static double *field_of_file(const gap *g, dem_gas *gas) {
 /* ---- sizes ---- */
 
 /* Mass of a lognormal law above a size [-]. */
-static double mass_above(const gap *g, double size) { return 0.5 * erfc(log(size / g->median) / (g->spread * sqrt(2.0))); }
+static double mass_above(const gap *g, double size) {
+    return 0.5 * erfc(log(size / g->median) / (g->spread * sqrt(2.0)));
+}
 
 /* The stand-in, or from a file: size_m, and share, of mass. Shares of what is not simulated leave with it. */
 static void choose_sizes(gap *g) {
@@ -280,15 +304,18 @@ static void choose_sizes(gap *g) {
         g->simulated = (mass_above(g, g->smallest) - mass_above(g, 180e-6)) / (1.0 - mass_above(g, 180e-6));
         return;
     }
-    if (sheet_read_sizes(g->sizes_file, NULL, 1, &data, message, sizeof message)) program_refuse(g->self, "sizes", g->sizes_file, message);
+    if (sheet_read_sizes(g->sizes_file, NULL, 1, &data, message, sizeof message))
+        program_refuse(g->self, "sizes", g->sizes_file, message);
     if (!data.single && (data.amount[0][0] > 1e-3 || data.above[0] > 1e-3))
-        program_refuse(g->self, "sizes", g->sizes_file, "a curve from 0 to 1: its first size passes nothing, its last one everything");
+        program_refuse(g->self, "sizes", g->sizes_file,
+                       "a curve from 0 to 1: its first size passes nothing, its last one everything");
     common_print("%s\n", data.how);
     for (int k = data.single ? 0 : 1; k < data.n; k++) {
         const double x = data.single ? data.size[k] : sqrt(data.size[k - 1] * data.size[k]);
         const double m = data.amount[0][k] - (data.single ? 0.0 : data.amount[0][k - 1]);
         if (!(x > 0.0 && x <= 1e-3) || !(m >= 0.0 && isfinite(m)) || n == SIZES_MAX)
-            program_refuse(g->self, "sizes", g->sizes_file, "at most 32 sizes above 0 up to 1000 um, shares of mass >= 0");
+            program_refuse(g->self, "sizes", g->sizes_file,
+                           "at most 32 sizes above 0 up to 1000 um, shares of mass >= 0");
         all += m;
         if (x < g->smallest) continue;
         d[n] = x, share[n++] = m, kept += m;
@@ -313,8 +340,10 @@ static int add_paddle(dem_world *w, const gap *g, double angle) {
     double vertex[24];
     const classifier_wheel *wheel = &g->machine.wheel;
     for (int k = 0; k < 8; k++) {
-        const double along = k & 1 ? wheel->outer_radius : wheel->inner_radius, across = (k & 2 ? 0.5 : -0.5) * wheel->thickness;
-        vertex[3 * k] = along * cos(angle) - across * sin(angle), vertex[3 * k + 1] = along * sin(angle) + across * cos(angle);
+        const double along = k & 1 ? wheel->outer_radius : wheel->inner_radius,
+                     across = (k & 2 ? 0.5 : -0.5) * wheel->thickness;
+        vertex[3 * k] = along * cos(angle) - across * sin(angle),
+                   vertex[3 * k + 1] = along * sin(angle) + across * cos(angle);
         vertex[3 * k + 2] = k & 4 ? 2.0 * g->depth : -g->depth;
     }
     dem_mesh mesh;
@@ -389,7 +418,9 @@ static dem_status add_particle(dem_world *w, const gap *g, int shape, const doub
         square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
     } while (!(square <= 1.0 && square > 1e-3));
     if (shape == CLUMP) return dem_add_clumps(w, 1, &g->clump, x, d, q, 0, 0);
-    const int k = (int)floor(log(*d / g->smallest) / brick_step + 0.5), number = k < 0 ? 0 : k < g->bricks ? k : g->bricks - 1;
+    const int k = (int)floor(log(*d / g->smallest) / brick_step + 0.5), number = k < 0           ? 0
+                                                                                 : k < g->bricks ? k
+                                                                                                 : g->bricks - 1;
     *d = g->smallest * exp(brick_step * number);
     return dem_add_convex(w, g->first_brick + number, 1, x, q, 0, 0);
 }
@@ -408,7 +439,8 @@ static history *new_history(record *r, double d, double time) {
     return h;
 }
 
-/* A new particle at the rim, as far inward as it would have come since it entered within the last interval; none if there is no place. */
+/* A new particle at the rim, as far inward as it would have come since it entered within the last interval; none if
+   there is no place. */
 static dem_status enter(dem_world *w, record *r, double d, uint64_t *random) {
     const gap *g = r->g;
     const classifier_wheel *wheel = &g->machine.wheel;
@@ -418,19 +450,22 @@ static dem_status enter(dem_world *w, record *r, double d, uint64_t *random) {
     const double v = classifier_distribution_at(&g->machine.radial_velocity, random_plain(random));
     const double against = classifier_distribution_at(&g->machine.tangential_velocity, random_plain(random));
     for (int tries = 0; tries < 100; tries++) {
-        const double a = angle_of(w) + face + arc * random_plain(random), in = wheel->outer_radius - v * interval * random_plain(random);
+        const double a = angle_of(w) + face + arc * random_plain(random),
+                     in = wheel->outer_radius - v * interval * random_plain(random);
         const double c = cos(a), s = sin(a), x[3] = {in * c, in * s, g->depth * random_plain(random)};
         if (!is_free(w, x, around, g->depth)) continue;
         const dem_status status = add_particle(w, g, shape, x, &d, random);
         if (status != DEM_OK) return status;
         if (!new_history(r, d, w->time)) return DEM_OUT_OF_MEMORY;
         if (g->one_rate) dem_set_load(w, w->count - 1, dem_vec3(1e-30, 0, 0), dem_vec3(0, 0, 0));
-        return dem_set_motion(w, w->count - 1, dem_vec3(-v * c + against * s, -v * s - against * c, 0.0), dem_vec3(0, 0, 0));
+        return dem_set_motion(w, w->count - 1, dem_vec3(-v * c + against * s, -v * s - against * c, 0.0),
+                              dem_vec3(0, 0, 0));
     }
     return DEM_OK;
 }
 
-/* Takes out what has left: outward beyond the rim, inward beyond the paddles' inner ends. How many of those that are followed. */
+/* Takes out what has left: outward beyond the rim, inward beyond the paddles' inner ends. How many of those that
+   are followed. */
 static int leave(dem_world *w, record *r) {
     int n = 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -455,8 +490,8 @@ static dem_status run(dem_world *w, record *r) {
     const gap *g = r->g;
     const classifier_wheel *wheel = &g->machine.wheel;
     const double area = (pitch(g) * wheel->outer_radius - wheel->thickness) * g->depth;
-    const double flow =
-        g->loading * g->simulated * g->machine.fluid_density * area * classifier_distribution_mean(&g->machine.radial_velocity);
+    const double flow = g->loading * g->simulated * g->machine.fluid_density * area *
+                        classifier_distribution_mean(&g->machine.radial_velocity);
     uint64_t random = g->self->seed * 0x9e3779b97f4a7c15u + 1, drawn = g->self->seed;
     double due = 0.0, waiting = dem_draw_size(&g->sizes, &drawn);
     int followed = 0, over = 0;
@@ -471,7 +506,8 @@ static dem_status run(dem_world *w, record *r) {
             const ptrdiff_t before = r->n;
             status = enter(w, r, waiting, &random);
             if (r->n > before && r->of[r->n - 1].followed && ++followed > g->particles) r->of[r->n - 1].followed = 0;
-            due -= r->n > before ? pow(r->of[before].size / waiting, 3.0) * m : m, waiting = dem_draw_size(&g->sizes, &drawn);
+            due -= r->n > before ? pow(r->of[before].size / waiting, 3.0) * m : m,
+                waiting = dem_draw_size(&g->sizes, &drawn);
         }
         if (status == DEM_OK) status = dem_run_law(w, interval, &counting);
         if (dem_core_overlaps(w) > r->overlaps) r->overlaps = dem_core_overlaps(w);
@@ -509,8 +545,8 @@ static void separate(const gap *g, json *j, const double *share, int n, double r
     if (status == CLASSIFIER_OK) status = classifier_separate(&model, NULL, NULL, 0, &result);
     if (status != CLASSIFIER_OK) common_fail("classifier: %s", classifier_status_text(status));
     else {
-        common_print("separation with these contacts: x25 %.2f, x50 %.2f, x75 %.2f um, sharpness %.3f\n", 1e6 * result.x25,
-                     1e6 * result.x50, 1e6 * result.x75, result.sharpness);
+        common_print("separation with these contacts: x25 %.2f, x50 %.2f, x75 %.2f um, sharpness %.3f\n",
+                     1e6 * result.x25, 1e6 * result.x50, 1e6 * result.x75, result.sharpness);
         results_values(j, {"x25_m", result.x25}, {"x50_m", result.x50}, {"x75_m", result.x75},
                        {"sharpness", result.sharpness});
     }
@@ -519,10 +555,12 @@ static void separate(const gap *g, json *j, const double *share, int n, double r
 
 static void report(const gap *g, const dem_world *w, const record *r) {
     sum contacts = {0, 0, 0}, paddles = {0, 0, 0}, stay = {0, 0, 0}, radius = {0, 0, 0}, speed = {0, 0, 0};
-    double count[BINS] = {0}, mates[CLASSIFIER_BINS] = {0}, bin[BINS], outward = 0.0, *hits = malloc(sizeof *hits * (size_t)(r->n + 1));
+    double count[BINS] = {0}, mates[CLASSIFIER_BINS] = {0}, bin[BINS], outward = 0.0,
+           *hits = malloc(sizeof *hits * (size_t)(r->n + 1));
     int n = 0, of_hits = 0, unfinished = 0;
-    riddle_io_file *file = csv_open(g->self->out, "histories.csv",
-                                    "size_um,entered_ms,stayed_ms,paddle_contacts,particle_contacts,hit_radius_mm,hit_speed_m_s,outward");
+    riddle_io_file *file =
+        csv_open(g->self->out, "histories.csv",
+                 "size_um,entered_ms,stayed_ms,paddle_contacts,particle_contacts,hit_radius_mm,hit_speed_m_s,outward");
     for (ptrdiff_t k = 0; k < r->n; k++) {
         const history *h = &r->of[k];
         if (!h->followed) continue;
@@ -537,15 +575,16 @@ static void report(const gap *g, const dem_world *w, const record *r) {
         count[all < BINS ? all : BINS - 1] += 1.0;
         mates[h->mates < CLASSIFIER_BINS ? h->mates : CLASSIFIER_BINS - 1] += 1.0;
         if (hits && !isnan(h->hit_radius)) hits[of_hits++] = h->hit_radius;
-        csv_line(file, "%.3f,%.5f,%.5f,%d,%d,%.4f,%.4f,%d", 1e6 * h->size, 1e3 * h->entered, 1e3 * (h->left - h->entered), h->paddle,
-                 h->mates, 1e3 * h->hit_radius, h->hit_speed, h->outward);
+        csv_line(file, "%.3f,%.5f,%.5f,%d,%d,%.4f,%.4f,%d", 1e6 * h->size, 1e3 * h->entered,
+                 1e3 * (h->left - h->entered), h->paddle, h->mates, 1e3 * h->hit_radius, h->hit_speed, h->outward);
     }
     riddle_io_close(file);
     if (n == 0) common_fail("no history is over: a longer --time-ms is needed");
     const double cor = r->restitution_sum / (double)r->rebounds,
                  cor_sd = sqrt(fmax(r->restitution_square / (double)r->rebounds - cor * cor, 0.0));
     const double turned = r->turned_sum / (double)r->rebounds,
-                 turned_sd = sqrt(fmax(r->turned_square / (double)r->rebounds - turned * turned, 0.0)) * 180.0 / RIDDLE_PI;
+                 turned_sd =
+                     sqrt(fmax(r->turned_square / (double)r->rebounds - turned * turned, 0.0)) * 180.0 / RIDDLE_PI;
     for (int k = 0; k < BINS; k++) bin[k] = k, count[k] /= n > 0 ? n : 1;
     for (int k = 0; k < CLASSIFIER_BINS; k++) mates[k] /= n > 0 ? n : 1;
     json *j = json_open(g->self->json);
@@ -569,21 +608,24 @@ static void report(const gap *g, const dem_world *w, const record *r) {
         {"present", (double)w->count}, {"steps", (double)w->step}, {"particle_steps", (double)w->particle_steps},
         {"contact_steps", (double)w->contact_steps}, {"core_overlaps", (double)r->overlaps});
     if (r->overlaps > 0)
-        common_print("bricks overlap deeper than their rounding, in one another or in a paddle (%d at a time): shorten --contact-ns\n",
+        common_print("bricks overlap deeper than their rounding, in one another or in a paddle (%d at a time): shorten "
+                     "--contact-ns\n",
                      (int)r->overlaps);
-    common_print("%d histories in %.3f ms, %d particles present at the end, %d histories not over\n", n, 1e3 * w->time, (int)w->count,
-                 unfinished);
-    common_print("contacts of a particle %.3f +- %.3f (standard error; sd %.2f): paddles %.3f, particles %.3f\n", contacts.mean,
-                 deviation(&contacts) / sqrt(contacts.n), deviation(&contacts), paddles.mean, contacts.mean - paddles.mean);
-    common_print("first hit at %.3f mm (sd %.3f), speed %.3f of the rim's; stay %.3f ms (sd %.3f); outward %.3f\n", 1e3 * radius.mean,
-                 1e3 * deviation(&radius), speed.mean / (omega(g) * g->machine.wheel.outer_radius), 1e3 * stay.mean, 1e3 * deviation(&stay),
-                 n > 0 ? outward / n : (double)NAN);
-    common_print("restitution at a paddle %.3f (sd %.3f), angle off the mirrored one %.1f degrees (sd), %d rebounds\n", cor, cor_sd,
-                 turned_sd, (int)r->rebounds);
+    common_print("%d histories in %.3f ms, %d particles present at the end, %d histories not over\n", n, 1e3 * w->time,
+                 (int)w->count, unfinished);
+    common_print("contacts of a particle %.3f +- %.3f (standard error; sd %.2f): paddles %.3f, particles %.3f\n",
+                 contacts.mean, deviation(&contacts) / sqrt(contacts.n), deviation(&contacts), paddles.mean,
+                 contacts.mean - paddles.mean);
+    common_print("first hit at %.3f mm (sd %.3f), speed %.3f of the rim's; stay %.3f ms (sd %.3f); outward %.3f\n",
+                 1e3 * radius.mean, 1e3 * deviation(&radius), speed.mean / (omega(g) * g->machine.wheel.outer_radius),
+                 1e3 * stay.mean, 1e3 * deviation(&stay), n > 0 ? outward / n : (double)NAN);
+    common_print("restitution at a paddle %.3f (sd %.3f), angle off the mirrored one %.1f degrees (sd), %d rebounds\n",
+                 cor, cor_sd, turned_sd, (int)r->rebounds);
     if (n > 0) separate(g, j, mates, CLASSIFIER_BINS, isnan(cor) ? g->restitution : cor, isnan(cor_sd) ? 0.01 : cor_sd);
     double edge[25], share[24] = {0};
     const classifier_wheel *wheel = &g->machine.wheel;
-    for (int k = 0; k < 25; k++) edge[k] = 1e3 * (wheel->inner_radius + (wheel->outer_radius - wheel->inner_radius) * (k + 0.5) / 24.0);
+    for (int k = 0; k < 25; k++)
+        edge[k] = 1e3 * (wheel->inner_radius + (wheel->outer_radius - wheel->inner_radius) * (k + 0.5) / 24.0);
     for (int k = 0; k < of_hits && hits; k++) {
         const double at = (hits[k] - wheel->inner_radius) / (wheel->outer_radius - wheel->inner_radius) * 24.0;
         share[at >= 24.0 ? 23 : at > 0.0 ? (int)at : 0] += 1.0 / of_hits;
@@ -608,7 +650,8 @@ int main(int argc, char **argv) {
     g.particles = 10000, g.rpm = 9000.0, g.loading = 40.0, g.spread = 0.7;
     g.shape = SPHERE, g.least = 0.05;
     option options[] = {
-        option_choice("shape", &g.shape, "brick|sphere|clump|both", "bricks 1 : 1 : 2.08, spheres, pairs of spheres, or half bricks"),
+        option_choice("shape", &g.shape, "brick|sphere|clump|both",
+                      "bricks 1 : 1 : 2.08, spheres, pairs of spheres, or half bricks"),
         option_choice("cor", &cor, "0.29|0.65|0.75", "coefficient of restitution of contacts [-]"),
         option_choice("drag", &g.drag, "on|off", "drag of the gas that turns with the wheel (Schiller & Naumann)"),
         option_double("rpm", "RPM", &g.rpm, 100.0, 30000.0, "speed of the wheel [1/min]"),
@@ -617,19 +660,25 @@ int main(int argc, char **argv) {
         option_positive("time-ms", "MS", &longest, 1e3, "longest time simulated [ms]"),
         option_int("particles", "N", &g.particles, 10, 1000000, "histories that are followed to their end"),
         option_double("warm-ms", "MS", &warm, 0.0, 1e3, "time in which the gap fills before histories count [ms]"),
-        option_double("loading", "X", &g.loading, 1e-3, 100.0, "mass of solids in a volume at the rim over that of the gas [kg/kg]"),
-        option_positive("median-um", "UM", &median, 1e3, "stand-in for the sizes: median by mass of a lognormal law up to 180 um [um]"),
+        option_double("loading", "X", &g.loading, 1e-3, 100.0,
+                      "mass of solids in a volume at the rim over that of the gas [kg/kg]"),
+        option_positive("median-um", "UM", &median, 1e3,
+                        "stand-in for the sizes: median by mass of a lognormal law up to 180 um [um]"),
         option_double("spread", "X", &g.spread, 0.05, 3.0, "its standard deviation of ln x [-]"),
-        option_string("sizes", "FILE", &g.sizes_file, "sizes instead: CSV with size_um (or _m, _mm) and share, of mass"),
-        option_string("field", "FILE", &g.field_file, "gas instead of the stand-in: CSV with x_m, y_m, u_m_s, v_m_s seen from the wheel"),
+        option_string("sizes", "FILE", &g.sizes_file,
+                      "sizes instead: CSV with size_um (or _m, _mm) and share, of mass"),
+        option_string("field", "FILE", &g.field_file,
+                      "gas instead of the stand-in: CSV with x_m, y_m, u_m_s, v_m_s seen from the wheel"),
         option_double("contact-ns", "NS", &contact, 5.0, 1000.0,
                       "duration of a contact, the same for all sizes; 30 with bricks, whose rounding is thin [ns]"),
-        option_double("least", "X", &g.least, 0.0, 1.0, "approach over the speed of the rim from which a contact counts [-]"),
+        option_double("least", "X", &g.least, 0.0, 1.0,
+                      "approach over the speed of the rim from which a contact counts [-]"),
         option_flag("one-rate", &g.one_rate, "every particle takes the steps of contacts: for comparison"),
         option_flag("short", &brief, "1000 histories in 0.5 mm, under a minute"),
     };
-    program self = program_start("paddle_gap", "Particles between two paddles of a deflector wheel: contacts, hits, residence.", options,
-                                 sizeof options / sizeof *options, argc, argv);
+    program self =
+        program_start("paddle_gap", "Particles between two paddles of a deflector wheel: contacts, hits, residence.",
+                      options, sizeof options / sizeof *options, argc, argv);
     const double ends_of[6] = {0.0, 0.0, -0.5, 0.0, 0.0, 0.5}, two[2] = {1.0, 1.0};
     dem_make_clump(2, ends_of, two, &g.clump);
     if ((self.quick || brief) && !is_given(&self, "depth-mm")) depth = g.shape == SPHERE ? 0.5 : 0.65;

@@ -1,10 +1,12 @@
 /* Permeability of a cloth, a rock or a bed from its image or its surface, by filtration.h, in three directions.
 
-   permeability FILE    a voxel image: raw bytes (--size NX,NY,NZ), .tif of many pages, ParaView .vti; or a closed surface: .stl
+   permeability FILE    a voxel image: raw bytes (--size NX,NY,NZ), .tif of many pages, ParaView .vti; or a closed
+                        surface: .stl
    Without FILE: a plain weave, 16 voxels a pitch.
 
    1. The table: permeability along x, y and z, its error from two resolutions, porosity.
-   2. flow_x.svg, flow_y.svg, flow_z.svg: speed in the middle section; flow_x.vti ...: velocity and pressure, for ParaView. */
+   2. flow_x.svg, flow_y.svg, flow_z.svg: speed in the middle section; flow_x.vti ...: velocity and pressure,
+      for ParaView. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -90,7 +92,8 @@ static void set_image(geometry *g, const settings *s, const int n[3], double edg
     g->spacing[1] = coarse > 0 ? edge / coarse : even ? 2.0 * edge : 0.0;
 }
 
-/* A plain weave whose wires are half of the pitch: two pitches wide, so that it repeats, and as much liquid above and below. */
+/* A plain weave whose wires are half of the pitch: two pitches wide, so that it repeats, and as much liquid
+   above and below. */
 static void draw_weave(geometry *g, const settings *s, bool quick) {
     const int pitch = quick ? 4 : 16, n[3] = {2 * pitch, 2 * pitch, 2 * pitch};
     filtration_cloth cloth;
@@ -245,7 +248,7 @@ static void draw_section(const program *self, const filtration_fluid *f, const f
     for (int i = 0; i < rows * columns; i++) speed[i] /= fabs(mean[axis]) > 0.0 ? fabs(mean[axis]) : 1.0;
     snprintf(name, sizeof name, "flow_%c.svg", "xyz"[axis]);
     char x[20], y[20];
-    snprintf(x, sizeof x, "%c [um]", "xyz"[along]), snprintf(y, sizeof y, "%c [um]", "xyz"[across]);
+    snprintf(x, sizeof x, "%c [µm]", "xyz"[along]), snprintf(y, sizeof y, "%c [µm]", "xyz"[across]);
     riddle_plot *figure = riddle_plot_new("Flow in the middle section", 1, 1);
     riddle_plot_panel(figure, 0, 0, x, y);
     riddle_plot_heat(figure, "speed over the mean of the box [-]", speed, columns, rows, 0.0,
@@ -275,7 +278,8 @@ static void write_flow(const program *self, const filtration_fluid *f, int axis)
     free(velocity), free(owner);
 }
 
-/* One run. The drop of pressure keeps the flow creeping: if the box were empty, its Reynolds number would be about 0.01. */
+/* One run. The drop of pressure keeps the flow creeping: if the box were empty, its Reynolds number would
+   be about 0.01. */
 static filtration_status run(const program *self, const settings *s, const geometry *g, double spacing, int axis,
                              bool shown, found *f, filtration_permeability_result *result) {
     filtration_fluid_def def = filtration_fluid_default_def();
@@ -303,9 +307,9 @@ static filtration_status run(const program *self, const settings *s, const geome
     return status;
 }
 
-/* Both resolutions. Where both have the same cubes (--refine 2 and more) the permeability goes to that of no spacing in proportion to the
-   spacing: that is the result, and the way to it its error. Else the fine grid's is the result, and the difference its error: how a surface
-   lies between the nodes changes it as much. */
+/* Both resolutions. Where both have the same cubes (--refine 2 and more) the permeability goes to that of no spacing in
+   proportion to the spacing: that is the result, and the way to it its error. Else the fine grid's is the result, and
+   the difference its error: how a surface lies between the nodes changes it as much. */
 static void find(const program *self, const settings *s, const geometry *g, int axis, found *f) {
     memset(f, 0, sizeof *f);
     filtration_status status = run(self, s, g, g->spacing[0], axis, true, f, &f->fine);

@@ -1,11 +1,12 @@
 /* rotating_drum - two species in a rotating drum: segregation over time, and the dynamic angle of repose.
 
-   Small and large spheres (or light and heavy ones) fall into the lower half of a drum between two flat ends, mixed or small on the left
-   and large on the right (--start), and the drum turns. Results over time: Lacey's index in a grid of cells, the share of unlike contacts,
-   the radial segregation (how much nearer to the middle of the bed the small ones are), and the slope of the free surface.
-   For your own drum: the options, the materials in build(), and dem_add_box in build() for lifters (examples/first/my_drum.c has some).
-   --scene dosta: the drum of Dosta et al. (2024), R 0.1 m, 2 rad/s, Hertz-Mindlin, M2 of 4 mm and M1 of 2 mm; --scale reduces numbers and
-   drum width together (1: 8000 and 30 000 spheres in 60 mm). */
+   Small and large spheres (or light and heavy ones) fall into the lower half of a drum between two flat ends, mixed or
+   small on the left and large on the right (--start), and the drum turns. Results over time: Lacey's index in a grid of
+   cells, the share of unlike contacts, the radial segregation (how much nearer to the middle of the bed the small ones
+   are), and the slope of the free surface.
+   For your own drum: the options, the materials in build(), and dem_add_box in build() for lifters
+   (examples/first/my_drum.c has some). --scene dosta: the drum of Dosta et al. (2024), R 0.1 m, 2 rad/s, Hertz-Mindlin,
+   M2 of 4 mm and M1 of 2 mm; --scale reduces numbers and drum width together (1: 8000 and 30 000 spheres in 60 mm). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,7 +27,7 @@ typedef struct drum {
     double stiffness, restitution, friction, rolling; /* [N/m], [-], [-], lever arm [m] */
 } drum;
 
-static const picture_def view = {{"small", "large"}, SPECIES, 0.0, {0.35, 1.0, -0.18}, 0, 0};
+static picture_def view = {{"small", "large"}, SPECIES, 0.0, {0.35, 1.0, -0.18}, {960, 640}};
 
 typedef struct curves {
     int n;
@@ -62,7 +63,8 @@ static dem_status build(dem_world *world, const drum *d, int *wall) {
     return DEM_OK;
 }
 
-/* Shares of both species, in turns, at random places in the drum, as often as it takes: what is there sinks while more comes. */
+/* Shares of both species, in turns, at random places in the drum, as often as it takes: what is there sinks
+   while more comes. */
 static dem_status fill(dem_world *world, const drum *d, uint64_t seed, progress *bar, double work) {
     const double half = 0.5 * d->width, side = 0.7 * d->radius;
     dem_feed feed[SPECIES];
@@ -110,7 +112,8 @@ static dem_status take(dem_world *world, const drum *d, const particles *given) 
     return status == DEM_OK ? dem_run(world, 0.0, features(d)) : status;
 }
 
-/* Slope of the free surface in the middle half of the drum [degrees]: a line through the highest sphere of each strip. */
+/* Slope of the free surface in the middle half of the drum [degrees]: a line through the highest sphere
+   of each strip. */
 static double surface_angle(const dem_world *world, const drum *d) {
     enum { STRIPS = 16 };
     double top[STRIPS], sx = 0.0, sz = 0.0, sxx = 0.0, sxz = 0.0, n = 0.0;
@@ -194,9 +197,9 @@ static void draw(const curves *c, const dem_world *world, const drum *d, const c
     riddle_plot_line(figure, "Lacey (1: mixed)", c->time, c->lacey, c->n);
     riddle_plot_line(figure, "unlike contacts (1: mixed)", c->time, c->unlike, c->n);
     riddle_plot_line(figure, "radial segregation", c->time, c->radial, c->n);
-    riddle_plot_panel(figure, 0, 1, "time [s]", "slope of the surface [degrees]");
+    riddle_plot_panel(figure, 0, 1, "time [s]", "slope of the surface [°]");
     if (m->why) snprintf(text, sizeof text, "no mean yet");
-    else snprintf(text, sizeof text, "mean of the second half: %.1f +- %.1f degrees", m->angle.mean, m->angle.error);
+    else snprintf(text, sizeof text, "mean of the second half: %.1f ± %.1f°", m->angle.mean, m->angle.error);
     riddle_plot_line(figure, NULL, c->time, c->angle, c->n);
     riddle_plot_range_y(figure, 0.0, 60.0);
     if (!m->why) riddle_plot_horizontal(figure, NULL, m->angle.mean);
@@ -206,7 +209,7 @@ static void draw(const curves *c, const dem_world *world, const drum *d, const c
         static const char *const names[] = {"upper right", "upper left", "lower left", "lower right"};
         riddle_plot_line(figure, names[q], c->time, c->quadrant[SMALL][q], c->n);
     }
-    riddle_plot_panel(figure, 1, 1, "x [mm]", "z [mm]");
+    riddle_plot_panel(figure, 1, 1, NULL, NULL);
     dem_io_section(world, figure, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), view.names, SPECIES);
     riddle_plot_write(figure, out, "rotating_drum.svg");
 }
@@ -252,8 +255,8 @@ static void check(const drum *d, const program *self, const char *from) {
 /* ---- the run and its results ---- */
 
 /* Turns the drum, whose wall and two ends begin at number `wall`. */
-static dem_status turn(dem_world *world, const drum *d, int wall, const program *self, bool film, progress *bar,
-                       curves *c) {
+static dem_status turn(dem_world *world, const drum *d, int wall, const program *self, bool film, bool page,
+                       progress *bar, curves *c) {
     const double duration = d->turns * 2.0 * RIDDLE_PI / d->speed,
                  sample = fmax(duration / (SAMPLES_MAX - 2), self->quick ? 0.01 : 0.02);
     const int samples = (int)(duration / sample + 0.5);
@@ -262,15 +265,18 @@ static dem_status turn(dem_world *world, const drum *d, int wall, const program 
         status = dem_rotate(world, wall + k, dem_vec3(0, 0, 0), dem_vec3(0, 1, 0), d->speed);
     dem_io_series series = dem_io_open(self->out, "particles");
     world_movie reel = film ? world_movie_open(self->out, "rotating_drum.mp4", &view) : (world_movie){0};
+    world_movie small = page ? world_movie_open(self->out, "rotating_drum_turning.png", &view) : (world_movie){0};
     for (int k = 0; k <= samples && status == DEM_OK && !common_interrupted(); k++) {
         if (k > 0) status = dem_run(world, sample, features(d));
         look(c, world, d, k * sample);
         if (k % (samples / 50 + 1) == 0) dem_io_add(&series, world);
         world_movie_add(&reel, world);
+        if (k % 2 == 0) world_movie_add(&small, world);
         progress_add(bar, 0.8 / (samples + 1));
     }
     dem_io_close(&series);
     world_movie_close(&reel);
+    world_movie_close(&small);
     return status;
 }
 
@@ -329,7 +335,7 @@ static void report(const program *self, const drum *d, const dem_world *world, c
 int main(int argc, char **argv) {
     drum d = {0, 0, {0.003, 0.006}, {2500.0, 2500.0}, {0, 0}, 0.05, 0.02, 4.0, 3.0, 0.4, 300.0, 0.5, 0.5, 0.0};
     const char *from = NULL;
-    bool film = false;
+    bool film = false, page = false;
     particles given = {0};
     double small = 3.0, large = 6.0, radius = 50.0, width = 20.0, scale = 0.1, time = 0.1;
     option options[] = {
@@ -351,6 +357,8 @@ int main(int argc, char **argv) {
         option_positive("scale", "X", &scale, 1.0, "dosta: share of the numbers and of the width [-]"),
         option_positive("time", "S", &time, 1e4, "dosta: time that the drum turns, 5 in the paper [s]"),
         option_flag("movie", &film, "rotating_drum.mp4, by ffmpeg"),
+        option_flag("animation", &page, "rotating_drum_turning.png, an animated PNG; a small one with --size 480x320"),
+        option_size("size", view.size, "of the picture and the movie [pixels]"),
         option_string(
             "from", "FILE", &from,
             "begin with the spheres of a table, CSV or .vtp (a frame of this program); group 0: the small ones"),
@@ -379,7 +387,7 @@ int main(int argc, char **argv) {
     particles_free(&given);
     if (status == DEM_BAD_ARGUMENT && !from)
         program_refuse(&self, "fill", NULL, "so much that the spheres find a place");
-    if (status == DEM_OK) status = turn(&world, &d, wall, &self, film, &bar, &c);
+    if (status == DEM_OK) status = turn(&world, &d, wall, &self, film, page, &bar, &c);
     progress_end(&bar);
     if (status != DEM_OK) common_fail("%s", dem_status_text(status));
     if (common_exit_status() == 0) report(&self, &d, &world, &c);

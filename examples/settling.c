@@ -1,16 +1,20 @@
 /* Spheres that settle in a closed box, the flow resolved around them, by filtration.h.
 
-   settling --case A1        the cases of Puderbach, Schmidt & Antonyuk, Processes 9 (2021) 826 ("the paper"), Table 2: A1 to A5 and B1
-                             (periodic sides), C1 to C3 (walls), D1 (onto a wire cloth); glass of 80 um in water
-   settling --case E1        ten Cate, Nieuwstad, Derksen & Van den Akker, Phys Fluids 14 (2002) 4012: 15 mm in oil, E1 to E4
-   settling --beside DIR,DIR draws earlier runs (their --out folders) into the figures; with --draw it runs nothing, and draws the first of
+   settling --case A1        the cases of Puderbach, Schmidt & Antonyuk, Processes 9 (2021) 826 ("the paper"), Table 2:
+                             A1 to A5 and B1 (periodic sides), C1 to C3 (walls), D1 (onto a wire cloth); glass of 80 um
+                             in water
+   settling --case E1        ten Cate, Nieuwstad, Derksen & Van den Akker, Phys Fluids 14 (2002) 4012: 15 mm in oil, E1
+                             to E4
+   settling --beside DIR,DIR draws earlier runs (their --out folders) into the figures; with --draw it runs nothing, and
+   draws the first of
                              them, which is --case, with the others
 
    Your own case             a row of scenes[] below, and its name in CASE_NAMES
 
-   A sphere on the axis of its box is computed in a quarter of the box between two mirrors (--symmetry full: the whole box).
-   track.csv: the path of each sphere. velocity.svg, reynolds.svg (beside the balance of forces with the drag law of each author),
-   bottom.svg (v / v_t over the gap x / d, beside Brenner), height.svg: the paper's Figs 11, 13 and 15a, 15b, 17. */
+   A sphere on the axis of its box is computed in a quarter of the box between two mirrors (--symmetry full: the whole
+   box). track.csv: the path of each sphere. velocity.svg, reynolds.svg (beside the balance of forces with the drag law
+   of each author), bottom.svg (v / v_t over the gap x / d, beside Brenner), height.svg: the paper's Figs 11, 13 and
+   15a, 15b, 17. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -93,7 +97,8 @@ static double terminal(const scene *s, int k) {
     return v;
 }
 
-/* Velocity in time by the balance of weight, drag and half the displaced mass (added mass); Runge-Kutta of fourth order. */
+/* Velocity in time by the balance of weight, drag and half the displaced mass (added mass); Runge-Kutta of
+   fourth order. */
 static void balance(const scene *s, int k, const double *time, int n, double *re) {
     const double mass = (s->density + 0.5 * s->fluid_density) * volume(s),
                  weight = (s->density - s->fluid_density) * volume(s) * 9.81;
@@ -140,9 +145,9 @@ static int half_a_diameter_before(const track *t, int k, double diameter) {
     return before;
 }
 
-/* Largest mean velocity of the lowest sphere over half a diameter travelled, after the first half: the lattice's grain and the sound of
-   the start are averaged out. The largest of all if it has not come that far. A sphere whose mean is a hundredth larger over the last half of a
-   diameter than over the one before still accelerates. */
+/* Largest mean velocity of the lowest sphere over half a diameter travelled, after the first half: the lattice's grain
+   and the sound of the start are averaged out. The largest of all if it has not come that far. A sphere whose mean is a
+   hundredth larger over the last half of a diameter than over the one before still accelerates. */
 static double terminal_velocity(track *t, double diameter) {
     double best = 0.0;
     for (int i = 0, j = 0; i < t->n; i++) {
@@ -220,7 +225,8 @@ typedef struct choices {
     int quarter, paper_force, half_way, float_storage, until_bottom, quiet_spheres;
 } choices;
 
-/* A cloth whose period does not fit the box is cut at the box's faces, as in the paper, and repeats itself with the box. */
+/* A cloth whose period does not fit the box is cut at the box's faces, as in the paper, and repeats itself
+   with the box. */
 typedef struct seamed_cloth {
     filtration_cloth cloth;
     double width;
@@ -268,8 +274,8 @@ static double fitting_tau(const scene *s, double voxel) {
     return fmin(fmax(0.5 + 0.06 / cell_reynolds, 0.6), 3.5);
 }
 
-/* Relaxation time with which sound crosses the height of the box in `share` of the time that has passed since the start, or that the sphere
-   needs to respond. In a closed box there is no return flow before sound has crossed it. */
+/* Relaxation time with which sound crosses the height of the box in `share` of the time that has passed since the
+   start, or that the sphere needs to respond. In a closed box there is no return flow before sound has crossed it. */
 static double sound_tau(const run *r) {
     const scene *s = r->s;
     const double shown = fmax(r->fluid.time, 0.5 * response(s));
@@ -526,9 +532,26 @@ static void draw_reynolds(const program *self, const scene *s, const track *t, c
     riddle_plot_write(figure, self->out, "reynolds.svg");
 }
 
+/* Whether a sphere has come within a number of diameters of the bottom. */
+static bool came_near(const scene *s, const track *t, double diameters) {
+    double gap[LONGEST_TRACK];
+    bool near = false;
+    for (int i = 0; i < t->spheres; i++) {
+        values_of(s, t, i, GAP, gap);
+        for (int k = 0; k < t->n; k++) near = near || gap[k] < diameters;
+    }
+    return near;
+}
+
 static void draw_bottom(const program *self, const scene *s, const track *t, const beside *runs, int n) {
     enum { POINTS = 200 };
     double gap[POINTS], slowed[POINTS];
+    bool near = came_near(s, t, 4.0);
+    for (int i = 0; i < n; i++) near = near || came_near(s, runs[i].t, 4.0);
+    if (!near) {
+        figure_left_out(self->out, "bottom.svg", "no sphere has come within four diameters of the bottom");
+        return;
+    }
     riddle_plot *figure = riddle_plot_new("Approach to the bottom", 1, 1);
     riddle_plot_panel(figure, 0, 0, "gap to the bottom over the diameter, x / d [-]",
                       "velocity over its largest, v / v_t [-]");

@@ -1,5 +1,5 @@
-/* voxel_file.h: images of cubes from files, as grey values: raw bytes, TIFF of many pages (8 or 16 bits, not compressed), ParaView .vti
-   (one array, text, base64 or raw, not compressed). */
+/* voxel_file.h: images of cubes from files, as grey values: raw bytes, TIFF of many pages (8 or 16 bits, not
+   compressed), ParaView .vti (one array, text, base64 or raw, not compressed). */
 #ifndef RIDDLE_VOXEL_FILE_H
 #define RIDDLE_VOXEL_FILE_H
 

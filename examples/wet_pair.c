@@ -1,14 +1,15 @@
 /* wet_pair: two wet spheres (or a sphere and a plate) are pulled apart, and collide.
 
-   1. Pulled apart: the force over the gap, by the header's table, by the closed-form laws and by the laws as printed in Elskamp &
-      Kruggel-Emden 2019, against Young-Laplace, for a range of volumes and contact angles.
-   2. Collisions: head-on at a range of speeds, volumes and angles. The dry contact is a linear spring with a damper that never pulls; the
-      bridge forms at contact and breaks at its dynamic rupture distance. The wet coefficient of restitution is the ratio of the speeds
-      after and before; below the sticking velocity the spheres stay together.
+   1. Pulled apart: the force over the gap, by the header's table, by the closed-form laws and by the laws as printed in
+      Elskamp & Kruggel-Emden 2019, against Young-Laplace, for a range of volumes and contact angles.
+   2. Collisions: head-on at a range of speeds, volumes and angles. The dry contact is a linear spring with a damper
+      that never pulls; the bridge forms at contact and breaks at its dynamic rupture distance. The wet coefficient of
+      restitution is the ratio of the speeds after and before; below the sticking velocity the spheres stay together.
 
    For your own pair: the options (diameters, angles, liquid, --plate).
 
-   Pictures: wet_pair.png, force.svg, curves.svg, restitution.svg, sticking.svg; numbers: force.csv, restitution.csv, sticking.csv. */
+   Pictures: wet_pair.png, force.svg, curves.svg, restitution.svg, sticking.svg; numbers: force.csv, restitution.csv,
+   sticking.csv. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -25,6 +26,7 @@ typedef struct scene {
     double stiffness;   /* of the dry contact [N/m] */
     double restitution; /* dry [-] */
     double volume;      /* of the bridge [m3] */
+    int size[2];        /* of the picture [pixels] */
 } scene;
 
 /* m_i m_j/(m_i + m_j); a plate does not move [kg] */
@@ -33,8 +35,8 @@ static double reduced_mass(const scene *s) {
     return isinf(rj) ? mi : mi / (1.0 + ri * ri * ri / (rj * rj * rj));
 }
 
-/* Share of critical damping for a restitution e, contact ending when the force does: ln e = -2 zeta acos(zeta)/sqrt(1 - zeta^2)
-   (Schwager & Poeschel 2007). Decreasing in zeta; e > 0.1353 here. */
+/* Share of critical damping for a restitution e, contact ending when the force does: ln e = -2 zeta
+   acos(zeta)/sqrt(1 - zeta^2) (Schwager & Poeschel 2007). Decreasing in zeta; e > 0.1353 here. */
 static double damping_share(double e) {
     double low = 0.0, high = 1.0 - 1e-12;
     for (int k = 0; k < 60; k++) {
@@ -49,8 +51,8 @@ static double damping_share(double e) {
 
 enum { GAPS = 120, LAWS = 5, WILLETT = 2 };
 
-static const char *const law_names[LAWS] = {"bridge_attraction", "energy form", "Willett, full fit", "eqs 12, 13, corrected",
-                                            "eqs 12, 13, as printed"};
+static const char *const law_names[LAWS] = {"bridge_attraction", "energy form", "Willett, full fit",
+                                            "eqs 12, 13, corrected", "eqs 12, 13, as printed"};
 
 static double law_force(int law, const bridge_pair *pair, const bridge *b, double gap) {
     const bridge_pair_def *d = &pair->def;
@@ -59,7 +61,8 @@ static double law_force(int law, const bridge_pair *pair, const bridge *b, doubl
     switch (law) {
     case 0: return bridge_attraction(b, gap);
     case 1: return bridge_force_energy(gap, b->volume, b->radius, d->angle_i, d->angle_j, sigma);
-    case WILLETT: return bridge_force_willett(gap, b->volume, b->radius, bridge_effective_angle(d->angle_i, d->angle_j), sigma);
+    case WILLETT:
+        return bridge_force_willett(gap, b->volume, b->radius, bridge_effective_angle(d->angle_i, d->angle_j), sigma);
     case 3:
         return plate ? bridge_force_tension_plate(gap, b->volume, d->radius_i, d->angle_i, d->angle_j, sigma)
                      : bridge_force_tension(gap, b->volume, b->radius, d->angle_i, d->angle_j, sigma);
@@ -84,11 +87,11 @@ static bridge formed(const bridge_pair *pair, double volume) {
 
 static const char *solids(const bridge_pair_def *def, char *text, size_t size) {
     if (isinf(def->radius_j))
-        snprintf(text, size, "Sphere of %.3g mm on a plate; contact angles %.0f and %.0f degrees", 2e3 * def->radius_i,
+        snprintf(text, size, "Sphere of %.3g mm on a plate; contact angles %.0f° and %.0f°", 2e3 * def->radius_i,
                  def->angle_i / degree, def->angle_j / degree);
     else
-        snprintf(text, size, "Spheres of %.3g and %.3g mm; contact angles %.0f and %.0f degrees", 2e3 * def->radius_i, 2e3 * def->radius_j,
-                 def->angle_i / degree, def->angle_j / degree);
+        snprintf(text, size, "Spheres of %.3g and %.3g mm; contact angles %.0f° and %.0f°", 2e3 * def->radius_i,
+                 2e3 * def->radius_j, def->angle_i / degree, def->angle_j / degree);
     return text;
 }
 
@@ -175,9 +178,10 @@ static void draw_curves(const program *self, const scene *s) {
             for (int k = 0; k < 12; k++) {
                 bridge_shape shape;
                 few_mm[k] = 1e3 * b.rupture_gap * k / 11.0 * 0.9999;
-                few[k] = bridge_young_laplace(&def, volume, 1e-3 * few_mm[k], &shape) == BRIDGE_OK ? 1e3 * shape.force : (double)NAN;
+                few[k] = bridge_young_laplace(&def, volume, 1e-3 * few_mm[k], &shape) == BRIDGE_OK ? 1e3 * shape.force
+                                                                                                   : (double)NAN;
             }
-            if (panel) snprintf(text, sizeof text, "both angles %.0f degrees", angles[n]);
+            if (panel) snprintf(text, sizeof text, "both angles %.0f°", angles[n]);
             else snprintf(text, sizeof text, "V = %.2g µl", 1e9 * volume);
             riddle_plot_line(figure, text, mm, force, GAPS);
             riddle_plot_points(figure, NULL, few_mm, few, 12);
@@ -194,7 +198,8 @@ typedef struct outcome {
     double contact_s;   /* duration of the dry contact */
 } outcome;
 
-/* One head-on collision. volume 0: dry. The gap and its rate are all there is to integrate; drag is taken implicitly. */
+/* One head-on collision. volume 0: dry. The gap and its rate are all there is to integrate; drag is
+   taken implicitly. */
 static outcome collide(const scene *s, const bridge_pair *pair, double volume, double speed, bool printed) {
     const bridge_liquid *liquid = &pair->def.liquid;
     double m = reduced_mass(s), gamma = 2.0 * damping_share(s->restitution) * sqrt(s->stiffness * m),
@@ -210,7 +215,8 @@ static outcome collide(const scene *s, const bridge_pair *pair, double volume, d
         double dt = contact_dt;
         if (opening) { /* the bridge alone: steps that resolve its layer at contact, its length, and the drag */
             if (b.volume == 0.0) return (outcome){v / speed, touched};
-            if (v <= 0.0) return (outcome){0.0, touched}; /* turned round while wet: it falls back, with less energy than it came with */
+            /* Turned round while wet: it falls back, with less energy than it came with. */
+            if (v <= 0.0) return (outcome){0.0, touched};
             if (bridge_is_ruptured(&b, liquid, gap, v)) return (outcome){v / speed, touched};
             dt = 0.01 * fmin(gap + b.width, 0.2 * b.rupture_gap) / v;
             dt = fmin(dt, 0.02 * sqrt(m * b.width / (2.0 * RIDDLE_PI * liquid->surface_tension * b.radius)));
@@ -220,7 +226,8 @@ static outcome collide(const scene *s, const bridge_pair *pair, double volume, d
         bridge_forces still = {0.0, 0.0, 0.0}, moving = still;
         if (b.volume > 0.0) {
             still = printed ? bridge_evaluate_printed(pair, &b, middle, 0.0) : bridge_evaluate(&b, liquid, middle, 0.0);
-            moving = printed ? bridge_evaluate_printed(pair, &b, middle, 1.0) : bridge_evaluate(&b, liquid, middle, 1.0);
+            moving =
+                printed ? bridge_evaluate_printed(pair, &b, middle, 1.0) : bridge_evaluate(&b, liquid, middle, 1.0);
         }
         double push = -s->stiffness * middle - gamma * v, drag = moving.normal - still.normal;
         double contact = middle < 0.0 && push > 0.0 ? push : 0.0;
@@ -241,7 +248,9 @@ static double hysteretic(const scene *s, const bridge_pair *pair, double volume,
 }
 
 /* 0.01 to 1 m/s, and closer round the sticking velocity where angles are compared */
-static double speed_at(int panel, double share) { return (panel ? 0.05 : 0.01) * riddle_exp(riddle_log(panel ? 6.0 : 100.0) * share); }
+static double speed_at(int panel, double share) {
+    return (panel ? 0.05 : 0.01) * riddle_exp(riddle_log(panel ? 6.0 : 100.0) * share);
+}
 
 static void draw_restitution(const program *self, const scene *s, progress *bar) {
     enum { SPEEDS = 41, FINE = 400, KINDS = 4 };
@@ -249,9 +258,9 @@ static void draw_restitution(const program *self, const scene *s, progress *bar)
     const int speeds = self->quick ? 13 : SPEEDS;
     double speed[SPEEDS], wet[SPEEDS], fine[FINE], closed[FINE];
     char text[200];
-    riddle_io_file *file =
-        csv_open(self->out, "restitution.csv", "volume_m3,angle_i_rad,angle_j_rad,speed_m_s,restitution,closed_form,printed_laws");
-    riddle_plot *figure = riddle_plot_new("Wet restitution. Points: simulated. Lines: sqrt(e² - 2 W/(m v²))", 1, 2);
+    riddle_io_file *file = csv_open(self->out, "restitution.csv",
+                                    "volume_m3,angle_i_rad,angle_j_rad,speed_m_s,restitution,closed_form,printed_laws");
+    riddle_plot *figure = riddle_plot_new("Wet restitution. Points: simulated. Lines: √(e² − 2 W/(m v²))", 1, 2);
     for (int panel = 0; panel < 2; panel++) {
         riddle_plot_panel(figure, 0, panel, "impact speed [m/s]", "coefficient of restitution [-]");
         riddle_plot_log_x(figure);
@@ -264,12 +273,13 @@ static void draw_restitution(const program *self, const scene *s, progress *bar)
             for (int k = 0; k < speeds && !common_interrupted(); k++) {
                 speed[k] = speed_at(panel, k / (speeds - 1.0));
                 wet[k] = collide(s, &pair, volume, speed[k], false).restitution;
-                double row[7] = {volume, def.angle_i, def.angle_j, speed[k], wet[k], hysteretic(s, &pair, volume, speed[k])};
+                double row[7] = {volume,   def.angle_i, def.angle_j,
+                                 speed[k], wet[k],      hysteretic(s, &pair, volume, speed[k])};
                 row[6] = volume > 0.0 ? collide(s, &pair, volume, speed[k], true).restitution : wet[k];
                 riddle_io_row(file, row, 7);
                 progress_add(bar, 1.0);
             }
-            if (panel) snprintf(text, sizeof text, "both angles %.0f degrees", angles[n]);
+            if (panel) snprintf(text, sizeof text, "both angles %.0f°", angles[n]);
             else if (volume > 0.0) snprintf(text, sizeof text, "V = %.2g µl", 1e9 * volume);
             else snprintf(text, sizeof text, "dry");
             for (int k = 0; k < FINE; k++) {
@@ -330,10 +340,10 @@ static void draw_sticking(const program *self, const scene *s, const bridge_pair
     double work = bridge_work(&b, 0.0, b.rupture_gap), m = reduced_mass(s);
     double stick = sticking_velocity(s, pair, s->volume, false), dry = collide(s, pair, 0.0, 0.1, false).restitution;
     double as_printed = sticking_velocity(s, pair, s->volume, true);
-    common_print(
-        "V = %.3g µl: work to rupture %.4g J; sticks below %.4f m/s (closed form %.4f, laws as printed %.4f)%s; dry restitution %.4f\n",
-        1e9 * s->volume, work, stick, bridge_sticking_velocity(work, m, s->restitution), as_printed,
-        isinf(stick) ? ": at every speed to 10 m/s" : "", dry);
+    common_print("V = %.3g µl: work to rupture %.4g J; sticks below %.4f m/s (closed form %.4f, laws as printed "
+                 "%.4f)%s; dry restitution %.4f\n",
+                 1e9 * s->volume, work, stick, bridge_sticking_velocity(work, m, s->restitution), as_printed,
+                 isinf(stick) ? ": at every speed to 10 m/s" : "", dry);
     results_values(report, {"work_to_rupture_J", work}, {"reduced_mass_kg", m}, {"restitution_dry", dry},
                    {"sticking_velocity_m_s", stick},
                    {"sticking_velocity_closed_form_m_s", bridge_sticking_velocity(work, m, s->restitution)},
@@ -344,15 +354,17 @@ static void draw_sticking(const program *self, const scene *s, const bridge_pair
 
 enum { PROFILE = 40, ROUND = 96 };
 
-/* The liquid's surface from the neck to the wetted circle of one solid, as (radius, distance from the neck): the force is the same at every
-   section, F = 2 pi sigma r/sqrt(1 + r'^2) - pi r^2 p. The radius goes with the square of u, which removes the pole at the neck. */
+/* The liquid's surface from the neck to the wetted circle of one solid, as (radius, distance from the neck): the force
+   is the same at every section, F = 2 pi sigma r/sqrt(1 + r'^2) - pi r^2 p. The radius goes with the square of u, which
+   removes the pole at the neck. */
 static void meridian(const bridge_shape *b, double sigma, double ring, double profile[PROFILE + 1][2]) {
     double z = 0.0;
     profile[0][0] = b->neck, profile[0][1] = 0.0;
     for (int k = 1; k <= PROFILE; k++) {
         for (int q = 0; q < 20; q++) {
             const double u = (k - 1 + (q + 0.5) / 20) / PROFILE, r = b->neck + (ring - b->neck) * u * u;
-            const double s = 2.0 * RIDDLE_PI * sigma * r / (b->force + RIDDLE_PI * r * r * b->pressure), steep2 = s * s - 1.0;
+            const double s = 2.0 * RIDDLE_PI * sigma * r / (b->force + RIDDLE_PI * r * r * b->pressure),
+                         steep2 = s * s - 1.0;
             if (steep2 > 0.0) z += (ring - b->neck) * 2.0 * u / (20.0 * PROFILE) / sqrt(steep2);
         }
         profile[k][0] = b->neck + (ring - b->neck) * k * k / (double)(PROFILE * PROFILE), profile[k][1] = z;
@@ -367,7 +379,8 @@ static void put_lathe(picture *p, double profile[PROFILE + 1][2], double neck, d
             for (int a = 0; a < 2; a++)
                 for (int b = 0; b < 2; b++) {
                     const double angle = 2.0 * RIDDLE_PI * (n + b) / ROUND, r = profile[k + a][0];
-                    corner[a][b][0] = neck + side * profile[k + a][1], corner[a][b][1] = r * cos(angle), corner[a][b][2] = r * sin(angle);
+                    corner[a][b][0] = neck + side * profile[k + a][1], corner[a][b][1] = r * cos(angle),
+                    corner[a][b][2] = r * sin(angle);
                 }
             picture_triangle(p, corner[0][0], corner[0][1], corner[1][0], water, PICTURE_SOLID);
             picture_triangle(p, corner[1][1], corner[1][0], corner[0][1], water, PICTURE_SOLID);
@@ -377,17 +390,20 @@ static void put_lathe(picture *p, double profile[PROFILE + 1][2], double neck, d
 /* Both solids and the liquid between them at 0.6 of the gap at which it breaks; x runs from i to j. */
 static void draw_doublet(const program *self, const scene *s, const bridge_pair *pair) {
     const bridge b = formed(pair, s->volume);
-    const double direction[3] = {0.15, 1.0, -0.25}, ri = s->def.radius_i, rj = s->def.radius_j, gap = 0.6 * b.rupture_gap;
+    const double direction[3] = {0.15, 1.0, -0.25}, ri = s->def.radius_i, rj = s->def.radius_j,
+                 gap = 0.6 * b.rupture_gap;
     double profile[PROFILE + 1][2], centre[3] = {0.0, 0.0, 0.0};
     bridge_shape shape;
     char text[60];
     if (bridge_young_laplace(&s->def, s->volume, gap, &shape) != BRIDGE_OK) return;
-    picture *p = picture_new(960, 640);
+    picture *p = picture_new(s->size[0], s->size[1]);
     picture_sphere(p, centre, ri, picture_class(4));
     centre[0] = ri + gap + (isinf(rj) ? 0.0 : rj);
     if (!isinf(rj)) picture_sphere(p, centre, rj, picture_class(4));
-    const double wide = 1.3 * ri,
-                 plate[4][3] = {{centre[0], -wide, -wide}, {centre[0], wide, -wide}, {centre[0], wide, wide}, {centre[0], -wide, wide}};
+    const double wide = 1.3 * ri, plate[4][3] = {{centre[0], -wide, -wide},
+                                                 {centre[0], wide, -wide},
+                                                 {centre[0], wide, wide},
+                                                 {centre[0], -wide, wide}};
     if (isinf(rj)) {
         picture_triangle(p, plate[0], plate[1], plate[2], picture_steel(), PICTURE_SOLID);
         picture_triangle(p, plate[0], plate[2], plate[3], picture_steel(), PICTURE_SOLID);
@@ -398,7 +414,7 @@ static void draw_doublet(const program *self, const scene *s, const bridge_pair 
     put_lathe(p, profile, neck, -1.0);
     meridian(&shape, sigma, shape.ring_j, profile);
     put_lathe(p, profile, neck, 1.0);
-    snprintf(text, sizeof text, "bridge of %.3g mm3, gap %.3g mm", 1e9 * s->volume, 1e3 * gap);
+    snprintf(text, sizeof text, "bridge of %.3g mm\xc2\xb3, gap %.3g mm", 1e9 * s->volume, 1e3 * gap);
     picture_title(p, text);
     picture_look(p, direction);
     picture_write(p, self->out, "wet_pair.png");
@@ -406,7 +422,7 @@ static void draw_doublet(const program *self, const scene *s, const bridge_pair 
 }
 
 int main(int argc, char **argv) {
-    scene s = {bridge_pair_default_def(), 2534.1, 1e5, 0.7808, 1e-10};
+    scene s = {bridge_pair_default_def(), 2534.1, 1e5, 0.7808, 1e-10, {960, 640}};
     double diameter_i = 5.0, diameter_j = 5.0, angle_i = 15.0, angle_j = 15.0, volume_ul = 0.1;
     bool plate = false;
     option options[] = {
@@ -421,9 +437,11 @@ int main(int argc, char **argv) {
         option_double("restitution", "E", &s.restitution, 0.2, 0.999, "dry coefficient of restitution [-]"),
         option_positive("stiffness", "N/M", &s.stiffness, 1e9, "of the dry contact [N/m]"),
         option_positive("density", "KG/M3", &s.density, 1e5, "of the spheres [kg/m3]"),
+        option_size("size", s.size, "of the picture [pixels]"),
     };
-    program self = program_start("wet_pair", "Two wet spheres, or a sphere and a plate, pulled apart and thrown at each other.", options,
-                                 (int)(sizeof options / sizeof *options), argc, argv);
+    program self =
+        program_start("wet_pair", "Two wet spheres, or a sphere and a plate, pulled apart and thrown at each other.",
+                      options, (int)(sizeof options / sizeof *options), argc, argv);
     s.def.radius_i = 0.5e-3 * diameter_i;
     s.def.radius_j = plate ? (double)INFINITY : 0.5e-3 * diameter_j;
     s.def.angle_i = angle_i * degree;

@@ -1,27 +1,31 @@
 /* Planning a batch on a wet screen: screen_models.h gives the rate of passage, blocking.h the free holes.
 
-   Choose amplitude, frequency, moisture, deck area and feed; get the time to a wanted recovery of the undersize, with its uncertainty,
-   with blocking and without, by the models of Dong, Subasinghe and Soldinger with the parameters of Elskamp & Kruggel-Emden (2019).
-   Their 27 cases are glass spheres of 5 and 7 mm (and 10 mm that stay) on an 8 mm mesh, A 0.8-1.2 mm, f 45.8-55.4 Hz, moisture 0-0.05:
-   the defaults; beyond these ranges the models extrapolate.
+   Choose amplitude, frequency, moisture, deck area and feed; get the time to a wanted recovery of the undersize, with
+   its uncertainty, with blocking and without, by the models of Dong, Subasinghe and Soldinger with the parameters of
+   Elskamp & Kruggel-Emden (2019). Their 27 cases are glass spheres of 5 and 7 mm (and 10 mm that stay) on an 8 mm mesh,
+   A 0.8-1.2 mm, f 45.8-55.4 Hz, moisture 0-0.05: the defaults; beyond these ranges the models extrapolate.
 
-   Each model's rate of passage (k_p of Subasinghe and Soldinger, k of Dong: its trials in a time) is multiplied by the free holes per mass
-   of feed over those of the study: by the free fraction f(t), mean over each small step, and by (area / feed) / (0.02835 m2 / 1.41 kg)
-   (eq 17 of Lawinska et al. 2016: f F A0). Blocking does not slow stratification.
+   Each model's rate of passage (k_p of Subasinghe and Soldinger, k of Dong: its trials in a time) is multiplied by the
+   free holes per mass of feed over those of the study: by the free fraction f(t), mean over each small step, and by
+   (area / feed) / (0.02835 m2 / 1.41 kg) (eq 17 of Lawinska et al. 2016: f F A0). Blocking does not slow
+   stratification.
 
-   You give k1 and k2: count holes and use sieve_blocking --data, or simulate. Without --k1 and --k2 the rate constants of Table 2, fit
-   7b, of Lawinska et al. are used as an illustration; they are for dry spheres on a 1 mm mesh. Table 3 of that paper (mean free fraction
-   from K and x_h, --xh) is used only inside the box it was measured in; all 27 cases lie outside.
+   You give k1 and k2: count holes and use sieve_blocking --data, or simulate. Without --k1 and --k2 the rate constants
+   of Table 2, fit 7b, of Lawinska et al. are used as an illustration; they are for dry spheres on a 1 mm mesh. Table 3
+   of that paper (mean free fraction from K and x_h, --xh) is used only inside the box it was measured in; all 27 cases
+   lie outside.
 
-   Uncertainty: the published deviation of each model (mean |Y - Y_dem| 0.0593, 0.0387, 0.0417, as a normal error of the recovery) and
-   the relative errors of k1 and k2 (--rate-error), 95 % ranges.
+   Uncertainty: the published deviation of each model (mean |Y - Y_dem| 0.0593, 0.0387, 0.0417, as a normal error of the
+   recovery) and the relative errors of k1 and k2 (--rate-error), 95 % ranges.
 
-   Your own screen: --parameters FILE, the parameters.json of screen_fit --data, predicts by all models fitted there, for classes from
-   --diameters-mm, a sieve curve (--psd), --rosin-rammler or --lognormal. Ranges include the errors of the parameters, of the model on
-   whole cases, and of k1 and k2. The program names what lies outside the range of the fit. With --feed-kg-s the deck is fed continuously:
-   efficiency, flows and bed depth, and the largest feed for the recovery.
+   Your own screen: --parameters FILE, the parameters.json of screen_fit --data, predicts by all models fitted there,
+   for classes from --diameters-mm, a sieve curve (--psd), --rosin-rammler or --lognormal. Ranges include the errors of
+   the parameters, of the model on whole cases, and of k1 and k2. The program names what lies outside the range of the
+   fit. With --feed-kg-s the deck is fed continuously: efficiency, flows and bed depth, and the largest feed for the
+   recovery.
 
-   --tests FILE: k1 and k2 from counts of many blocking tests, by a fitted law, with its errors (as sieve_blocking --tests).
+   --tests FILE: k1 and k2 from counts of many blocking tests, by a fitted law, with its errors (as sieve_blocking
+   --tests).
 
    Writes retained.svg (curves), map.svg (amplitude and frequency), area.svg, and their CSV files. */
 #include <math.h>
@@ -37,8 +41,10 @@
 
 enum { MODELS = 3, CLASSES = 8, SAMPLES = 1000, MAP = 25, AREAS = 25, MOST_STEPS = 4000 };
 
-static const double deviation[MODELS] = {0.0593, 0.0387, 0.0417}; /* Elskamp & Kruggel-Emden (2019), section 5.3, one set for all cases */
-static const double study_area = 0.02835, study_feed = 1.41;      /* [m2] [kg], what the published parameters hold for */
+/* Elskamp & Kruggel-Emden (2019), section 5.3, one set for all cases. */
+static const double deviation[MODELS] = {0.0593, 0.0387, 0.0417};
+/* [m2] [kg], what the published parameters hold for */
+static const double study_area = 0.02835, study_feed = 1.41;
 static const char *const model_names[MODELS] = {"Dong", "Subasinghe", "Soldinger"};
 
 /* k1 and k2 with what is known of their errors: a relative one, or the law that they come from. */
@@ -68,14 +74,15 @@ static double free_holes(const plan *p) {
     return p->def.deck_area / (p->def.undersize_mass + p->def.oversize_mass) * (study_feed / study_area);
 }
 
-/* Steps through the batch until the wanted recovery of all undersize, or the limit. Returns the time [s], infinite if it is not
-   reached; curve (may be NULL) takes [MOST_STEPS][1 + CLASSES] time and retained by class, *rows their number, and the run then goes on
-   to the limit. */
+/* Steps through the batch until the wanted recovery of all undersize, or the limit. Returns the time [s], infinite if
+   it is not reached; curve (may be NULL) takes [MOST_STEPS][1 + CLASSES] time and retained by class, *rows their
+   number, and the run then goes on to the limit. */
 static double run(const plan *p, int model, const holes *h, double wanted, double *curve, int *rows) {
     screen_bed bed[CLASSES];
     double published[SCREEN_MAX_PARAMETERS], now[SCREEN_MAX_PARAMETERS], reached = HUGE_VAL, before = 0.0;
     int passage = model == 0 ? 0 : 3; /* k of model 1, k_p of models 2 and 3 */
-    if (screen_published(model_of(model), published) != SCREEN_OK || screen_bed_init(&p->def, model_of(model), bed) != SCREEN_OK)
+    if (screen_published(model_of(model), published) != SCREEN_OK ||
+        screen_bed_init(&p->def, model_of(model), bed) != SCREEN_OK)
         return (double)NAN;
     memcpy(now, published, sizeof now);
     if (!(wanted > 0.0)) reached = 0.0;
@@ -84,8 +91,10 @@ static double run(const plan *p, int model, const holes *h, double wanted, doubl
         double t = i * p->step, fed = 0.0, passed = 0.0;
         if (i > 0) { /* f over the step is the mean of a curve that starts where this one is */
             double f = blocking_curve(h->f0, h->f_inf, h->k, t - p->step);
-            now[passage] = published[passage] * free_holes(p) * fmax(blocking_time_mean(f, h->f_inf, h->k, p->step), 1e-9);
-            if (screen_step(&p->def, model_of(model), now, &p->operation, p->step, NULL, bed, NULL) != SCREEN_OK) return (double)NAN;
+            now[passage] =
+                published[passage] * free_holes(p) * fmax(blocking_time_mean(f, h->f_inf, h->k, p->step), 1e-9);
+            if (screen_step(&p->def, model_of(model), now, &p->operation, p->step, NULL, bed, NULL) != SCREEN_OK)
+                return (double)NAN;
         }
         for (int c = 0; c < p->def.classes; c++) {
             fed += bed[c].fed;
@@ -165,7 +174,8 @@ static void report_answer(json *report, const char *key, const answer *a) {
 /* ---- figures ---- */
 
 static void draw_retained(const program *self, const plan *p, const holes *h, bool extrapolated) {
-    static double curve[2][MOST_STEPS * (1 + CLASSES)], x[MOST_STEPS], y[2][MOST_STEPS], low[MOST_STEPS], high[MOST_STEPS];
+    static double curve[2][MOST_STEPS * (1 + CLASSES)], x[MOST_STEPS], y[2][MOST_STEPS], low[MOST_STEPS],
+        high[MOST_STEPS];
     plan q = *p;
     q.step = 0.1;
     riddle_plot *figure = riddle_plot_new("Undersize still on the deck, clean and blocking", 1, MODELS);
@@ -177,7 +187,8 @@ static void draw_retained(const program *self, const plan *p, const holes *h, bo
             x[i] = curve[0][i * (1 + CLASSES)];
             for (int b = 0; b < 2; b++) {
                 y[b][i] = 0.0; /* equal shares of all classes */
-                for (int c = 0; c < p->def.classes; c++) y[b][i] += curve[b][i * (1 + CLASSES) + 1 + c] / p->def.classes;
+                for (int c = 0; c < p->def.classes; c++)
+                    y[b][i] += curve[b][i * (1 + CLASSES) + 1 + c] / p->def.classes;
             }
             low[i] = fmax(y[1][i] - 1.96 * sqrt(0.5 * RIDDLE_PI) * deviation[m], 0.0);
             high[i] = fmin(y[1][i] + 1.96 * sqrt(0.5 * RIDDLE_PI) * deviation[m], 1.0);
@@ -205,7 +216,8 @@ static void draw_map(const program *self, const plan *p, int model, const holes 
     plan q = *p;
     double lowest = HUGE_VAL, highest = 0.0;
     q.step = fmax(p->step, 0.05);
-    riddle_io_file *file = csv_open(self->out, "map.csv", "amplitude_m,frequency_hz,toss_indicator,time_clean_s,time_blocking_s");
+    riddle_io_file *file =
+        csv_open(self->out, "map.csv", "amplitude_m,frequency_hz,toss_indicator,time_clean_s,time_blocking_s");
     progress bar;
     progress_begin(&bar, "map of amplitude and frequency", MAP);
     for (int j = 0; j < MAP && !common_interrupted(); j++) {
@@ -220,8 +232,10 @@ static void draw_map(const program *self, const plan *p, int model, const holes 
                     highest = fmax(highest, t);
                 }
             }
-            double K = blocking_toss_indicator(q.operation.frequency, q.operation.amplitude, 0.5 * RIDDLE_PI, 0.0, q.def.gravity);
-            double line[5] = {q.operation.amplitude, q.operation.frequency, K, time[0][j * MAP + i], time[1][j * MAP + i]};
+            double K = blocking_toss_indicator(q.operation.frequency, q.operation.amplitude, 0.5 * RIDDLE_PI, 0.0,
+                                               q.def.gravity);
+            double line[5] = {q.operation.amplitude, q.operation.frequency, K, time[0][j * MAP + i],
+                              time[1][j * MAP + i]};
             riddle_io_row(file, line, 5);
         }
         progress_update(&bar, j + 1.0);
@@ -229,8 +243,8 @@ static void draw_map(const program *self, const plan *p, int model, const holes 
     progress_end(&bar);
     riddle_io_close(file);
     char title[160];
-    snprintf(title, sizeof title, "Time to %.3g %% of the undersize, model of %s, moisture %.3g %%", 100.0 * p->recovery,
-             model_names[model], 100.0 * p->operation.moisture);
+    snprintf(title, sizeof title, "Time to %.3g %% of the undersize, model of %s, moisture %.3g %%",
+             100.0 * p->recovery, model_names[model], 100.0 * p->operation.moisture);
     riddle_plot *figure = riddle_plot_new(title, 1, 2);
     for (int b = 0; b < 2; b++) {
         double A = 1e3 * p->operation.amplitude, f = p->operation.frequency;
@@ -325,11 +339,14 @@ static int two_numbers(const char *text, double *a, double *b) {
 static int read_curve(const program *self, const char *path, double aperture, double *size, double *passing) {
     sheet_sizes curve;
     char message[600];
-    if (sheet_read_sizes(path, NULL, 1, &curve, message, (int)sizeof message)) program_refuse(self, "psd", path, message);
-    if (curve.single) program_refuse(self, "psd", path, "a sieve curve: the column passing or retained, not shares of single sizes");
+    if (sheet_read_sizes(path, NULL, 1, &curve, message, (int)sizeof message))
+        program_refuse(self, "psd", path, message);
+    if (curve.single)
+        program_refuse(self, "psd", path, "a sieve curve: the column passing or retained, not shares of single sizes");
     if (curve.n > OWN_POINTS) program_refuse(self, "psd", path, "a file with at most 500 sieves");
     if (curve.size[curve.n - 1] < aperture && curve.above[0] > 1e-6) {
-        snprintf(message, sizeof message, "a curve that reaches the opening of %g mm; of this one %.4g %% are coarser than %g mm",
+        snprintf(message, sizeof message,
+                 "a curve that reaches the opening of %g mm; of this one %.4g %% are coarser than %g mm",
                  1e3 * aperture, 100.0 * curve.above[0], 1e3 * curve.size[curve.n - 1]);
         program_refuse(self, "psd", path, message);
     }
@@ -342,20 +359,29 @@ static int read_curve(const program *self, const char *path, double aperture, do
 }
 
 /* Classes from a sieve curve or a distribution. */
-static void own_classes(const program *self, own *o, const char *psd, const char *rosin, const char *lognormal, int classes) {
+static void own_classes(const program *self, own *o, const char *psd, const char *rosin, const char *lognormal,
+                        int classes) {
     static double size[OWN_POINTS], passing[OWN_POINTS];
-    const char *name = psd ? "psd" : rosin ? "rosin-rammler" : "lognormal", *given = psd ? psd : rosin ? rosin : lognormal;
+    const char *name = psd     ? "psd"
+                       : rosin ? "rosin-rammler"
+                               : "lognormal",
+               *given = psd     ? psd
+                        : rosin ? rosin
+                                : lognormal;
     double d = 0.0, spread = 0.0;
     int n = OWN_POINTS;
     if (psd) n = read_curve(self, psd, o->def.aperture, size, passing);
     else if (!two_numbers(given, &d, &spread) || !(d > 0.0) || !(spread > (rosin ? 0.0 : 1.0)))
         program_refuse(self, name, given,
-                       rosin ? "D63,N: size [mm] and exponent, above 0" : "D50,SG: median [mm] and geometric deviation above 1");
+                       rosin ? "D63,N: size [mm] and exponent, above 0"
+                             : "D50,SG: median [mm] and geometric deviation above 1");
     for (int i = 0; i < n && !psd; i++) {
         size[i] = 1e-3 * d * 20.0 * (i + 1) / n;
-        passing[i] = rosin ? screen_rosin_rammler(size[i], 1e-3 * d, spread) : screen_lognormal(size[i], 1e-3 * d, spread);
+        passing[i] =
+            rosin ? screen_rosin_rammler(size[i], 1e-3 * d, spread) : screen_lognormal(size[i], 1e-3 * d, spread);
     }
-    screen_status status = screen_classes(n, size, passing, o->def.aperture, classes, o->diameters, NULL, &o->undersize);
+    screen_status status =
+        screen_classes(n, size, passing, o->def.aperture, classes, o->diameters, NULL, &o->undersize);
     if (status) program_refuse(self, name, given, screen_status_text(status));
     o->def.classes = classes;
 }
@@ -387,14 +413,15 @@ typedef struct own_answer {
     answer time, d50; /* d50 at the time: [m] */
 } own_answer;
 
-/* The time to the recovery and d50 then, with 95 % ranges over parameter sets, each with an error of the model on the whole case, and over
-   k1 and k2 where the holes block. */
+/* The time to the recovery and d50 then, with 95 % ranges over parameter sets, each with an error of the model on the
+   whole case, and over k1 and k2 where the holes block. */
 static own_answer own_time(const own *o, const screen_fit_result *fit, const screen_def *def, uint64_t seed) {
     static double sets[OWN_SETS][SCREEN_MAX_PARAMETERS];
     double times[OWN_SETS], sizes[OWN_SETS], drawn[OWN_TIMES], k1, k2;
     own_answer a = {{HUGE_VAL, NAN, NAN}, {NAN, NAN, NAN}};
     int cut = 0;
-    screen_status status = screen_time_to(def, fit->model, fit->parameter, &o->operation, o->recovery, o->limit, &a.time.time);
+    screen_status status =
+        screen_time_to(def, fit->model, fit->parameter, &o->operation, o->recovery, o->limit, &a.time.time);
     if (status && status != SCREEN_OUTSIDE) a.time.time = status == SCREEN_NOT_REACHED ? HUGE_VAL : (double)NAN;
     a.d50.time = own_d50(o, def, fit->model, fit->parameter, a.time.time);
     if (screen_sample(fit, NULL, seed, OWN_SETS, &sets[0][0])) return a;
@@ -438,9 +465,10 @@ static void report_steady(json *report, const own *o, const screen_fit_result *f
         const screen_def def = own_deck(o, &fits[m]);
         screen_flow flow;
         double most;
-        const screen_status status = screen_steady(&def, fits[m].model, fits[m].parameter, &o->operation, &o->duty, PLACES, retained, NULL,
-                                                   NULL, &flow),
-                            limit = screen_capacity(&def, fits[m].model, fits[m].parameter, &o->operation, &o->duty, o->recovery, &most);
+        const screen_status status = screen_steady(&def, fits[m].model, fits[m].parameter, &o->operation, &o->duty,
+                                                   PLACES, retained, NULL, NULL, &flow),
+                            limit = screen_capacity(&def, fits[m].model, fits[m].parameter, &o->operation, &o->duty,
+                                                    o->recovery, &most);
         char text[100];
         if (status && status != SCREEN_OUTSIDE) flow.efficiency = (double)NAN;
         if (limit && limit != SCREEN_OUTSIDE)
@@ -451,8 +479,9 @@ static void report_steady(json *report, const own *o, const screen_fit_result *f
                     flow.stays, flow.undersize_in_overflow, flow.depth, flow.depth_end, most);
     }
     results_json(t, report, "deck");
-    common_print("Fed with %.3g kg/s, %.3g m x %.3g m, the bed travels with %.3g m/s; largest feed for a recovery of %.4g %%:\n",
-                 o->duty.feed, o->duty.width, o->duty.length, o->duty.velocity, 100.0 * o->recovery);
+    common_print(
+        "Fed with %.3g kg/s, %.3g m x %.3g m, the bed travels with %.3g m/s; largest feed for a recovery of %.4g %%:\n",
+        o->duty.feed, o->duty.width, o->duty.length, o->duty.velocity, 100.0 * o->recovery);
     results_print(t);
     results_free(t);
 }
@@ -462,14 +491,17 @@ static int plan_own(const program *self, const char *path, own *o) {
     static double low[OWN_CLASSES * OWN_TIMES], high[OWN_CLASSES * OWN_TIMES], mean[OWN_CLASSES * OWN_TIMES];
     double time[OWN_TIMES], y[OWN_TIMES], y_low[OWN_TIMES], y_high[OWN_TIMES];
     lab_read_fits(self, path, fits);
-    const double K = blocking_toss_indicator(o->operation.frequency, o->operation.amplitude, 0.5 * RIDDLE_PI, 0.0, o->def.gravity);
-    common_print("K %.2f: %s\n%d classes of equal mass, %.3g .. %.3g mm, %.3f of the feed below the aperture of %.3g mm\n", K,
-                 blocking_toss_text(blocking_toss_range(K)), o->def.classes, 1e3 * o->diameters[0], 1e3 * o->diameters[o->def.classes - 1],
-                 o->undersize, 1e3 * o->def.aperture);
+    const double K =
+        blocking_toss_indicator(o->operation.frequency, o->operation.amplitude, 0.5 * RIDDLE_PI, 0.0, o->def.gravity);
+    common_print(
+        "K %.2f: %s\n%d classes of equal mass, %.3g .. %.3g mm, %.3f of the feed below the aperture of %.3g mm\n", K,
+        blocking_toss_text(blocking_toss_range(K)), o->def.classes, 1e3 * o->diameters[0],
+        1e3 * o->diameters[o->def.classes - 1], o->undersize, 1e3 * o->def.aperture);
     json *report = json_open(self->json);
     json_string(report, "parameters", path);
     json_number(report, "recovery", o->recovery);
-    riddle_io_table t = riddle_io_table_begin("model|fitted to|time [s]|95 % range|d50 then [mm]|95 % range|outside the fit's range");
+    riddle_io_table t =
+        riddle_io_table_begin("model|fitted to|time [s]|95 % range|d50 then [mm]|95 % range|outside the fit's range");
     riddle_plot *figure = riddle_plot_new("Undersize still on the deck, by fitted models", 1, LAB_MODELS);
     riddle_io_file *file = csv_open(self->out, "own_retained.csv", "model,time_s,retained,low,high");
     for (int i = 0; i < OWN_TIMES; i++) time[i] = o->limit * i / (OWN_TIMES - 1);
@@ -478,7 +510,8 @@ static int plan_own(const program *self, const char *path, own *o) {
         char a[32], b[32], c[32], words[300];
         const own_answer both = own_time(o, &fits[m], &def, self->seed);
         const answer got = both.time, d50 = both.d50;
-        unsigned flags = screen_outside(&fits[m].domain, &def, (screen_model)m, &o->operation, got.time < HUGE_VAL ? got.time : o->limit);
+        unsigned flags = screen_outside(&fits[m].domain, &def, (screen_model)m, &o->operation,
+                                        got.time < HUGE_VAL ? got.time : o->limit);
         riddle_io_table_cell(&t, "%s", lab_names[m]);
         riddle_io_table_cell(&t, "%.4f", fits[m].deviation);
         riddle_io_table_cell(&t, "%s", isnan(got.time) ? "no answer" : seconds(a, got.time, o->limit));
@@ -494,11 +527,13 @@ static int plan_own(const program *self, const char *path, own *o) {
                        {"outside_flags", flags});
         json_string(report, "outside", lab_outside(words, sizeof words, flags));
         json_object_end(report);
-        screen_status status = screen_fit_band(&def, &fits[m], NULL, &o->operation, OWN_TIMES, time, 0.95, self->seed, mean, low, high);
+        screen_status status =
+            screen_fit_band(&def, &fits[m], NULL, &o->operation, OWN_TIMES, time, 0.95, self->seed, mean, low, high);
         if (status) continue;
         double curve[OWN_CLASSES];
         for (int i = 0; i < OWN_TIMES; i++) {
-            screen_status one = screen_predict(&def, (screen_model)m, fits[m].parameter, &o->operation, 1, &time[i], curve, NULL, NULL);
+            screen_status one =
+                screen_predict(&def, (screen_model)m, fits[m].parameter, &o->operation, 1, &time[i], curve, NULL, NULL);
             y[i] = y_low[i] = y_high[i] = 0.0;
             for (int k = 0; k < def.classes; k++) {
                 y[i] += (one && one != SCREEN_OUTSIDE ? (double)NAN : curve[k]) / def.classes;
@@ -554,7 +589,8 @@ static void refuse_contradictions(const program *self, const asked *a) {
     const char *feed = a->psd ? "psd" : a->rosin ? "rosin-rammler" : "lognormal";
     if ((a->psd != NULL) + (a->rosin != NULL) + (a->lognormal != NULL) > 1)
         program_refuse(self, feed, NULL, "one of --psd, --rosin-rammler and --lognormal");
-    if (!a->parameters && (a->psd || a->rosin || a->lognormal)) program_refuse(self, feed, NULL, "only with --parameters");
+    if (!a->parameters && (a->psd || a->rosin || a->lognormal))
+        program_refuse(self, feed, NULL, "only with --parameters");
     if (k1 != k2) program_refuse(self, k1 ? "k1" : "k2", NULL, "both --k1 and --k2, or neither");
     if (a->tests && k1) program_refuse(self, "tests", a->tests, "either --tests or --k1 and --k2");
     for (int i = 1; i < 4; i++)
@@ -571,9 +607,10 @@ static void read_rates(const program *self, const asked *a, blocking_law *law, r
     if (blocking_law_at(law, r->K, r->x_h, r->moisture, &at) != BLOCKING_OK)
         program_refuse(self, "tests", a->tests, "tests whose law has a value at this K, --xh and --moisture");
     r->law = law, r->k1 = at.k1, r->k2 = at.k2;
-    common_print("Holes by %s: k1 %.4g (95 %% %.4g .. %.4g) 1/s, k2 %.4g (%.4g .. %.4g) 1/s at K %.2f, x_h %.2f, moisture %.3g%s\n",
-                 a->tests, at.k1, at.k1_low95, at.k1_high95, at.k2, at.k2_low95, at.k2_high95, r->K, r->x_h, r->moisture,
-                 at.outside ? ", OUTSIDE the tests" : "");
+    common_print("Holes by %s: k1 %.4g (95 %% %.4g .. %.4g) 1/s, k2 %.4g (%.4g .. %.4g) 1/s at K %.2f, x_h %.2f, "
+                 "moisture %.3g%s\n",
+                 a->tests, at.k1, at.k1_low95, at.k1_high95, at.k2, at.k2_low95, at.k2_high95, r->K, r->x_h,
+                 r->moisture, at.outside ? ", OUTSIDE the tests" : "");
 }
 
 static screen_operation operation_of(const asked *a) {
@@ -595,7 +632,8 @@ static void check_deck(const program *self, const screen_def *def, const char *d
     const char *field = NULL;
     if (screen_check_def(def, &field) == SCREEN_OK) return;
     const bool sizes = strcmp(field, "diameters") == 0;
-    program_refuse(self, sizes ? "diameters-mm" : "opening-mm", sizes ? diameters : NULL, "grain sizes above 0 and below the opening");
+    program_refuse(self, sizes ? "diameters-mm" : "opening-mm", sizes ? diameters : NULL,
+                   "grain sizes above 0 and below the opening");
 }
 
 /* Predicts by the parameters that screen_fit has found. */
@@ -660,16 +698,16 @@ static void print_setting(const asked *a, const plan *p, const holes *h, const r
     const double open = blocking_open_area(a->opening, a->wire);
     char words[300];
     common_print("K %.2f: %s\n", r->K, blocking_toss_text(blocking_toss_range(r->K)));
-    common_print("Load %.1f kg/m2; clearance A0 %.3f, effective area in the long run %.4f m2 of %.4f m2 of holes\n", a->feed / a->area,
-                 open, blocking_effective_area(h->f_inf, a->area, open), a->area * open);
+    common_print("Load %.1f kg/m2; clearance A0 %.3f, effective area in the long run %.4f m2 of %.4f m2 of holes\n",
+                 a->feed / a->area, open, blocking_effective_area(h->f_inf, a->area, open), a->area * open);
     common_print("Blocking: f0 %.3f, f_inf %.3f, k1 %.4f 1/s, k2 %.4f 1/s%s\n", h->f0, h->f_inf, r->k1, r->k2,
                  a->own_rates ? "" : ", an illustration (Table 2, fit 7b: dry, 1 mm): give --k1 and --k2");
     if (outside)
         common_print("Beyond what the published parameters were fitted to, so extrapolated: %s\n",
                      lab_outside(words, sizeof words, outside));
     if (fabs(free_holes(p) - 1.0) > 0.01)
-        common_print("Load: the models were fitted at %.1f kg/m2; passing is taken %.2f times as fast\n", study_feed / study_area,
-                     free_holes(p));
+        common_print("Load: the models were fitted at %.1f kg/m2; passing is taken %.2f times as fast\n",
+                     study_feed / study_area, free_holes(p));
 }
 
 static void report_setting(json *report, const asked *a, const holes *h, const rates *r, unsigned outside,
@@ -684,13 +722,16 @@ static void report_setting(json *report, const asked *a, const holes *h, const r
     json_number(report, "table3_mean_free", offered ? average->value : (double)NAN);
 }
 
-/* Times to the recovery by each model: with clean holes, with blocking, and with the mean of Table 3 where that is offered (else NULL). */
-static void report_times(const program *self, json *report, const plan *p, const holes *blocking, const holes *table3, const rates *r) {
+/* Times to the recovery by each model: with clean holes, with blocking, and with the mean of Table 3 where that is
+   offered (else NULL). */
+static void report_times(const program *self, json *report, const plan *p, const holes *blocking, const holes *table3,
+                         const rates *r) {
     const holes *cases[3] = {&clean, blocking, table3};
     const char *const keys[3] = {"clean", "blocking", "table3"};
     const int samples = self->quick ? 200 : SAMPLES;
-    riddle_io_table t = riddle_io_table_begin(table3 ? "model|clean holes [s]|95 % range|blocking [s]|95 % range|Table 3 [s]|95 % range"
-                                                     : "model|clean holes [s]|95 % range|blocking [s]|95 % range");
+    riddle_io_table t =
+        riddle_io_table_begin(table3 ? "model|clean holes [s]|95 % range|blocking [s]|95 % range|Table 3 [s]|95 % range"
+                                     : "model|clean holes [s]|95 % range|blocking [s]|95 % range");
     for (int m = 0; m < MODELS && !common_interrupted(); m++) {
         plan coarse = *p;
         coarse.step = 0.05;
@@ -728,7 +769,8 @@ static int plan_by_published(const program *self, const asked *a, const rates *r
     const blocking_average average = average_by_table3(a, &p, r->K);
     const holes table3 = {average.value, average.value, 0.0};
     const screen_domain domain = screen_published_domain();
-    const unsigned outside = screen_outside(&domain, &p.def, SCREEN_SOLDINGER, &p.operation, 0.0) & ~(unsigned)SCREEN_OUTSIDE_LOAD;
+    const unsigned outside =
+        screen_outside(&domain, &p.def, SCREEN_SOLDINGER, &p.operation, 0.0) & ~(unsigned)SCREEN_OUTSIDE_LOAD;
     print_setting(a, &p, &h, r, outside);
     print_table3(&average);
     json *report = json_open(self->json);
@@ -765,31 +807,42 @@ int main(int argc, char **argv) {
         option_choice("model", &a.model, "dong|subasinghe|soldinger", "model of the map"),
         option_double("k1", "K1", &a.k1, 0.0, 1e3, "rate constant of blocking [1/s]; default: Table 2, fit 7b"),
         option_double("k2", "K2", &a.k2, 0.0, 1e3, "rate constant of unblocking [1/s]; default: Table 2, fit 7b"),
-        option_double("f0", "F0", &a.f0, 0.0, 1.0, "free fraction of the holes at the start [-]; 0.949 without --k1 and --k2"),
+        option_double("f0", "F0", &a.f0, 0.0, 1.0,
+                      "free fraction of the holes at the start [-]; 0.949 without --k1 and --k2"),
         option_double("rate-error", "S", &a.rate_error, 0.0, 2.0, "relative standard error of k1 and k2 [-]"),
         option_double("xh", "X", &a.x_h, 0.0, 1.0, "hard-to-screen content of the feed [-], for Table 3"),
         option_choice("shape", &a.shape, "spherical|irregular|sharp|sharp-repaired", "grains, for Table 3"),
         option_string("parameters", "FILE", &a.parameters, "parameters.json of screen_fit --data: predict by these"),
         option_string("psd", "FILE", &a.psd, "sieve curve: columns size and passing; with --parameters"),
         option_string("rosin-rammler", "D63,N", &a.rosin, "feed: size [mm] and exponent; with --parameters"),
-        option_string("lognormal", "D50,SG", &a.lognormal, "feed: median [mm] and geometric deviation; with --parameters"),
-        option_int("classes", "N", &a.classes, 1, OWN_CLASSES, "classes that a sieve curve or distribution is cut into"),
-        option_string("tests", "FILE", &a.tests, "counts of blocking tests: k1 and k2 by their law at this K, --xh and --moisture"),
+        option_string("lognormal", "D50,SG", &a.lognormal,
+                      "feed: median [mm] and geometric deviation; with --parameters"),
+        option_int("classes", "N", &a.classes, 1, OWN_CLASSES,
+                   "classes that a sieve curve or distribution is cut into"),
+        option_string("tests", "FILE", &a.tests,
+                      "counts of blocking tests: k1 and k2 by their law at this K, --xh and --moisture"),
         option_positive("feed-kg-s", "M", &a.duty.feed, 1e6,
                         "a deck fed all the time: its feed [kg/s]; with --parameters, as the next three"),
         option_positive("deck-width-m", "W", &a.duty.width, 100.0, "its width [m]"),
         option_positive("deck-length-m", "L", &a.duty.length, 1000.0, "its length [m]"),
-        option_positive("travel-m-s", "V", &a.duty.velocity, 100.0, "velocity of the bed along it [m/s]: measured, or by screen_deck"),
+        option_positive("travel-m-s", "V", &a.duty.velocity, 100.0,
+                        "velocity of the bed along it [m/s]: measured, or by screen_deck"),
     };
     program self =
-        program_start("wet_screen_designer", "Time to a wanted recovery on a wet screen, with blocking and without, and its uncertainty.",
+        program_start("wet_screen_designer",
+                      "Time to a wanted recovery on a wet screen, with blocking and without, and its uncertainty.",
                       options, (int)(sizeof options / sizeof *options), argc, argv);
     refuse_contradictions(&self, &a);
     a.own_rates = is_given(&self, "k1") || a.tests;
     a.steady = is_given(&self, "feed-kg-s"), a.coarse_given = is_given(&self, "coarse-mm"),
     a.f0_given = is_given(&self, "f0");
-    rates r = {a.k1,  a.k2,      a.rate_error, NULL, blocking_toss_indicator(a.frequency, 1e-3 * a.amplitude, 0.5 * RIDDLE_PI, 0.0, 9.81),
-               a.x_h, a.moisture};
+    rates r = {a.k1,
+               a.k2,
+               a.rate_error,
+               NULL,
+               blocking_toss_indicator(a.frequency, 1e-3 * a.amplitude, 0.5 * RIDDLE_PI, 0.0, 9.81),
+               a.x_h,
+               a.moisture};
     blocking_law law;
     if (a.tests) read_rates(&self, &a, &law, &r);
     return a.parameters ? plan_by_fits(&self, &a, &r) : plan_by_published(&self, &a, &r);

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Makes the binding from the headers: declarations for cffi, their comments as docstrings, and the C file of the shared library.
+"""Makes the binding from the headers: declarations for cffi, their comments as docstrings, and the C file of the shared
+library.
 
     python/generate.py FOLDER      writes api.json, _types.py, riddle_shared.c and the stubs (.pyi) to FOLDER
 
-What cannot be read off a declaration, how long an array is and what is an answer, stands in shapes.txt. A pointer to numbers without a
-line there is an error, so that a new function cannot be forgotten.
+What cannot be read off a declaration, how long an array is and what is an answer, stands in shapes.txt. A pointer to
+numbers without a line there is an error, so that a new function cannot be forgotten.
 """
 import json
 import keyword
@@ -22,8 +23,10 @@ here = os.path.dirname(os.path.abspath(__file__))
 root = os.path.dirname(here)
 HEADERS = ["dem.h", "liquid_bridge.h", "screen_models.h", "blocking.h", "granulation.h", "classifier.h", "filtration.h"]
 # Structures that only C looks into: Python holds them by a pointer.
-OPAQUE = {"dem_world", "granulation_sim", "granulation_balance", "granulation_montecarlo", "classifier_model", "filtration_fluid", "filtration_bed"}
-SYSTEM = ["int8_t", "uint8_t", "int16_t", "uint16_t", "int32_t", "uint32_t", "int64_t", "uint64_t", "size_t", "ptrdiff_t"]
+OPAQUE = {"dem_world", "granulation_sim", "granulation_balance", "granulation_montecarlo", "classifier_model",
+          "filtration_fluid", "filtration_bed"}
+SYSTEM = ["int8_t", "uint8_t", "int16_t", "uint16_t", "int32_t", "uint32_t", "int64_t", "uint64_t", "size_t",
+          "ptrdiff_t"]
 
 
 def prefix_of(text):
@@ -33,7 +36,8 @@ def prefix_of(text):
 def preprocessed(header, prefix):
     """Declarations of a header without comments, and the numbers that it defines."""
     source = f'#define {prefix}_API extern\n#include "{header}"\n'
-    cpp = [*shlex.split(os.environ.get("CC", "cc")), "-E", "-I", root, "-x", "c", "-std=c99", "-O0", "-D__attribute__(x)=", "-D__restrict__=", "-D__extension__=", "-"]
+    cpp = [*shlex.split(os.environ.get("CC", "cc")), "-E", "-I", root, "-x", "c", "-std=c99", "-O0",
+           "-D__attribute__(x)=", "-D__restrict__=", "-D__extension__=", "-"]
     text = subprocess.run(cpp, input=source, capture_output=True, text=True, check=True).stdout
     lines, inside = [], False
     for line in text.split("\n"):
@@ -46,7 +50,8 @@ def preprocessed(header, prefix):
     constants = {}
     for name, value in re.findall(rf"^#define ({prefix}_[A-Z0-9_]*[A-Z0-9]) (.+)$", macros, re.M):
         if "__" not in name and re.fullmatch(r"\(?-?\d[\w.+-]*\)?", value.strip()):
-            constants[name] = float(value.strip("() fuUlL")) if re.search(r"[.eE]", value) and "x" not in value else int(value.strip("() uUlL"), 0)
+            constants[name] = (float(value.strip("() fuUlL")) if re.search(r"[.eE]", value) and "x" not in value
+                               else int(value.strip("() uUlL"), 0))
     return "\n".join(lines), constants
 
 
@@ -132,7 +137,8 @@ class Header:
         name = declaration.name
         if isinstance(node, c_ast.Typedef) and is_own(name, self.lower):
             self.take_type(node)
-        elif isinstance(declaration, c_ast.Decl) and isinstance(declaration.type, c_ast.FuncDecl) and is_public(name, self.lower) and name not in self.functions:
+        elif (isinstance(declaration, c_ast.Decl) and isinstance(declaration.type, c_ast.FuncDecl)
+              and is_public(name, self.lower) and name not in self.functions):
             self.take_function(declaration)
         elif isinstance(declaration, c_ast.Decl) and isinstance(declaration.type, c_ast.Enum):
             self.take_enum(declaration.type)
@@ -149,7 +155,8 @@ class Header:
             self.declarations.append(f"typedef struct {name} {name};")
             self.types[name] = {"opaque": True, "doc": "", "fields": {}}
             return
-        if isinstance(inner, c_ast.Struct) and inner.decls is None and any(d.startswith(f"typedef struct {inner.name} ") for d in self.declarations):
+        if (isinstance(inner, c_ast.Struct) and inner.decls is None
+            and any(d.startswith(f"typedef struct {inner.name} ") for d in self.declarations)):
             return
         self.declarations.append(self.generator.visit(node) + ";")
         if not is_public(name, self.lower):
@@ -159,7 +166,9 @@ class Header:
             fields = {}
             for field in inner.decls:
                 target, constant = numbers_pointed_to(field.type)
-                fields[field.name] = {"type": self.generator.visit(field.type).replace(f" {field.name}", "").replace(f"*{field.name}", "*"), "doc": about.get(field.name, "")}
+                kind = self.generator.visit(field.type)
+                kind = kind.replace(f" {field.name}", "").replace(f"*{field.name}", "*")
+                fields[field.name] = {"type": kind, "doc": about.get(field.name, "")}
                 if isinstance(field.type, c_ast.PtrDecl) and target:
                     fields[field.name]["pointer"] = target
             self.types[name] = {"opaque": False, "fields": fields, "doc": ""}
@@ -177,15 +186,19 @@ class Header:
             pointer = isinstance(p.type, (c_ast.PtrDecl, c_ast.ArrayDecl))
             depth2 = pointer and isinstance(p.type.type, c_ast.PtrDecl)
             callback = pointer and isinstance(p.type.type, c_ast.FuncDecl)
-            parameters.append({"name": p.name, "pointer": pointer and not callback, "target": target, "const": constant, "deep": depth2, "callback": callback,
+            parameters.append({"name": p.name, "pointer": pointer and not callback, "target": target, "const": constant,
+                               "deep": depth2, "callback": callback,
                                "type": self.generator.visit(p.type), "text": self.generator.visit(p)})
         returns = self.generator.visit(function.type)
-        returns = re.sub(rf"\b{declaration.name}\b", "", returns).replace("static", "").replace("inline", "").replace("extern", "").strip()
+        returns = re.sub(rf"\b{declaration.name}\b", "",
+                         returns).replace("static", "").replace("inline", "").replace("extern", "").strip()
         inline = "inline" in (declaration.funcspec or [])
         arguments = ", ".join(self.generator.visit(p) for p in (function.args.params if function.args else []))
         symbol = f"law_{declaration.name}" if inline else declaration.name
-        self.functions[declaration.name] = {"symbol": symbol, "inline": inline, "returns": returns, "parameters": parameters,
-                                            "doc": self.about.get(declaration.name, ""), "signature": f"{returns} {declaration.name}({arguments})"}
+        self.functions[declaration.name] = {"symbol": symbol, "inline": inline, "returns": returns,
+                                            "parameters": parameters,
+                                            "doc": self.about.get(declaration.name, ""),
+                                            "signature": f"{returns} {declaration.name}({arguments})"}
 
 
 def read_shapes(path=os.path.join(here, "shapes.txt")):
@@ -209,7 +222,8 @@ def parts_of(shape):
 
 
 def give_roles(headers, shapes):
-    """Tells of each parameter what Python does with it: given, optional, made (an answer), length (told by an array) or hidden."""
+    """Tells of each parameter what Python does with it: given, optional, made (an answer), length (told by an array) or
+    hidden."""
     opaque = {name for h in headers for name, kind in h.types.items() if kind["opaque"]}
     for h in headers:
         for name, f in h.functions.items():
@@ -219,16 +233,19 @@ def give_roles(headers, shapes):
                 p["shape"] = shapes.get(f"{name}.{p['name']}", "")
                 inout, optional = p["shape"].startswith("inout"), p["shape"].startswith("optional")
                 constant = p["const"] or "const" in p["type"]
-                if p["deep"] and p["base"] == "char" or p["pointer"] and p["base"] == "void" or p["base"].endswith(("_memory", "_allocator")):
+                if (p["deep"] and p["base"] == "char" or p["pointer"] and p["base"] == "void"
+                    or p["base"].endswith(("_memory", "_allocator"))):
                     p["role"] = "hidden"
-                elif p["pointer"] and not constant and not inout and not optional and not p["callback"] and (p["base"] not in opaque or name.endswith("_init")):
+                elif (p["pointer"] and not constant and not inout and not optional and not p["callback"]
+                      and (p["base"] not in opaque or name.endswith("_init"))):
                     p["role"] = "made"
                 else:
                     p["role"] = "optional" if optional else "given"
                 p["function"] = p["callback"] or "_fn" in p["type"] or p["base"].endswith(("_function", "_kernel"))
             # what a definition holds and C calls with the definition's data
             f["hook"] = not any(p["function"] for p in f["parameters"]) and any(
-                p["pointer"] and p["base"] == "void" and (p["name"] == "data" or "user" in p["name"]) for p in f["parameters"])
+                p["pointer"] and p["base"] == "void" and (p["name"] == "data" or "user" in p["name"])
+                for p in f["parameters"])
             f["lengths"] = lengths_of(f["parameters"])
             for p in f["parameters"]:
                 if p["called"] in f["lengths"]:
@@ -266,11 +283,13 @@ def without_shape(header, shapes):
     return missing
 
 
-NUMBERS = {"double", "_Bool", "unsigned char", "float", "int", "size_t", "int32_t", "int64_t", "uint64_t", "uint32_t", "uint8_t", "unsigned", "unsigned int", "ptrdiff_t"}
+NUMBERS = {"double", "_Bool", "unsigned char", "float", "int", "size_t", "int32_t", "int64_t", "uint64_t", "uint32_t",
+           "uint8_t", "unsigned", "unsigned int", "ptrdiff_t"}
 
 
 def c_file(headers):
-    lines = ["/* The shared library of the Python binding: one copy of every header, and a symbol for every law. Generated by generate.py. */"]
+    lines = ["/* The shared library of the Python binding: one copy of every header, and a symbol for every law. "
+             "Generated by generate.py. */"]
     for h in headers:
         lines += [f"#define {h.upper}_API extern", f"#define {h.upper}_IMPLEMENTATION", f'#include "{h.file}"']
     lines.append('#include "helpers.h"\n')
@@ -280,10 +299,12 @@ def c_file(headers):
                 arguments = ", ".join(p["text"] for p in f["parameters"]) or "void"
                 call = f"{name}({', '.join(p['name'] for p in f['parameters'])})"
                 body = f"{call};" if f["returns"] == "void" else f"return {call};"
-                lines.append(f"extern {f['returns']} law_{name}({arguments});\n{f['returns']} law_{name}({arguments}) {{ {body} }}")
+                lines.append(f"extern {f['returns']} law_{name}({arguments});\n{f['returns']} law_{name}({arguments}) "
+                             f"{{ {body} }}")
         for name, kind in h.types.items():
             if kind["opaque"]:
-                lines.append(f"extern size_t size_of_{name}(void);\nsize_t size_of_{name}(void) {{ return sizeof({name}); }}")
+                lines.append(f"extern size_t size_of_{name}(void);\nsize_t size_of_{name}(void) {{ return "
+                             f"sizeof({name}); }}")
     checks = [(n, h) for h in headers for n, k in h.types.items() if not k["opaque"]]
     lines.append("extern size_t riddle_layout(int);\nsize_t riddle_layout(int n) {\n    switch (n) {")
     lines += [f"    case {k}: return sizeof({name});" for k, (name, _) in enumerate(checks)]
@@ -321,7 +342,10 @@ def main():
         return 1
     give_roles(headers, shapes)
     source, layout = c_file(headers)
-    api = {"version": version(), "layout": layout, "headers": {h.lower: {"file": h.file, "constants": h.constants, "enums": h.enums, "enumerators": h.enumerators, "types": h.types, "functions": h.functions} for h in headers}, "shapes": shapes}
+    api = {"version": version(), "layout": layout,
+           "headers": {h.lower: {"file": h.file, "constants": h.constants, "enums": h.enums,
+                                 "enumerators": h.enumerators, "types": h.types, "functions": h.functions}
+                       for h in headers}, "shapes": shapes}
     with open(os.path.join(folder, "riddle_shared.c"), "w", encoding="utf-8") as file:
         file.write(source)
     with open(os.path.join(folder, "api.json"), "w", encoding="utf-8") as file:

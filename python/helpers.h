@@ -1,4 +1,5 @@
-/* helpers.h - what Python needs of a world beside the headers' own functions: its records, and states of all particles by one call. */
+/* helpers.h - what Python needs of a world beside the headers' own functions: its records, and states of all particles
+   by one call. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +9,13 @@
 /* What is read as it is stored. */
 typedef enum riddle_record { RIDDLE_IDS, RIDDLE_GROUPS, RIDDLE_MATERIALS, RIDDLE_PRESENT } riddle_record;
 /* States of all particles, written as [count][3] or [count]. */
-typedef enum riddle_state { RIDDLE_POSITIONS, RIDDLE_VELOCITIES, RIDDLE_SPINS, RIDDLE_RADII, RIDDLE_MASSES } riddle_state;
+typedef enum riddle_state {
+    RIDDLE_POSITIONS,
+    RIDDLE_VELOCITIES,
+    RIDDLE_SPINS,
+    RIDDLE_RADII,
+    RIDDLE_MASSES
+} riddle_state;
 
 RIDDLE_EXPORT ptrdiff_t riddle_count(const dem_world *world);
 RIDDLE_EXPORT double riddle_time(const dem_world *world);
@@ -23,14 +30,15 @@ RIDDLE_EXPORT ptrdiff_t riddle_passed_count(const dem_world *world);
 RIDDLE_EXPORT void riddle_states(const dem_world *world, int what, double *out);
 RIDDLE_EXPORT void riddle_records(const dem_world *world, int what, int64_t *out);
 RIDDLE_EXPORT int riddle_is_present(const dem_world *world, ptrdiff_t i);
-/* Sets the definition's function stop, or takes it out with NULL. Returns 0 where the definition came with one, which stays. */
+/* Sets the definition's function stop, or takes it out with NULL. Returns 0 where the definition came with one,
+   which stays. */
 RIDDLE_EXPORT int riddle_set_stop(dem_world *world, int (*stop)(void *user));
-/* kind, material, enabled, spin, coordinate, rate, work; position, velocity, normal, force, torque, impulse, angular impulse. Returns 1 where
-   there is no such wall. */
+/* kind, material, enabled, spin, coordinate, rate, work; position, velocity, normal, force, torque, impulse, angular
+   impulse. Returns 1 where there is no such wall. */
 RIDDLE_EXPORT int riddle_wall(const dem_world *world, int index, double *out);
 
-/* The laws of dem_laws.h by name. A name's number, -1: there is none. Laws: the numbers of all pairs; pair: those of one, in the order of
-   contact_pair_def, NULL for no pair. */
+/* The laws of dem_laws.h by name. A name's number, -1: there is none. Laws: the numbers of all pairs; pair: those of
+   one, in the order of contact_pair_def, NULL for no pair. */
 RIDDLE_EXPORT int riddle_contact_model(const char *name);
 RIDDLE_EXPORT void *riddle_contact_laws(void);
 RIDDLE_EXPORT void riddle_contact_free(void *laws);
@@ -40,10 +48,13 @@ RIDDLE_EXPORT int riddle_contact_run(dem_world *world, void *laws, int model, do
 RIDDLE_EXPORT int riddle_contact_bond(dem_world *world, void *laws, int model);
 RIDDLE_EXPORT ptrdiff_t riddle_contact_bonds(const dem_world *world);
 
-/* What riddle_io.h told of the last file that could not be written; empty where it told nothing. Asking forgets it at the next file. */
+/* What riddle_io.h told of the last file that could not be written; empty where it told nothing. Asking forgets it at
+   the next file. */
 RIDDLE_EXPORT const char *riddle_last_line(void);
-RIDDLE_EXPORT int riddle_picture(const dem_world *world, char **names, int n_names, double speed, const double *direction, int width, int height, unsigned char *rgb);
-RIDDLE_EXPORT int riddle_section(const dem_world *world, const char *title, const double *point, const double *normal, const double *right, char **names, int n_names, const char *folder, const char *name);
+RIDDLE_EXPORT int riddle_picture(const dem_world *world, char **names, int n_names, double speed,
+                                 const double *direction, int width, int height, unsigned char *rgb);
+RIDDLE_EXPORT int riddle_section(const dem_world *world, const char *title, const double *point, const double *normal,
+                                 const double *right, char **names, int n_names, const char *folder, const char *name);
 RIDDLE_EXPORT void *riddle_series_open(const char *folder, const char *name);
 RIDDLE_EXPORT int riddle_series_add(void *series, const dem_world *world);
 RIDDLE_EXPORT int riddle_series_close(void *series);
@@ -92,7 +103,8 @@ int riddle_wall(const dem_world *world, int index, double *out) {
     if (index < 0 || index >= world->walls) return 1;
     const dem_wall *w = &world->wall[index];
     const double numbers[7] = {w->kind, w->material, w->enabled, w->spin, w->coordinate, w->rate, w->work};
-    const dem_vec vectors[7] = {w->position, w->velocity, w->axis[2], w->force, w->torque, w->impulse, w->angular_impulse};
+    const dem_vec vectors[7] = {w->position, w->velocity, w->axis[2],        w->force,
+                                w->torque,   w->impulse,  w->angular_impulse};
     for (int k = 0; k < 7; k++) {
         out[k] = numbers[k];
         out[7 + 3 * k] = vectors[k].x, out[8 + 3 * k] = vectors[k].y, out[9 + 3 * k] = vectors[k].z;
@@ -161,8 +173,9 @@ const char *riddle_last_line(void) { return riddle_line; }
 int common_fail(const char *format, ...) { return (void)format, -1; }
 void common_print(const char *format, ...) { (void)format; }
 
-int riddle_picture(const dem_world *world, char **names, int n_names, double speed, const double *direction, int width, int height, unsigned char *rgb) {
-    picture_def look = {{NULL}, n_names, speed, {direction[0], direction[1], direction[2]}, width, height};
+int riddle_picture(const dem_world *world, char **names, int n_names, double speed, const double *direction, int width,
+                   int height, unsigned char *rgb) {
+    picture_def look = {{NULL}, n_names, speed, {direction[0], direction[1], direction[2]}, {width, height}};
     for (int k = 0; k < n_names; k++) look.names[k] = names[k];
     picture *s = picture_of_world(world, &look);
     const int status = s ? picture_draw(s, rgb) : -1;
@@ -170,12 +183,13 @@ int riddle_picture(const dem_world *world, char **names, int n_names, double spe
     return status;
 }
 
-int riddle_section(const dem_world *world, const char *title, const double *point, const double *normal, const double *right, char **names, int n_names,
-                   const char *folder, const char *name) {
+int riddle_section(const dem_world *world, const char *title, const double *point, const double *normal,
+                   const double *right, char **names, int n_names, const char *folder, const char *name) {
     riddle_line[0] = 0;
     riddle_plot *figure = riddle_plot_new(title, 1, 1);
-    const dem_status status = dem_io_section(world, figure, dem_vec3(point[0], point[1], point[2]), dem_vec3(normal[0], normal[1], normal[2]),
-                                             dem_vec3(right[0], right[1], right[2]), n_names ? (const char *const *)names : NULL, n_names);
+    const dem_status status =
+        dem_io_section(world, figure, dem_vec3(point[0], point[1], point[2]), dem_vec3(normal[0], normal[1], normal[2]),
+                       dem_vec3(right[0], right[1], right[2]), n_names ? (const char *const *)names : NULL, n_names);
     const int written = (int)riddle_plot_write(figure, folder, name);
     return status ? (int)status : written;
 }

@@ -114,14 +114,16 @@ class Complete(unittest.TestCase):
                 if not _core.in_python(name) or about["hook"]:
                     continue
                 for p in _core.Function(lower, name, about).parameters:
-                    known = p.hidden or p.opaque or p.structure or p.dtype is not None and (not p.made or p.shape is not None)
+                    known = (p.hidden or p.opaque or p.structure or p.dtype is not None
+                             and (not p.made or p.shape is not None))
                     if p.pointer and not p.callback and not known:
                         never.append(f"{name}: {p.name}")
         self.assertEqual(never, [])
 
     def test_the_description_is_that_of_the_headers(self):
         with tempfile.TemporaryDirectory() as folder:
-            subprocess.run([sys.executable, os.path.join(here, "generate.py"), folder], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run([sys.executable, os.path.join(here, "generate.py"), folder], check=True,
+                           stdout=subprocess.DEVNULL)
             with open(os.path.join(folder, "api.json"), encoding="utf-8") as file:
                 self.assertEqual(json.load(file), _core.api)
 
@@ -132,7 +134,8 @@ class Complete(unittest.TestCase):
 
 
 class Comments(unittest.TestCase):
-    """The default that a field's comment states is what the function without arguments sets that makes the structure."""
+    """The default that a field's comment states is what the function without arguments sets that makes the
+    structure."""
 
     NUMBER = r"-?(?:\d+(?:\.\d+)?(?:e-?\d+)?)(?:/\d+)?"
     WORDS = {"infinite": np.inf, "HUGE_VAL": np.inf, "NaN": np.nan, "NAN": np.nan, "true": 1, "false": 0}
@@ -146,7 +149,8 @@ class Comments(unittest.TestCase):
     def stated(self, comment, header):
         """The number that a comment states, or None."""
         value = rf"({self.NUMBER}|[A-Za-z]\w+)"
-        found = re.search(rf"default {value}(?![\w%])(?!,? (?:\d|NaN))", comment) or re.search(rf"(?:^|[ ;]){value} \(default\)", comment) or \
+        found = re.search(rf"default {value}(?![\w%])(?!,? (?:\d|NaN))",
+                          comment) or re.search(rf"(?:^|[ ;]){value} \(default\)", comment) or \
             re.search(rf"; ({self.NUMBER})(?=$|;| \()", comment)
         if not found:
             return None
@@ -188,12 +192,14 @@ class Values(unittest.TestCase):
     def test_a_bridge(self):
         pair = bridge.pair_prepare(bridge.pair_def(radius_j=float("inf")))
         made = bridge.form(pair, 2.5e-3, float("inf"), 1e-10, 0.0, 0)
-        self.assertGreater(bridge.evaluate(made, bridge.liquid(surface_tension=0.07, viscosity=1e-3, roughness=1e-3), 0.0, 0.0).normal, 1e-3)
+        self.assertGreater(bridge.evaluate(made, bridge.liquid(surface_tension=0.07, viscosity=1e-3, roughness=1e-3),
+                                           0.0, 0.0).normal, 1e-3)
 
     def test_screen_curves_fall(self):
         definition = screen.def_(classes=2, diameters=[5e-3, 7e-3])
         parameters = screen.published(screen.SUBASINGHE)
-        curves = screen.predict(definition, screen.SUBASINGHE, parameters, screen.operation(amplitude=1e-3, frequency=50.0), [0.0, 5.0, 10.0]).retained
+        curves = screen.predict(definition, screen.SUBASINGHE, parameters,
+                                screen.operation(amplitude=1e-3, frequency=50.0), [0.0, 5.0, 10.0]).retained
         self.assertEqual(curves.shape, (2, 3))
         self.assertTrue((np.diff(curves, axis=1) < 0.0).all())
 
@@ -213,7 +219,8 @@ class Values(unittest.TestCase):
         corners = [[0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.0, 0.01, 0.0], [0.0, 0.0, 0.01]]
         self.assertAlmostEqual(dem.make_convex(corners, 0.03).volume, 1e-6 / 6.0, 15)
         faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]
-        self.assertAlmostEqual(dem.make_convex_mesh(dem.mesh(vertices=4, triangles=4, vertex=corners, triangle=faces), 0.03).volume, 1e-6 / 6.0, 15)
+        self.assertAlmostEqual(dem.make_convex_mesh(dem.mesh(vertices=4, triangles=4, vertex=corners, triangle=faces),
+                                                    0.03).volume, 1e-6 / 6.0, 15)
         with self.assertRaises(riddle.Error) as raised:
             dem.make_convex([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]], 0.03)
         self.assertIn("plane", raised.exception.field)
@@ -222,9 +229,38 @@ class Values(unittest.TestCase):
         self.assertAlmostEqual(world.masses().sum(), 2500.0 * 6e-6, 9)
         self.assertTrue((dem.shape_of_drag(0.8, 0.8, 0.8) > 0.0).all())
         self.assertTrue(np.isnan(dem.shape_of_drag(2.0, 0.8, 0.8)).all())
+        face, circle = world.body_sphericities(0, (0.0, 0.0, -2.0)), np.pi / 4.0 * (36e-6 / np.pi) ** (2.0 / 3.0)
+        np.testing.assert_allclose(face, [circle / 5.5e-4, circle / 2e-4, circle / (11e-4 - 18e-4 / np.pi)], rtol=1e-9)
+
+    def test_clump_of_a_mesh(self):
+        outline = np.array([[0.0, 0.0], [0.03, 0.0], [0.03, 0.01], [0.01, 0.01], [0.01, 0.03], [0.0, 0.03]])
+        corners = np.vstack([np.column_stack([outline, np.full(6, z)]) for z in (0.0, 0.01)])
+        lid = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]
+        faces = [[c, b, a] for a, b, c in lid]
+        faces += [[a + 6, b + 6, c + 6] for a, b, c in lid]
+        for k in range(6):
+            n = (k + 1) % 6
+            faces += [[k, n, n + 6], [k, n + 6, k + 6]]
+        mesh = dem.mesh(vertices=12, triangles=len(faces), vertex=corners, triangle=faces)
+        answer = dem.make_clump_from_mesh(mesh, 40)
+        ell, fit = answer.clump, answer.fit
+        self.assertAlmostEqual(ell.volume, 5e-6, 15)
+        self.assertLessEqual(ell.spheres, 40)
+        np.testing.assert_allclose([ell.origin.x, ell.origin.y, ell.origin.z], [0.011, 0.011, 0.005], rtol=1e-9)
+        spheres = dem.make_clump([[c.x, c.y, c.z] for c in ell.centre[:ell.spheres]], 2.0 * np.array(ell.radius)[:ell.spheres])
+        self.assertAlmostEqual(spheres.volume / ell.volume - 1.0, fit.volume, 8)
+        self.assertTrue(-0.4 < fit.volume < 0.0 and 0.0 < fit.moments < 0.5 and 0.0 < fit.centre < 0.1, fit)
+        world = bed(0)
+        world.add_clumps(ell, [[0.0, 0.0, 0.05]], None, None, 0, 0)
+        self.assertAlmostEqual(world.get_body(0).mass, 2500.0 * 5e-6, 9)
+        self.assertLess(world.body_sphericities(0, (0.0, 0.0, 1.0))[1], 1.0)
+        with self.assertRaises(riddle.Error):  # a face is missing
+            mesh = dem.mesh(vertices=12, triangles=len(faces) - 1, vertex=corners, triangle=faces[1:])
+            dem.make_clump_from_mesh(mesh, 40)
 
     def test_vectors_of_granulation_and_classifier(self):
-        sim, granule = granulation.Sim(granulation.def_(seed=1)), granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12)
+        sim, granule = granulation.Sim(granulation.def_(seed=1)), granulation.granule(s=0.52e-12,
+                                                                                      l=0.33e-12, a=0.15e-12)
         sim.put(granule, (1e-4, 0.0, 0.0), (0.0, 0.0, 0.5))
         sim.put(granule, [2e-4, 3e-4, 1e-4], np.array([0.0, 0.1, 0.5]))
         totals = sim.totals()
@@ -239,7 +275,8 @@ class Values(unittest.TestCase):
         definition = classifier.paper_def(classifier.LIMESTONE, 3000.0).value
         model = classifier.Model(definition)
         cases = model.tromp_cases(model.quantile(0.5))
-        self.assertTrue(((cases >= 0.0) & (cases <= 1.0)).all() and cases.shape == (3,) and cases.min() < 0.5 < cases.max(), cases)
+        self.assertTrue(((cases >= 0.0) & (cases <= 1.0)).all() and cases.shape == (3,)
+                        and cases.min() < 0.5 < cases.max(), cases)
         speed = 3000.0 / 60.0 * 2.0 * np.pi
         straight = classifier.approach(definition.wheel, speed, 0.1, 1.0, 1.0)
         heavy = classifier.approach_in_gas(definition, classifier.stokes(), 1.0, 0.1, 1.0, 1.0)
@@ -250,7 +287,8 @@ class Values(unittest.TestCase):
         cloth = filtration.cloth_make(10e-6, 20e-6, filtration.PLAIN_WEAVE, 40e-6)
         above = (15e-6, 15e-6, 60e-6)  # a wire above the crossing
         self.assertAlmostEqual(filtration.cloth_distance(cloth, above), 10e-6, 10)
-        self.assertAlmostEqual(filtration.solid_cut(filtration.cloth_solid(cloth), above, (15e-6, 15e-6, 45e-6)), 2.0 / 3.0, 6)
+        self.assertAlmostEqual(filtration.solid_cut(filtration.cloth_solid(cloth), above, (15e-6, 15e-6, 45e-6)),
+                               2.0 / 3.0, 6)
         bed_of_one = filtration.Bed([[40e-6, 40e-6, 40e-6]], None, [15e-6], [80e-6] * 3, [1, 1, 1], 20e-6)
         self.assertAlmostEqual(bed_of_one.distance((60e-6, 40e-6, 40e-6)), 5e-6, 12)
         voxels = np.zeros((8, 8, 8), np.uint8)
@@ -269,7 +307,8 @@ class Values(unittest.TestCase):
         self.assertGreater(velocity[2], 1e-7)
         self.assertLess(np.abs(velocity[:2]).max(), 1e-6 * velocity[2])
         self.assertTrue(0.6 < force[2] / (1e3 * (80e-6) ** 3) < fluid.porosity())  # the rest still accelerates it
-        sheared = filtration.Fluid(filtration.fluid_def(nodes=[8, 8, 8], face=[0, 0, 0, 0, filtration.WALL, filtration.WALL]))
+        sheared = filtration.Fluid(filtration.fluid_def(nodes=[8, 8, 8],
+                                                        face=[0, 0, 0, 0, filtration.WALL, filtration.WALL]))
         sheared.set_face_velocity(filtration.HIGH_Z, [1e-3, 0.0, 0.0])
         sheared.run(400)
         self.assertAlmostEqual(sheared.mean_velocity()[0], 0.5e-3, 5)
@@ -321,11 +360,13 @@ class Worlds(unittest.TestCase):
         self.assertEqual((world.ids() > 4).sum(), 15)
         self.assertEqual((world.ids() + world.ids()).max(), 38)
         ids = world.ids()
-        for change in (lambda: ids.sort(), lambda: ids.__iadd__(1), lambda: np.add(ids, 1, out=ids), lambda: ids.fill(0)):
+        for change in (lambda: ids.sort(), lambda: ids.__iadd__(1), lambda: np.add(ids, 1, out=ids),
+                       lambda: ids.fill(0)):
             with self.assertRaises((ValueError, TypeError)):
                 change()
         world.run(1e-4, LAW)
-        for use in (lambda: present.sum(), lambda: present & present, lambda: world.positions()[present], lambda: ids > 3, lambda: ids.dtype):
+        for use in (lambda: present.sum(), lambda: present & present, lambda: world.positions()[present],
+                    lambda: ids > 3, lambda: ids.dtype):
             with self.assertRaises((RuntimeError, IndexError)):
                 use()
 
@@ -436,7 +477,8 @@ class Worlds(unittest.TestCase):
             blocking.fit(blocking.fit_def(), [0.0, 1.0, 2.0], [1.0, 0.9])
         definition = screen.def_(classes=5, diameters=[5e-3, 7e-3])
         with self.assertRaises(ValueError):
-            screen.predict(definition, screen.DONG, screen.published(screen.DONG), screen.operation(amplitude=1e-3, frequency=50.0), [0.0, 1.0])
+            screen.predict(definition, screen.DONG, screen.published(screen.DONG),
+                           screen.operation(amplitude=1e-3, frequency=50.0), [0.0, 1.0])
         with self.assertRaises(ValueError):
             bed().add_spheres([[0, 0, 1], [0, 0, 2]], [1e-3, 1e-3, 1e-3], 0)
 
@@ -461,16 +503,20 @@ class Worlds(unittest.TestCase):
         world.add_spheres([], [], 0)
         world.add_spheres(np.asfortranarray(centres), np.full(6, 1e-3), 0)
         np.testing.assert_array_equal(world.positions()[1:], centres)
-        mesh = dem.mesh(vertices=4, triangles=1, vertex=np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]), triangle=[[0, 1, 2]])
+        mesh = dem.mesh(vertices=4, triangles=1,
+                        vertex=np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]),
+                        triangle=[[0, 1, 2]])
         with self.assertRaises(ValueError):
             world.add_mesh(0, mesh)
         mesh.vertex = mesh.vertex.T
         world.add_mesh(0, mesh)
         definition, time = screen.def_(classes=2, diameters=[3e-3, 5e-3], shares=[0.5, 0.5]), [1.0, 2.0, 4.0, 8.0, 16.0]
-        curves = screen.predict(definition, screen.DONG, screen.published(screen.DONG), screen.operation(amplitude=1e-3, frequency=45.0), time).retained
+        curves = screen.predict(definition, screen.DONG, screen.published(screen.DONG),
+                                screen.operation(amplitude=1e-3, frequency=45.0), time).retained
 
         def fit(retained):
-            cases = [screen.case(operation=screen.operation(amplitude=a, frequency=45.0), times=5, time=time, retained=retained) for a in (1e-3, 2e-3, 3e-3)]
+            cases = [screen.case(operation=screen.operation(amplitude=a, frequency=45.0), times=5, time=time,
+                                 retained=retained) for a in (1e-3, 2e-3, 3e-3)]
             screen.check_cases(definition, cases, 0.0, screen.where())
         for right in (curves, curves.ravel(), np.asfortranarray(curves)):
             fit(right)
@@ -488,7 +534,8 @@ class Worlds(unittest.TestCase):
 
     def test_vectors_have_as_many_numbers_as_fields(self):
         definition, world = dem.def_(), bed(0)
-        for wrong in ((0, -9.81), (0, 0, 0, 0), "123", b"123", ("0", "0", "1"), {1, 2, 3}, {0: 1, 1: 2, 2: 3}, 5.0, None, [[0, 0, 1]], np.zeros((3, 1)), (0, None, 1),
+        for wrong in ((0, -9.81), (0, 0, 0, 0), "123", b"123", ("0", "0", "1"), {1, 2, 3}, {0: 1, 1: 2, 2: 3}, 5.0,
+                      None, [[0, 0, 1]], np.zeros((3, 1)), (0, None, 1),
                       np.ma.masked_array([0, 0, 1.0], mask=[0, 0, 1]), np.array([0, 0, 1], "m8[ns]"), (0, 0, 1j)):
             with self.assertRaises(TypeError):
                 definition.gravity = wrong
@@ -508,7 +555,8 @@ class Worlds(unittest.TestCase):
 
     def test_numbers_of_fields(self):
         definition = dem.def_()
-        for wrong in (np.float32(2.7), np.array([2.7]), np.array([2]), 2.5, "2", None, float("nan"), float("inf"), 1 << 40, 2j, np.timedelta64(2, "ns"), np.ma.masked):
+        for wrong in (np.float32(2.7), np.array([2.7]), np.array([2]), 2.5, "2", None, float("nan"), float("inf"),
+                      1 << 40, 2j, np.timedelta64(2, "ns"), np.ma.masked):
             with self.assertRaises(TypeError):
                 definition.threads = wrong
             with self.assertRaises((TypeError, OverflowError)):
@@ -521,12 +569,14 @@ class Worlds(unittest.TestCase):
                 definition.dt = wrong
 
     def test_masked_entries_and_times(self):
-        t, f, definition = np.array([0.0, 5.0, 10.0, 30.0, 60.0]), np.array([1.0, 0.9, 0.85, 0.76, 0.75]), blocking.fit_def()
+        t, f, definition = np.array([0.0, 5.0, 10.0, 30.0,
+                                     60.0]), np.array([1.0, 0.9, 0.85, 0.76, 0.75]), blocking.fit_def()
         known = blocking.fit(definition, t, f).k
         with self.assertRaisesRegex(ValueError, "masked"):
             blocking.fit(definition, t, np.ma.masked_array(f, mask=t == 10))
         self.assertEqual(blocking.fit(definition, t, np.ma.masked_array(f, mask=False)).k, known)
-        for wrong in (t.astype("m8[s]"), t.astype("M8[s]"), list(t.astype("m8[s]")), [str(v) for v in t], t.astype(complex), np.array([str(v) for v in t], object)):
+        for wrong in (t.astype("m8[s]"), t.astype("M8[s]"), list(t.astype("m8[s]")), [str(v) for v in t],
+                      t.astype(complex), np.array([str(v) for v in t], object)):
             with self.assertRaises(TypeError):
                 blocking.fit(definition, wrong, f)
         self.assertEqual(blocking.fit(definition, (1000 * t).astype("m8[ms]") / np.timedelta64(1, "s"), f).k, known)
@@ -598,12 +648,15 @@ class Worlds(unittest.TestCase):
     def test_a_law_from_c(self):
         with tempfile.TemporaryDirectory() as folder:
             library = os.path.join(folder, "magnets.so")
-            subprocess.run([os.environ.get("CC", "cc"), "-O0", "-ffp-contract=off", "-fPIC", "-shared", "-I", root, os.path.join(here, "laws", "magnets.c"),
+            subprocess.run([os.environ.get("CC", "cc"), "-O0", "-ffp-contract=off", "-fPIC", "-shared", "-I", root,
+                            os.path.join(here, "laws", "magnets.c"),
                             "-lm", "-o", library], check=True)
             world, law = bed(20), dem.Law(library)
             world.run_law(0.05, law)
             self.assertGreater(world.step, 4000)
-            for use in (lambda: law.set("pull", 1.0), lambda: law.get("pull"), lambda: dem.Law(os.path.join(here, "laws", "magnets.c")), lambda: dem.Law(_core.__file__ + "x")):
+            for use in (lambda: law.set("pull", 1.0), lambda: law.get("pull"),
+                        lambda: dem.Law(os.path.join(here, "laws", "magnets.c")),
+                        lambda: dem.Law(_core.__file__ + "x")):
                 with self.assertRaises((ValueError, ImportError)):
                     use()
 
@@ -640,7 +693,8 @@ class ContactLaws(unittest.TestCase):
             world, law = self.ball(name, 2e-6, overlap=1e-7)
             law.pair(0, 0).surface_energy = 0.1
             world.run_law(0.02, law)
-            self.assertAlmostEqual(self.pull_off(world, law, factor * np.pi * 0.1 * self.RADIUS), 1.0, delta=0.005, msg=name)
+            self.assertAlmostEqual(self.pull_off(world, law, factor * np.pi * 0.1 * self.RADIUS), 1.0,
+                                   delta=0.005, msg=name)
 
     def test_a_bond_breaks(self):
         world, law = self.ball("bonds", 1e-6, overlap=1e-7)
@@ -667,7 +721,9 @@ class ContactLaws(unittest.TestCase):
                 before = world.positions()[0, 0]
                 world.run_law(0.1, law)
                 moved = world.positions()[0, 0] - before
-                self.assertAlmostEqual(moved, 0.0 if rolling > 0.19 else 1.5e-2 * 5 / 7 * 9.81 * (np.sin(slope) - rolling * np.cos(slope)), delta=1e-11 if rolling > 0.19 else 4e-5)
+                self.assertAlmostEqual(moved, 0.0 if rolling > 0.19
+                                       else 1.5e-2 * 5 / 7 * 9.81 * (np.sin(slope) - rolling * np.cos(slope)),
+                                       delta=1e-11 if rolling > 0.19 else 4e-5)
 
     def test_refused(self):
         law = dem.ContactLaw("epsd")
@@ -680,8 +736,11 @@ class ContactLaws(unittest.TestCase):
         pair.rolling = 0.1
         self.assertEqual(law.pair(0, 1).rolling, 0.1)
         world = bed(3)
-        for use, error in ((lambda: dem.ContactLaw("jkrs"), ValueError), (lambda: law.pair(0, 99), IndexError), (lambda: law.pair(-1, 0), IndexError),
-                           (lambda: pair.rollings, AttributeError), (lambda: setattr(pair, "rollings", 1), AttributeError), (lambda: law.bond(world), ValueError),
+        for use, error in ((lambda: dem.ContactLaw("jkrs"), ValueError), (lambda: law.pair(0, 99), IndexError),
+                           (lambda: law.pair(-1, 0), IndexError),
+                           (lambda: pair.rollings, AttributeError),
+                           (lambda: setattr(pair, "rollings", 1), AttributeError),
+                           (lambda: law.bond(world), ValueError),
                            (lambda: law(None, 1.0), TypeError), (lambda: setattr(pair, "rolling", "x"), TypeError)):
             with self.assertRaises(error):
                 use()
@@ -700,7 +759,8 @@ class Wet(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.library = pathlib.Path(cls.folder.name) / "wet.so"
-        subprocess.run([os.environ.get("CC", "cc"), "-O0", "-ffp-contract=off", "-fPIC", "-shared", "-I", root, os.path.join(here, "laws", "wet.c"), "-lm", "-o", cls.library], check=True)
+        subprocess.run([os.environ.get("CC", "cc"), "-O0", "-ffp-contract=off", "-fPIC", "-shared", "-I", root,
+                        os.path.join(here, "laws", "wet.c"), "-lm", "-o", cls.library], check=True)
 
     @classmethod
     def tearDownClass(cls):
@@ -713,7 +773,9 @@ class Wet(unittest.TestCase):
             contact = dem.pair(definition, glass, other)
             contact.stiffness, contact.restitution, contact.friction = 5e3, 0.7, 0.3
         world, feed = dem.World(definition), dem.default_feed()
-        deck = world.add_screen(steel, dem.screen(aperture=8e-3, wire=2e-3, half_x=0.02, half_y=0.02, circular=1, normal=(0, 0, 1), direction=(1, 0, 0)))
+        deck = world.add_screen(steel,
+                                dem.screen(aperture=8e-3, wire=2e-3, half_x=0.02, half_y=0.02, circular=1,
+                                           normal=(0, 0, 1), direction=(1, 0, 0)))
         world.add_cylinder(steel, (0, 0, 0), (0, 0, 1), 0.02, 1)
         feed.region = dem.cylinder_region((0, 0, 0.006), (0, 0, 1), 0.02, 0.018)
         for group, (diameter, number) in enumerate([(5e-3, 20), (7e-3, 6), (10e-3, 4)]):
@@ -755,7 +817,8 @@ class Wet(unittest.TestCase):
 
     def test_names_and_numbers(self):
         law, here_now = dem.Law(self.library), os.getcwd()
-        for name, value in (("moistur", 0.05), ("moisture", -0.05), ("moisture", 1.5), ("moisture", float("nan")), ("deck", -1), ("deck", 0.5), ("deck", 32)):
+        for name, value in (("moistur", 0.05), ("moisture", -0.05), ("moisture", 1.5), ("moisture", float("nan")),
+                            ("deck", -1), ("deck", 0.5), ("deck", 32)):
             with self.assertRaises(ValueError):
                 law.set(name, value)
         for value in ("2 %", None, [0.1], np.timedelta64(1, "ns")):
@@ -779,15 +842,22 @@ class Kept(unittest.TestCase):
     def fresh(self):
         """Memory that was freed is used again."""
         gc.collect()
-        return [dem.mesh(vertices=1, triangles=1) for _ in range(300)], [np.random.rand(24) for _ in range(300)], [filtration.cloth(wire=1.0, opening=1.0) for _ in range(300)]
+        return [dem.mesh(vertices=1, triangles=1)
+                for _ in range(300)], [np.random.rand(24)
+                                       for _ in range(300)], [filtration.cloth(wire=1.0, opening=1.0)
+                                                              for _ in range(300)]
 
     def test_solids_and_regions(self):
-        definition = filtration.fluid_def(nodes=[24, 24, 32], solid=filtration.cloth_solid(filtration.cloth_make(10e-6, 20e-6, 0, 16 * 2.5e-6)))
+        definition = filtration.fluid_def(nodes=[24, 24, 32],
+                                          solid=filtration.cloth_solid(filtration.cloth_make(10e-6, 20e-6, 0,
+                                                                                             16 * 2.5e-6)))
         taken = self.fresh()
         self.assertAlmostEqual(filtration.Fluid(definition).porosity(), 0.9288194444, 9)
         corners = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float) * 0.05
-        faces = [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5)]
-        world, feed, mesh = bed(0), dem.default_feed(), dem.mesh(vertices=8, triangles=12, vertex=corners, triangle=faces)
+        faces = [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2),
+                 (2, 4, 6), (1, 3, 5), (3, 7, 5)]
+        world, feed, mesh = bed(0), dem.default_feed(), dem.mesh(vertices=8, triangles=12, vertex=corners,
+                                                                 triangle=faces)
         feed.sizes = dem.one_size(4e-3)
         feed.region = dem.mesh_region(mesh)
         other = dem.default_feed()
@@ -819,7 +889,8 @@ class Kept(unittest.TestCase):
         del taken
 
     def test_a_definition_that_changes(self):
-        definition, granule, counts, sims = granulation.def_(seed=1), granulation.granule(s=0.52e-12, l=0.33e-12, a=0.15e-12), [], []
+        definition, granule, counts, sims = granulation.def_(seed=1), granulation.granule(s=0.52e-12, l=0.33e-12,
+                                                                                          a=0.15e-12), [], []
         for _ in range(2):
             count = [0]
             counts.append(count)
@@ -832,15 +903,18 @@ class Kept(unittest.TestCase):
             sim.run(4)
         self.assertEqual(counts[0], counts[1])
         self.assertGreater(counts[0][0], 0)
-        balance = granulation.balance_def(selection=lambda g, user: counts[0].append(1) or 0.1, kernel=granulation.collision_kernel,
-                                          kernel_user=granulation.kernel_data(laws=granulation.def_().laws, speed=0.3, rate=1e-9))
+        balance = granulation.balance_def(selection=lambda g, user: counts[0].append(1) or 0.1,
+                                          kernel=granulation.collision_kernel,
+                                          kernel_user=granulation.kernel_data(laws=granulation.def_().laws,
+                                                                              speed=0.3, rate=1e-9))
         state = granulation.Balance(balance, np.geomspace(1e-13, 1e-11, 11), None)
         state.add(granule, 100.0)
         balance.selection = balance.kernel = balance.kernel_user = None
         taken += self.fresh()
         state.run(1e-3)
         self.assertGreater(len(counts[0]), 1)
-        parts = dem.def_(parallel=lambda user, tasks, task, context: [task(context, k) for k in range(tasks)] and None, threads=2, dt=1e-5)
+        parts = dem.def_(parallel=lambda user, tasks, task, context: [task(context, k) for k in range(tasks)] and None,
+                         threads=2, dt=1e-5)
         dem.add_material(parts, 2500.0, 5e10, 0.2)
         world = dem.World(parts)
         parts.parallel = None
@@ -883,7 +957,8 @@ class Functions(unittest.TestCase):
         self.assertEqual(self.raises(lambda: world.run(1.0, LAW)), len(calls))
         self.assertLess(world.step, 40)
         self.assertEqual(world.positions().shape, (5, 3))
-        for wrong in ((0, 0, 0), None, ((0, 0, 1),), ((0, 0), (0, 0, 0)), ((0, 0, float("nan")), (0, 0, 0)), ((0, 0, "x"), (0, 0, 0)), ("123", "001"), 5.0, np.zeros((3, 2))):
+        for wrong in ((0, 0, 0), None, ((0, 0, 1),), ((0, 0), (0, 0, 0)), ((0, 0, float("nan")), (0, 0, 0)),
+                      ((0, 0, "x"), (0, 0, 0)), ("123", "001"), 5.0, np.zeros((3, 2))):
             world = bed(2)
             with self.assertRaises(ValueError):
                 world.prescribe(0, (0, 0, 0), lambda now: wrong)
@@ -931,7 +1006,8 @@ class Functions(unittest.TestCase):
         self.assertEqual(self.raises(lambda: world.fill(feed, 20000)), 2)
         self.assertEqual((world.count, len(calls)), (0, 2))
         hashes = []
-        for parallel in (None, self.failing(None, 1)[0], lambda user, tasks, task, context: None, lambda user, tasks, task, context: [task(context, k) for k in range(tasks)]):
+        for parallel in (None, self.failing(None, 1)[0], lambda user, tasks, task, context: None,
+                         lambda user, tasks, task, context: [task(context, k) for k in range(tasks)]):
             definition = dem.def_(dt=1e-5, threads=2, parallel=parallel)
             dem.add_material(definition, 2500.0, 5e10, 0.2)
             world = dem.World(definition)
@@ -969,8 +1045,10 @@ class Functions(unittest.TestCase):
     def test_own_breakage(self):
         """Two uniform daughters by a function in Python are those that are built in."""
         edges, moments = np.geomspace(1e-3, 50.0, 41), []
-        for words in ({"daughters": granulation.UNIFORM}, {"daughters": granulation.OWN, "breakage": lambda z, mother, user: z * z}):
-            balance = granulation.Balance(granulation.balance_def(kernel=None, selection=lambda g, user: g.s, **words), edges, None)
+        for words in ({"daughters": granulation.UNIFORM},
+                      {"daughters": granulation.OWN, "breakage": lambda z, mother, user: z * z}):
+            balance = granulation.Balance(granulation.balance_def(kernel=None, selection=lambda g, user: g.s, **words),
+                                          edges, None)
             balance.add(granulation.granule(s=20.0), 1.0)
             balance.run(0.3)
             moments.append([balance.moment(p, 0.0) for p in (0.0, 1.0, 2.0)])
@@ -1009,13 +1087,16 @@ class Shown(unittest.TestCase):
         with open(os.path.join(root, "VERSION"), encoding="utf-8") as file:
             self.assertEqual(riddle.__version__, file.read().strip())
         for module in (riddle, dem, screen, granulation):
-            self.assertFalse([name for name in dir(module) if name in ("np", "os", "sys", "json", "fill", "lib", "ffi") or name.startswith("_") and name != "__version__"])
+            self.assertFalse([name for name in dir(module) if name in ("np", "os", "sys", "json", "fill", "lib", "ffi")
+                              or name.startswith("_") and name != "__version__"])
         for shown in (bed(), dem.def_(), granulation.Sim(granulation.def_(seed=1)), bed().wall(0), dem.default_feed()):
             self.assertLess(len(repr(shown)), 1500, repr(shown))
 
     def test_stubs_have_all_names(self):
         def names(body):
-            return {n for node in body for n in ([node.name] if isinstance(node, (ast.FunctionDef, ast.ClassDef)) else [node.target.id] if isinstance(node, ast.AnnAssign) else [])
+            return {n for node in body
+                    for n in ([node.name] if isinstance(node, (ast.FunctionDef, ast.ClassDef)) else [node.target.id]
+                              if isinstance(node, ast.AnnAssign) else [])
                     if not n.startswith("_")}
 
         for lower in _core.api["headers"]:
@@ -1036,23 +1117,31 @@ class Shown(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             wrong = os.path.join(folder, "wrong.py")
             with open(wrong, "w", encoding="utf-8") as file:
-                file.write("from riddle import dem\nd = dem.def_(dt='1e-5')\nd.gravty = 3.0\nw = dem.World(d)\nw.runn(1.0)\nw.add_plane(0, (0, 0, 0))\nw.count.x\n")
-            programs = [os.path.join(here, "examples", name) for name in sorted(os.listdir(os.path.join(here, "examples"))) if name.endswith(".py")]
-            done = subprocess.run(["mypy", "--ignore-missing-imports", "--no-error-summary", "--cache-dir", folder, *programs, wrong], capture_output=True, text=True,
+                file.write("from riddle import dem\nd = dem.def_(dt='1e-5')\nd.gravty = 3.0\nw = "
+                           "dem.World(d)\nw.runn(1.0)\nw.add_plane(0, (0, 0, 0))\nw.count.x\n")
+            programs = [os.path.join(here, "examples", name)
+                        for name in sorted(os.listdir(os.path.join(here, "examples"))) if name.endswith(".py")]
+            done = subprocess.run(["mypy", "--ignore-missing-imports", "--no-error-summary", "--cache-dir", folder,
+                                   *programs, wrong], capture_output=True, text=True,
                                   env={**os.environ, "MYPYPATH": here})
-            lines = [line.split(":")[1] for line in done.stdout.split("\n") if ": error:" in line and line.startswith(wrong)]
+            lines = [line.split(":")[1] for line in done.stdout.split("\n") if ": error:" in line
+                     and line.startswith(wrong)]
             self.assertEqual(lines, ["2", "3", "5", "6", "7"], done.stdout)
-            self.assertEqual([line for line in done.stdout.split("\n") if ": error:" in line and not line.startswith(wrong)], [])
+            self.assertEqual([line for line in done.stdout.split("\n") if ": error:" in line
+                              and not line.startswith(wrong)], [])
 
     def test_errors_name_argument_and_value(self):
         world = bed(3)
         screen_def = dem.default_screen()
         screen_def.aperture = -8e-3
-        for use, said in ((lambda: world.add_plane(7, (0, 0, 0), (0, 0, 1)), "material = 7: the world has no such material"),
+        for use, said in ((lambda: world.add_plane(7, (0, 0, 0), (0, 0, 1)),
+                           "material = 7: the world has no such material"),
                           (lambda: world.add_plane(0, (0, 0, 0), (0, 0, 0)), r"normal = .*: a direction of length 0"),
-                          (lambda: world.add_cylinder(0, (0, 0, 0), (0, 0, 1), -1.0, 1), "radius = -1: must be above 0"),
+                          (lambda: world.add_cylinder(0, (0, 0, 0), (0, 0, 1), -1.0, 1),
+                           "radius = -1: must be above 0"),
                           (lambda: world.move(5, (0, 0, 1)), "wall = 5: the world has 1 walls"),
-                          (lambda: world.set_motion(99, (0, 0, 0), (0, 0, 0)), "i = 99: there is no such particle: there are 3"),
+                          (lambda: world.set_motion(99, (0, 0, 0), (0, 0, 0)),
+                           "i = 99: there is no such particle: there are 3"),
                           (lambda: world.add_screen(0, screen_def), "screen.aperture = -0.008"),
                           (lambda: world.add_spheres([[0, 0, 1]], [-1e-3], 0), "diameters = .*: must be above 0"),
                           (lambda: world.add_spheres([[0, 0, np.nan]], [1e-3], 0), "centres = .*: not finite"),
@@ -1078,10 +1167,12 @@ class Shown(unittest.TestCase):
         case = screen.case(time=[0.0, 1.0, 2.0], retained=[[1.0, 0.5, 0.2]])
         self.assertEqual(case.times, 3)
         self.assertEqual(screen.def_(diameters=[1e-3, 2e-3]).classes, 2)
-        data = classifier.balance_data(**{name: [0.1, 0.5, 0.4] for name in ("feed", "coarse", "fine", "feed_sd", "coarse_sd", "fine_sd")})
+        data = classifier.balance_data(**{name: [0.1, 0.5, 0.4]
+                                          for name in ("feed", "coarse", "fine", "feed_sd", "coarse_sd", "fine_sd")})
         self.assertEqual(data.classes, 3)
         self.assertEqual(dem.mesh(vertex=np.zeros((5, 3)), triangle=np.zeros((2, 3), dtype=int)).triangles, 2)
-        for wrong in (dict(times=4, time=[0.0, 1.0, 2.0]), dict(time=[0.0, 1.0, 2.0], times=4)):  # a length that is given stays
+        # a length that is given stays
+        for wrong in (dict(times=4, time=[0.0, 1.0, 2.0]), dict(time=[0.0, 1.0, 2.0], times=4)):
             self.assertEqual(screen.case(**wrong).times, 4)
 
     def test_a_wall_tells_its_force(self):
@@ -1099,7 +1190,8 @@ class Shown(unittest.TestCase):
             wall.fource
 
     def test_a_wall_tells_its_work(self):
-        """A belt gives what lies on it the momentum force x time at its own speed; torque about any point from two integrals."""
+        """A belt gives what lies on it the momentum force x time at its own speed; torque about any point from two
+        integrals."""
         world = bed(40)
         world.run(0.5, LAW)
         world.set_belt(0, (0.2, 0.0, 0.0))
@@ -1108,7 +1200,8 @@ class Shown(unittest.TestCase):
         world.run(0.2, LAW)
         self.assertAlmostEqual((wall.work - done) / (-0.2 * (wall.impulse - before)[0]), 1.0, 6)
         point = (0.3, -0.2, 0.1)
-        np.testing.assert_allclose(wall.angular_impulse_about(point), wall.angular_impulse - np.cross(point, wall.impulse))
+        np.testing.assert_allclose(wall.angular_impulse_about(point),
+                                   wall.angular_impulse - np.cross(point, wall.impulse))
         np.testing.assert_array_equal(wall.angular_impulse_about((0, 0, 0)), wall.angular_impulse)
         with self.assertRaises((TypeError, ValueError)):
             wall.angular_impulse_about((0, 0))
@@ -1119,7 +1212,8 @@ class Shown(unittest.TestCase):
         dem.pair(definition, glass, glass).stiffness = 1e4
         world = dem.World(definition)
         drum = world.add_cylinder(glass, (0, 0, 0), (0, 1, 0), 0.05, 1)
-        world.add_spheres([[0.045, 0, 0]], [0.01], glass)  # beside the axis: its weight turns the drum, by friction only
+        # beside the axis: its weight turns the drum, by friction only
+        world.add_spheres([[0.045, 0, 0]], [0.01], glass)
         world.control_torque(drum, (0, 0, 0), (0, 1, 0), 1e-4, 1e-3, 0.0)
         world.run(0.01, LAW)
         self.assertAlmostEqual(world.wall(drum).rate, 1e-3 / 1e-4 * 0.01, 3)
@@ -1136,7 +1230,8 @@ class Shown(unittest.TestCase):
         rows = np.frombuffer(zlib.decompress(data[41:41 + size]), dtype=np.uint8).reshape(100, 601)
         self.assertTrue(np.array_equal(rows[:, 1:].reshape(100, 200, 3), picture.pixels))
         drawing = world.section(title="Beads & <more>", names=["beads"])
-        self.assertTrue(drawing.svg.startswith("<svg") and "beads" in drawing.svg and drawing.svg.rstrip().endswith("</svg>"))
+        self.assertTrue(drawing.svg.startswith("<svg") and "beads" in drawing.svg
+                        and drawing.svg.rstrip().endswith("</svg>"))
         with tempfile.TemporaryDirectory() as folder:
             picture.save(os.path.join(folder, "a.png")), drawing.save(os.path.join(folder, "a.svg"))
             with dem.Series(os.path.join(folder, "new"), "beads") as frames:
@@ -1149,7 +1244,8 @@ class Shown(unittest.TestCase):
                 frames.add(world)
             with self.assertRaises(OSError):
                 dem.Series(os.path.join(folder, "a.png"), "beads")
-        for wrong in (dict(size=(10, 10)), dict(size=(99999, 100)), dict(size="ab"), dict(direction=(0, 0)), dict(names="beads"), dict(names=[1])):
+        for wrong in (dict(size=(10, 10)), dict(size=(99999, 100)), dict(size="ab"), dict(direction=(0, 0)),
+                      dict(names="beads"), dict(names=[1])):
             with self.assertRaises((ValueError, TypeError)):
                 world.picture(**wrong)
         for wrong in (dict(normal=(1, 0, 0)), dict(normal=(0, 0, 0)), dict(point=(0, 0, np.nan)), dict(names="beads")):
@@ -1158,12 +1254,14 @@ class Shown(unittest.TestCase):
         self.assertIsNone(bed(0)._repr_png_())
 
     def test_fits_say_what_is_open(self):
-        free = blocking.fit(blocking.fit_def(), [0, 5, 10, 20, 30, 60, 90], [1.0, 0.93, 0.885, 0.83, 0.80, 0.762, 0.753])
+        free = blocking.fit(blocking.fit_def(), [0, 5, 10, 20, 30, 60, 90],
+                            [1.0, 0.93, 0.885, 0.83, 0.80, 0.762, 0.753])
         self.assertEqual([row["note"] for row in free.rows()], ["", "", ""])
         self.assertRegex(str(free), r"k \[1/s\] +0.05947 +0.05157 \.\. 0.06832\n")
         definition = screen.def_(diameters=[5e-3])
         times = np.linspace(0.0, 10.0, 11)
-        case = screen.case(operation=screen.operation(amplitude=1e-3, frequency=50.0), time=times, retained=[np.exp(-0.3 * times)])
+        case = screen.case(operation=screen.operation(amplitude=1e-3, frequency=50.0), time=times,
+                           retained=[np.exp(-0.3 * times)])
         fit = screen.fit(definition, screen.DONG, [case], screen.default_fit_options(screen.DONG))
         notes = [row["note"] for row in fit.rows()]
         self.assertIn("without influence on these data", notes)
@@ -1176,7 +1274,8 @@ class Shown(unittest.TestCase):
         self.assertTrue(programs)
         with tempfile.TemporaryDirectory() as folder:
             for program in programs:
-                subprocess.run([sys.executable, "-c", program], cwd=folder, check=True, env={**os.environ, "PYTHONPATH": here})
+                subprocess.run([sys.executable, "-c", program], cwd=folder, check=True,
+                               env={**os.environ, "PYTHONPATH": here})
             self.assertTrue(os.path.exists(os.path.join(folder, "bed.png")))
 
     def test_a_monte_carlo(self):
@@ -1195,11 +1294,16 @@ class Shown(unittest.TestCase):
             self.skipTest(f"{error.name} is missing (Debian: python3-nbclient, python3-ipykernel, python3-pandas)")
         notebook = nbformat.read(os.path.join(here, "examples", "heap.ipynb"), 4)
         self.assertFalse([cell for cell in notebook.cells if cell.get("outputs")])
-        with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.dict(os.environ, {"PYTHONPATH": here, "PYDEVD_DISABLE_FILE_VALIDATION": "1", "IPYTHONDIR": folder}):
+        with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.dict(os.environ,
+                                                                               {"PYTHONPATH": here,
+                                                                                "PYDEVD_DISABLE_FILE_VALIDATION": "1",
+                                                                                "IPYTHONDIR": folder}):
             nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
-        kinds = {kind for cell in notebook.cells for output in cell.get("outputs", []) for kind in output.get("data", {})}
+        kinds = {kind for cell in notebook.cells for output in cell.get("outputs", [])
+                 for kind in output.get("data", {})}
         self.assertTrue({"image/png", "image/svg+xml", "text/html"} <= kinds, kinds)
-        printed = "".join(o.get("text", "") for cell in notebook.cells for o in cell.get("outputs", []) if o.get("name") == "stdout")
+        printed = "".join(o.get("text", "") for cell in notebook.cells for o in cell.get("outputs", [])
+                          if o.get("name") == "stdout")
         on_floor, weight = (float(number) for number in re.findall(r"([\d.]+) N", printed))
         self.assertAlmostEqual(on_floor / weight, 1.0, 2)
 
@@ -1207,25 +1311,31 @@ class Shown(unittest.TestCase):
 class Hostile(unittest.TestCase):
     """Wrong arguments raise; nothing crashes the interpreter."""
 
-    LONG = re.compile(r"_run$|^dem_fill|^dem_feed|_montecarlo|_sim_add$|_calibrate$|_for$")  # legal numbers that mean hours
+    # legal numbers that mean hours
+    LONG = re.compile(r"_run$|^dem_fill|^dem_feed|_montecarlo|_sim_add$|_calibrate$|_for$")
 
     def test_random_arguments(self):
         rng = random.Random(7)
-        odd = [0, -1, 1, 7, 10**12, 1e308, -1e308, 5e-324, float("nan"), float("inf"), None, "text", b"bytes", [], [1.0], [[1.0]], [1.0, 2.0, 3.0], np.zeros(3), np.zeros((2, 3)),
+        odd = [0, -1, 1, 7, 10**12, 1e308, -1e308, 5e-324, float("nan"), float("inf"), None, "text", b"bytes", [],
+               [1.0], [[1.0]], [1.0, 2.0, 3.0], np.zeros(3), np.zeros((2, 3)),
                (0, 0, 1), {}, object(), True, np.float32(2), np.arange(4), lambda *a: 0.0]
-        functions = [f for lower in _core.api["headers"] for f in getattr(riddle, lower)._functions.values() if not self.LONG.search(f.c_name)]
+        functions = [f for lower in _core.api["headers"] for f in getattr(riddle, lower)._functions.values()
+                     if not self.LONG.search(f.c_name)]
         structures = [c for c in _core._classes.values() if issubclass(c, _core.Structure)]
         kinds = {c._name: c for c in structures}
         end, calls = time.monotonic() + SECONDS, 0
         while time.monotonic() < end:
             function = rng.choice(functions)
-            visible = _core.Function(function.c_name.split("_")[0], function.c_name, _core.api["headers"][function.c_name.split("_")[0]]["functions"][function.c_name]).visible
+            lower = function.c_name.split("_")[0]
+            about = _core.api["headers"][lower]["functions"][function.c_name]
+            visible = _core.Function(lower, function.c_name, about).visible
             arguments = []
             for p in visible:
                 if p.type in kinds and rng.random() < 0.8:
                     made = kinds[p.type]()
                     if p.type == "classifier_def":
-                        made.points, made.shifts = 16, 2  # the default's 8192 trajectories of a far too small particle take minutes
+                        # the default's 8192 trajectories of a far too small particle take minutes
+                        made.points, made.shifts = 16, 2
                     for name in rng.sample(made._fields(), min(2, len(made._fields()))) if rng.random() < 0.5 else []:
                         try:
                             setattr(made, name, rng.choice(odd))
@@ -1263,7 +1373,8 @@ class Programs(unittest.TestCase):
             self.skipTest("python3-matplotlib is missing")
         with tempfile.TemporaryDirectory() as folder:
             for name in sorted(name for name in os.listdir(os.path.join(here, "examples")) if name.endswith(".py")):
-                done = subprocess.run([sys.executable, os.path.join(here, "examples", name), "--quick"], cwd=folder, capture_output=True, text=True,
+                done = subprocess.run([sys.executable, os.path.join(here, "examples", name), "--quick"], cwd=folder,
+                                      capture_output=True, text=True,
                                       env={**os.environ, "PYTHONPATH": here})
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertTrue(os.path.exists(os.path.join(folder, name.replace(".py", ".png"))), name)
@@ -1274,15 +1385,18 @@ class Programs(unittest.TestCase):
             program = os.path.join(folder, "mine.py")
             with open(program, "w", encoding="utf-8") as file:
                 file.write("from riddle import dem, script\nOPTIONS = script.options('Mine.')\nprint('ran')\n"
-                           "class Figure:\n    def savefig(self, path, format):\n        open(path, 'wb').write(b'x' * (1 << 20))\n"
+                           "class Figure:\n    def savefig(self, path, format):\n        open(path, 'wb').write(b'x' * "
+                           "(1 << 20))\n"
                            "        if OPTIONS.quick:\n            raise KeyboardInterrupt\n"
                            "script.save(Figure(), OPTIONS, 'mine.png')\n")
 
             def run(*words, out=subprocess.PIPE, limit=None):
-                return subprocess.run([sys.executable, program, *words], cwd=folder, stdout=out, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": here},
+                return subprocess.run([sys.executable, program, *words], cwd=folder, stdout=out, stderr=subprocess.PIPE,
+                                      text=True, env={**os.environ, "PYTHONPATH": here},
                                       preexec_fn=limit)
 
-            for words in (["--no-such-thing"], ["--quick=1"], ["stray"], ["--out"], ["--out", ""], ["--out", "/dev/null/x"], ["--qui"], ["--out", program], ["\x1b[31m"]):
+            for words in (["--no-such-thing"], ["--quick=1"], ["stray"], ["--out"], ["--out", ""],
+                          ["--out", "/dev/null/x"], ["--qui"], ["--out", program], ["\x1b[31m"]):
                 done = run(*words)
                 self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
                 self.assertTrue(done.stderr.startswith("mine.py: "), done.stderr)
@@ -1338,8 +1452,10 @@ class Calibrating(unittest.TestCase):
 
     def test_what_cannot_be_told(self):
         both = [("mu", 0.1, 0.9), ("roll", 0.1, 0.9)]
-        found = calibrate.calibrate(lambda v, seed: {"angle": 10.0 + 20.0 * (v["mu"] + v["roll"])}, both, [calibrate.Target("angle", 30.0, 0.2)], runs=20)
-        self.assertTrue(any("only together; one rises where the other falls" in text for text in found.remarks), found.remarks)
+        found = calibrate.calibrate(lambda v, seed: {"angle": 10.0 + 20.0 * (v["mu"] + v["roll"])}, both,
+                                    [calibrate.Target("angle", 30.0, 0.2)], runs=20)
+        self.assertTrue(any("only together; one rises where the other falls" in text for text in found.remarks),
+                        found.remarks)
         found = calibrate.calibrate(self.heap, [("mu", 0.1, 0.9)], [calibrate.Target("angle", 60.0, 0.5)], runs=14)
         self.assertIn("angle: no parameters within the bounds give the measured value", found.remarks)
 
@@ -1362,15 +1478,19 @@ class Calibrating(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "other parameters"):
                 calibrate.calibrate(run, [("mu", 0.1, 0.8)], [self.ANGLE], runs=14, store=store)
             with self.assertRaisesRegex(ValueError, "another simulation"):
-                calibrate.calibrate(run, [("mu", 0.1, 0.9)], [self.ANGLE], runs=14, store=store, of="a scene that has changed")
+                calibrate.calibrate(run, [("mu", 0.1, 0.9)], [self.ANGLE], runs=14, store=store,
+                                    of="a scene that has changed")
 
     def test_a_mean_that_climbs(self):
         """It is no result: a run gives it with steady false."""
-        target = {"command": sys.executable + """ -c 'open("{json}", "w").write("STATE")'""", "result": "means_of_second_half.power.mean"}
+        target = {"command": sys.executable + """ -c 'open("{json}", "w").write("STATE")'""",
+                  "result": "means_of_second_half.power.mean"}
         for steady, wanted in ((True, 3.5), (False, None)):
             with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stderr(io.StringIO()) as said:
-                state = json.dumps({"means_of_second_half": {"power": {"mean": 3.5, "steady": steady}}}).replace('"', '\\"').replace("{", "{{").replace("}", "}}")
-                programs = calibrate._Programs(os.path.join(folder, "a.yaml"), folder, {}, [{**target, "command": target["command"].replace("STATE", state)}])
+                state = json.dumps({"means_of_second_half": {"power": {"mean": 3.5, "steady": steady}}})
+                state = state.replace('"', '\\"').replace("{", "{{").replace("}", "}}")
+                programs = calibrate._Programs(os.path.join(folder, "a.yaml"), folder, {},
+                                               [{**target, "command": target["command"].replace("STATE", state)}])
                 self.assertEqual(programs({}, 1), {target["result"]: wanted})
             self.assertEqual("is not steady" in said.getvalue(), not steady)
 
@@ -1378,7 +1498,8 @@ class Calibrating(unittest.TestCase):
         """The runs of a command that has changed are not mixed with new ones; other measured values may use them."""
         text = """runs: 14
 parameters: {mu: {low: 0.1, high: 0.9}}
-targets: [{command: "PYTHON -c 'open(\\"{json}\\", \\"w\\").write(str(dict(a=FACTOR*{mu})).replace(chr(39), chr(34)))'", result: a, value: VALUE, error: 0.01}]
+targets: [{command: "PYTHON -c 'open(\\"{json}\\", \\"w\\").write(str(dict(a=FACTOR*{mu})).replace(chr(39), chr(34)))'",
+           result: a, value: VALUE, error: 0.01}]
 """.replace("PYTHON", sys.executable)
         with tempfile.TemporaryDirectory() as folder:
             path, out = os.path.join(folder, "one.yaml"), os.path.join(folder, "out")
@@ -1388,7 +1509,8 @@ targets: [{command: "PYTHON -c 'open(\\"{json}\\", \\"w\\").write(str(dict(a=FAC
                 with contextlib.redirect_stderr(io.StringIO()) as said, contextlib.redirect_stdout(io.StringIO()):
                     self.assertEqual(calibrate.main([path, "--out", out]), told, said.getvalue())
             self.assertIn("another simulation", said.getvalue())
-            for comma, said in (("'0,6'", "a: value: '0,6' is no number .a decimal point is wanted."), ("0,6", "6: not known here; .* .a decimal point is wanted.")):
+            for comma, said in (("'0,6'", "a: value: '0,6' is no number .a decimal point is wanted."),
+                                ("0,6", "6: not known here; .* .a decimal point is wanted.")):
                 with open(path, "w", encoding="utf-8") as file:
                     file.write(text.replace("FACTOR", "1.0").replace("VALUE", comma))
                 with self.assertRaisesRegex(SystemExit, said):
@@ -1396,8 +1518,11 @@ targets: [{command: "PYTHON -c 'open(\\"{json}\\", \\"w\\").write(str(dict(a=FAC
 
     def test_bad_arguments(self):
         nan, mu = float("nan"), ("mu", 0.1, 0.9)
-        for parameters, targets, runs in (([("mu", 0.9, 0.1)], [self.ANGLE], 14), ([("mu", 0.0, 1.0, True)], [self.ANGLE], 14), ([mu], [("angle", nan, 1.0)], 14),
-                                          ([mu], [("angle", 1.0, 0.0)], 14), ([mu, mu], [self.ANGLE], 14), ([], [self.ANGLE], 14), ([mu], [], 14), ([mu], [self.ANGLE], 5)):
+        for parameters, targets, runs in (([("mu", 0.9, 0.1)], [self.ANGLE], 14),
+                                          ([("mu", 0.0, 1.0, True)], [self.ANGLE], 14),
+                                          ([mu], [("angle", nan, 1.0)], 14),
+                                          ([mu], [("angle", 1.0, 0.0)], 14), ([mu, mu], [self.ANGLE], 14),
+                                          ([], [self.ANGLE], 14), ([mu], [], 14), ([mu], [self.ANGLE], 5)):
             with self.assertRaises(ValueError):
                 calibrate.calibrate(self.heap, parameters, targets, runs=runs)
         with self.assertRaisesRegex(ValueError, "0 of 8 runs gave a number"):
@@ -1408,7 +1533,8 @@ targets: [{command: "PYTHON -c 'open(\\"{json}\\", \\"w\\").write(str(dict(a=FAC
     def test_command(self):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "powder.yaml")
-            write = "import json, sys; json.dump({'heap': {'angle_deg': [10 + 30 * float(sys.argv[1])]}}, open(sys.argv[2], 'w'))"
+            write = ("import json, sys; json.dump({'heap': {'angle_deg': [10 + 30 * float(sys.argv[1])]}}, "
+                     "open(sys.argv[2], 'w'))")
             pathlib.Path(os.path.join(folder, "heap.py")).write_text(write, encoding="utf-8")
             scene = f"""runs: 14
 parallel: 2
@@ -1420,12 +1546,15 @@ targets:
 
             def run(text):
                 pathlib.Path(path).write_text(text, encoding="utf-8")
-                return subprocess.run([sys.executable, "-m", "riddle.calibrate", path, "--out", folder], capture_output=True, text=True, check=False, cwd=here)
+                return subprocess.run([sys.executable, "-m", "riddle.calibrate", path, "--out", folder],
+                                      capture_output=True, text=True, check=False, cwd=here)
 
             done = run(scene)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertRegex(done.stdout, r"with: --set contacts.friction=0\.(5[01]|4[89])")
-            self.assertIn("with: --set contacts.friction=" + pathlib.Path(folder, "found.set").read_text(encoding="utf-8").split("friction=")[1][:3], done.stdout)
+            self.assertIn("with: --set contacts.friction="
+                          + pathlib.Path(folder, "found.set").read_text(encoding="utf-8").split("friction=")[1][:3],
+                          done.stdout)
             twice = scene.replace("targets:\n", f"""targets:
   - {{command: "{sys.executable} {folder}/heap.py 0.5 {{json}}", result: heap.angle_deg.0, value: 25, error: 0.3}}
 """)  # another program with a result of this name
@@ -1437,7 +1566,8 @@ targets:
             os.remove(os.path.join(folder, "runs.jsonl"))
             with open(os.path.join(folder, "result.json"), encoding="utf-8") as file:
                 self.assertLess(abs(json.load(file)["parameters"]["mu"]["value"] - 0.5), 0.02)
-            for text, said in ((scene.replace("low: 0.1, ", ""), "low is missing"), (scene.replace("error: 0.3", "error: -1"), "error above 0"),
+            for text, said in ((scene.replace("low: 0.1, ", ""), "low is missing"),
+                               (scene.replace("error: 0.3", "error: -1"), "error above 0"),
                                (scene.replace("runs: 14", "run: 14"), "run: not known"), ("- 1\n", ""), (": :", "")):
                 done = run(text)
                 self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (1, "", 1), done.stderr)
@@ -1449,7 +1579,8 @@ class Made(unittest.TestCase):
         """A row of shapes.txt that stands there twice is refused."""
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "shapes.txt")
-            call = [sys.executable, "-B", "-c", "import sys, generate; print(len(generate.read_shapes(sys.argv[1])))", path]
+            call = [sys.executable, "-B", "-c",
+                    "import sys, generate; print(len(generate.read_shapes(sys.argv[1])))", path]
             for rows, status in (("a.b: [n]\n# a\na.c: [n]\n", 0), ("a.b: [n]\na.c: [n]\na.b : [n] # again\n", 1)):
                 pathlib.Path(path).write_text(rows, encoding="utf-8")
                 done = subprocess.run(call, capture_output=True, text=True, check=False, cwd=here)
@@ -1460,7 +1591,8 @@ class Made(unittest.TestCase):
 if __name__ == "__main__":
     only = [word for word in sys.argv[1:] if word[0].isupper()]  # Shown.test_mypy
     pattern = os.environ.get("RIDDLE_TEST_PATTERN")
-    result = unittest.main(argv=[sys.argv[0], *only, *(["-k", pattern] if pattern else [])], exit=False, verbosity=1).result
+    result = unittest.main(argv=[sys.argv[0], *only, *(["-k", pattern] if pattern else [])], exit=False,
+                           verbosity=1).result
     bad = len(result.failures) + len(result.errors)
     print(f"{result.testsRun - bad - len(result.skipped)} passed, {bad} failed, {len(result.skipped)} skipped")
     sys.exit(bad > 0)

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Known parameters of small scenes (a fifth of a second a run), found again by riddle.calibrate from results of the same scenes with other
-seeds: friction alone from a column that collapses; friction and rolling friction from that and from trestles that slide to their rest.
-Leaves with 1 where the 95 % range of a parameter holds it in fewer than 17 of 20 trials. Needs the binding (python/build).
+"""Known parameters of small scenes (a fifth of a second a run), found again by riddle.calibrate from results of the
+same scenes with other seeds: friction alone from a column that collapses; friction and rolling friction from that and
+from trestles that slide to their rest. Leaves with 1 where the 95 % range of a parameter holds it in fewer than 17 of
+20 trials. Needs the binding (python/build).
   tests/calibration_scenes.py [TRIALS] [SEED]     20 trials by default"""
 import os
 import sys
@@ -14,7 +15,8 @@ from calibration_trials import P, calibrate  # noqa: E402
 from riddle import dem  # noqa: E402
 
 FRICTION, ROLLING = P("friction", 0.1, 0.7), P("rolling", 0.01, 0.3, True)
-CASES = {"one": ([FRICTION], ["run_out_m"], 12), "two": ([FRICTION, ROLLING], ["run_out_m", "height_m", "way_m"], 20)}  # parameters, results, runs
+# parameters, results, runs
+CASES = {"one": ([FRICTION], ["run_out_m"], 12), "two": ([FRICTION, ROLLING], ["run_out_m", "height_m", "way_m"], 20)}
 REPEATS = 8  # of what is measured
 
 
@@ -68,7 +70,8 @@ def trial(case, truth, seed):
     parameters, results, runs = CASES[case]
     run = collapse if results == ["run_out_m"] else simulate
     measured = [run(truth, 1000000 + 1000 * seed + k) for k in range(REPEATS)]
-    targets = [calibrate.Target(name, float(np.mean([m[name] for m in measured])), float(np.std([m[name] for m in measured], ddof=1)) / REPEATS**0.5)
+    targets = [calibrate.Target(name, float(np.mean([m[name] for m in measured])),
+                                float(np.std([m[name] for m in measured], ddof=1)) / REPEATS**0.5)
                for name in results]
     return calibrate.calibrate(run, parameters, targets, runs=runs, seed=10000 * seed)
 
@@ -76,7 +79,8 @@ def trial(case, truth, seed):
 def main(number, seed):
     failures = 0
     for case, (parameters, _, runs) in CASES.items():
-        rng, held, width = np.random.default_rng(seed), dict.fromkeys([p.name for p in parameters], 0), {p.name: [] for p in parameters}
+        rng, held, width = np.random.default_rng(seed), dict.fromkeys([p.name for p in parameters],
+                                                                      0), {p.name: [] for p in parameters}
         for k in range(number):
             truth = {p.name: calibrate._value(p, u) for p, u in zip(parameters, rng.uniform(size=len(parameters)))}
             found = trial(case, truth, seed + k)
@@ -84,10 +88,14 @@ def main(number, seed):
                 held[p.name] += found.low[p.name] <= truth[p.name] <= found.high[p.name]
                 ends = [np.log(v) if p.log else v for v in (found.low[p.name], found.high[p.name], p.low, p.high)]
                 width[p.name].append((ends[1] - ends[0]) / (ends[3] - ends[2]))
-            print(f"{case} {k + 1}: " + ", ".join(f"{n} {truth[n]:.3g} in {found.low[n]:.3g} .. {found.high[n]:.3g}" for n in held), flush=True)
+            print(f"{case} {k + 1}: "
+                  + ", ".join(f"{n} {truth[n]:.3g} in {found.low[n]:.3g} .. {found.high[n]:.3g}" for n in held),
+                  flush=True)
         bad = [n for n in held if held[n] < 0.85 * number]
         failures += len(bad)
-        print(f"{case}, {runs} runs: " + ", ".join(f"{n} held in {held[n]} of {number}, range {100 * np.mean(width[n]):.0f} % of the bounds" for n in held) + (" !" if bad else ""), flush=True)
+        print(f"{case}, {runs} runs: "
+              + ", ".join(f"{n} held in {held[n]} of {number}, range {100 * np.mean(width[n]):.0f} % of the bounds"
+                          for n in held) + (" !" if bad else ""), flush=True)
     return failures
 
 

@@ -8,7 +8,8 @@
 
 static inline void stand_still(void *user, double time, dem_pose *pose) { (void)user, (void)time, (void)pose; }
 
-/* Calls every function that changes a world, but those that hooks may call. Returns the number of the first that is not refused, or -1. */
+/* Calls every function that changes a world, but those that hooks may call. Returns the number of the first that is not
+   refused, or -1. */
 static inline int dem_first_accepted(dem_world *w, const dem_kernel *hook_law, const dem_link_kernel *hook_links) {
     const double at[3] = {0.0, 0.0, 0.0}, d = 1e-3;
     dem_region all = dem_sphere_region(dem_vec3(0, 0, 0), 1.0);
@@ -24,7 +25,8 @@ static inline int dem_first_accepted(dem_world *w, const dem_kernel *hook_law, c
     dem_convex shape;
     memset(&mesh, 0, sizeof mesh);
     mesh.vertices = 3, mesh.triangles = 1, mesh.vertex = vertex, mesh.triangle = triangle;
-    if (dem_make_clump(1, at, &d, &clump) != DEM_OK || dem_make_brick(&shape, dem_vec3(d, d, d), 0.1, NULL) != DEM_OK) return 1000;
+    if (dem_make_clump(1, at, &d, &clump) != DEM_OK || dem_make_brick(&shape, dem_vec3(d, d, d), 0.1, NULL) != DEM_OK)
+        return 1000;
     const dem_status refused[] = {dem_add_spheres(w, 1, at, &d, 0, 0),
                                   dem_add_clumps(w, 1, &clump, at, NULL, NULL, 0, 0),
                                   dem_add_convex(w, 0, 1, at, NULL, 0, 0),

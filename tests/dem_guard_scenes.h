@@ -1,5 +1,6 @@
-/* dem_guard_scenes.h: scenes with what those of dem_scenes.h leave out: the ledger's sums, links with a step of their own, meshes, driven
-   walls, a feed, and a world saved, loaded and run on. Each yields one number that depends on every bit of the result, readers included. */
+/* dem_guard_scenes.h: scenes with what those of dem_scenes.h leave out: the ledger's sums, links with a step of their
+   own, meshes, driven walls, a feed, and a world saved, loaded and run on. Each yields one number that depends on every
+   bit of the result, readers included. */
 #ifndef RIDDLE_DEM_GUARD_SCENES_H
 #define RIDDLE_DEM_GUARD_SCENES_H
 
@@ -22,19 +23,23 @@ static inline void guard_mix(uint64_t *hash, double v) {
     memcpy(&bits, &v, sizeof bits);
     for (int k = 0; k < 8; k++) *hash = (*hash ^ (bits >> (8 * k) & 255u)) * 0x100000001b3u;
 }
-static inline void guard_mix_vec(uint64_t *hash, dem_vec v) { guard_mix(hash, v.x), guard_mix(hash, v.y), guard_mix(hash, v.z); }
+static inline void guard_mix_vec(uint64_t *hash, dem_vec v) {
+    guard_mix(hash, v.x), guard_mix(hash, v.y), guard_mix(hash, v.z);
+}
 
 static inline void guard_mix_energy(uint64_t *hash, const dem_world *w) {
     const dem_energy_ledger l = dem_energy(w);
-    const double sums[] = {l.kinetic,   l.rotational,    l.elastic,   l.potential, l.normal_loss, l.sliding_loss, l.rolling_loss,
-                           l.wall_work, l.external_work, l.link_work, l.added,     l.removed,     l.error};
+    const double sums[] = {l.kinetic,      l.rotational,   l.elastic,   l.potential,     l.normal_loss,
+                           l.sliding_loss, l.rolling_loss, l.wall_work, l.external_work, l.link_work,
+                           l.added,        l.removed,      l.error};
     for (size_t k = 0; k < sizeof sums / sizeof *sums; k++) guard_mix(hash, sums[k]);
 }
 
 static inline void guard_mix_walls(uint64_t *hash, const dem_world *w) {
     for (int k = 0; k < w->walls; k++) {
         guard_mix_vec(hash, w->wall[k].position), guard_mix_vec(hash, w->wall[k].velocity);
-        guard_mix_vec(hash, w->wall[k].force), guard_mix_vec(hash, w->wall[k].torque), guard_mix_vec(hash, w->wall[k].impulse);
+        guard_mix_vec(hash, w->wall[k].force), guard_mix_vec(hash, w->wall[k].torque),
+            guard_mix_vec(hash, w->wall[k].impulse);
         guard_mix(hash, w->wall[k].coordinate), guard_mix(hash, w->wall[k].rate);
     }
 }
@@ -42,11 +47,13 @@ static inline void guard_mix_walls(uint64_t *hash, const dem_world *w) {
 static inline void guard_mix_contacts(uint64_t *hash, const dem_world *w) {
     for (ptrdiff_t k = 0; k < dem_contact_count(w); k++) {
         const dem_contact_info c = dem_get_contact(w, k);
-        guard_mix(hash, (double)c.i), guard_mix(hash, (double)c.j), guard_mix(hash, c.gap), guard_mix_vec(hash, c.force);
+        guard_mix(hash, (double)c.i), guard_mix(hash, (double)c.j), guard_mix(hash, c.gap),
+            guard_mix_vec(hash, c.force);
     }
     for (ptrdiff_t k = 0; k < dem_link_count(w); k++) {
         const dem_contact_info c = dem_get_link(w, k);
-        guard_mix(hash, (double)c.i), guard_mix(hash, (double)c.j), guard_mix(hash, c.gap), guard_mix_vec(hash, c.force);
+        guard_mix(hash, (double)c.i), guard_mix(hash, (double)c.j), guard_mix(hash, c.gap),
+            guard_mix_vec(hash, c.force);
     }
 }
 
@@ -54,12 +61,14 @@ static inline void guard_mix_contacts(uint64_t *hash, const dem_world *w) {
 static inline void guard_mix_world(uint64_t *hash, const dem_world *w, int ledger) {
     const uint64_t state = dem_hash(w);
     guard_mix(hash, (double)(state >> 32)), guard_mix(hash, (double)(state & 0xffffffffu));
-    for (ptrdiff_t i = 0; i < w->count; i++) guard_mix_vec(hash, dem_position(w, i)), guard_mix_vec(hash, dem_velocity(w, i));
+    for (ptrdiff_t i = 0; i < w->count; i++)
+        guard_mix_vec(hash, dem_position(w, i)), guard_mix_vec(hash, dem_velocity(w, i));
     guard_mix_walls(hash, w);
     guard_mix_contacts(hash, w);
     for (ptrdiff_t k = 0; k < w->passed_count; k++) {
         const dem_passed *p = &w->passed[k];
-        guard_mix(hash, p->time), guard_mix(hash, (double)p->id), guard_mix(hash, (double)p->exit), guard_mix_vec(hash, p->velocity);
+        guard_mix(hash, p->time), guard_mix(hash, (double)p->id), guard_mix(hash, (double)p->exit),
+            guard_mix_vec(hash, p->velocity);
     }
     if (ledger) guard_mix_energy(hash, w);
 }
@@ -98,7 +107,8 @@ static inline dem_status guard_ledger(dem_world *w, int threads, int features, u
     return status;
 }
 
-/* Damped springs that tear, between spheres and from a sphere to the floor, every tenth step; some of the linked touch. */
+/* Damped springs that tear, between spheres and from a sphere to the floor, every tenth step; some of the
+   linked touch. */
 static inline dem_status guard_links_begin(dem_world *w, int threads, double interval) {
     scene_random r = {99};
     const double one = 5e-3, strong[SPRING_STATES] = {20.0, 1.2e-3, 2e-3}, weak[SPRING_STATES] = {5.0, 3e-4, 1e-3};
@@ -131,7 +141,8 @@ static inline dem_status guard_mesh_begin(dem_world *w, int threads) {
     if (status != DEM_OK) return status;
     const int box = dem_add_box(w, 1, dem_vec3(-0.02, -0.021, 0), dem_vec3(0.02, 0.022, 0.06));
     const int block = dem_add_box(w, 1, dem_vec3(-0.018, -0.004, 0.002), dem_vec3(-0.004, 0.004, 0.012));
-    cone.low = dem_vec3(0.008, 0, 0.001), cone.high = dem_vec3(0.008, 0, 0.012), cone.low_radius = 0.008, cone.high_radius = 0.002;
+    cone.low = dem_vec3(0.008, 0, 0.001), cone.high = dem_vec3(0.008, 0, 0.012), cone.low_radius = 0.008,
+    cone.high_radius = 0.002;
     const int hill = dem_add_cone(w, 1, &cone);
     if (box < 0 || block < 0 || hill < 0) return DEM_BAD_ARGUMENT;
     status = dem_vibrate(w, box, dem_vec3(0, 2e-4, 4e-4), dem_vec3(0, 0.5, 0), 80.0);
@@ -166,7 +177,8 @@ static inline dem_status guard_driven_begin(dem_world *w, int threads) {
     const int ball = dem_add_sphere_wall(w, 1, dem_vec3(0.028, 0.012, 0.012), 6e-3, 0);
     status = dem_prescribe(w, 4, dem_vec3(0, 0, 0), guard_shake, NULL);
     if (status == DEM_OK) status = dem_control_force(w, 5, dem_vec3(0, 0, 1), 0.02, -3.0, 0.1);
-    if (status == DEM_OK) status = dem_control_torque(w, rotor, dem_vec3(0, 0, 0.001), dem_vec3(0, 1, 0), 2e-6, 1e-3, 1e-5);
+    if (status == DEM_OK)
+        status = dem_control_torque(w, rotor, dem_vec3(0, 0, 0.001), dem_vec3(0, 1, 0), 2e-6, 1e-3, 1e-5);
     if (status == DEM_OK) status = dem_move(w, ball, dem_vec3(-0.3, 0, 0));
     if (status == DEM_OK) status = scene_fill(w, &r, 8, 8, 4, dem_vec3(-0.0216, -0.0216, 0.007), 5.4e-3, &one, 1, 0.3);
     return status;
@@ -180,7 +192,8 @@ static inline dem_status guard_driven(dem_world *w, int threads, uint64_t *hash)
     return status;
 }
 
-/* A filled block of three kinds of sizes, then a stream through a disc; some leave by an exit, some are taken out by region. */
+/* A filled block of three kinds of sizes, then a stream through a disc; some leave by an exit, some are taken
+   out by region. */
 static inline dem_status guard_feed(dem_world *w, int threads, uint64_t *hash) {
     dem_feed fill = dem_default_feed(), stream = dem_default_feed();
     dem_status status = guard_begin(w, 4e-6, threads);
@@ -222,8 +235,8 @@ static inline dem_status guard_reload(dem_world *w) {
     return status;
 }
 
-/* The scenes above with links, meshes and driven walls, saved and loaded after an odd number of steps, then run on; without saving the
-   same number results. */
+/* The scenes above with links, meshes and driven walls, saved and loaded after an odd number of steps, then run on;
+   without saving the same number results. */
 static inline dem_status guard_saved(dem_world *w, int threads, int saves, uint64_t *hash) {
     dem_status status = DEM_OK;
     for (int scene = 0; scene < 3 && status == DEM_OK; scene++) {
@@ -251,8 +264,12 @@ static inline dem_status guard_run(int scene, int threads, uint64_t *hash) {
     memset(&w, 0, sizeof w);
     *hash = 0xcbf29ce484222325u;
     switch (scene) {
-    case GUARD_LEDGER: status = guard_ledger(&w, threads, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY, hash); break;
-    case GUARD_HERTZ_LEDGER: status = guard_ledger(&w, threads, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY, hash); break;
+    case GUARD_LEDGER:
+        status = guard_ledger(&w, threads, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY, hash);
+        break;
+    case GUARD_HERTZ_LEDGER:
+        status = guard_ledger(&w, threads, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY, hash);
+        break;
     case GUARD_LINKS: status = guard_links(&w, threads, hash); break;
     case GUARD_MESH: status = guard_mesh(&w, threads, hash); break;
     case GUARD_DRIVEN: status = guard_driven(&w, threads, hash); break;

@@ -1,6 +1,7 @@
-/* dem_hash_program.c: runs the scenes of dem_scenes.h and dem_guard_scenes.h and prints their hashes, one a line. Compiled in many ways and run with several
-   numbers of threads by tests/check_dem: the lines must not differ. Usage: dem_hash_program [threads]
-   With TWO_KERNELS only the scenes of two kernels are compiled, which takes half the time. */
+/* dem_hash_program.c: runs the scenes of dem_scenes.h and dem_guard_scenes.h and prints their hashes, one a line.
+   Compiled in many ways and run with several numbers of threads by tests/check_dem: the lines must not differ. Usage:
+   dem_hash_program [threads] With TWO_KERNELS only the scenes of two kernels are compiled, which takes
+   half the time. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -13,11 +14,16 @@ static dem_status run(dem_world *world, int scene) {
     if (scene == SCENE_SIZES) return dem_run(world, scene_duration(scene), DEM_HERTZ | DEM_FRICTION);
     return dem_run(world, scene_duration(scene), DEM_LINEAR | DEM_FRICTION);
 }
-static dem_status run_guard(int scene, int threads, uint64_t *hash) { return (void)scene, (void)threads, (void)hash, DEM_BAD_ARGUMENT; }
+static dem_status run_guard(int scene, int threads, uint64_t *hash) {
+    return (void)scene, (void)threads, (void)hash, DEM_BAD_ARGUMENT;
+}
 #else
 enum { SCENES = SCENE_COUNT, GUARDS = GUARD_COUNT };
-static const int scenes[SCENES] = {SCENE_GAS, SCENE_BED, SCENE_SCREEN, SCENE_SIZES, SCENE_PERIODIC, SCENE_DRUM, SCENE_DEEP};
-static dem_status run(dem_world *world, int scene) { return dem_run(world, scene_duration(scene), scene_features(scene)); }
+static const int scenes[SCENES] = {SCENE_GAS,      SCENE_BED,  SCENE_SCREEN, SCENE_SIZES,
+                                   SCENE_PERIODIC, SCENE_DRUM, SCENE_DEEP};
+static dem_status run(dem_world *world, int scene) {
+    return dem_run(world, scene_duration(scene), scene_features(scene));
+}
 static dem_status run_guard(int scene, int threads, uint64_t *hash) { return guard_run(scene, threads, hash); }
 #endif
 
@@ -46,7 +52,8 @@ int main(int argc, char **argv) {
     for (int scene = 0; scene < GUARDS; scene++) {
         uint64_t hash;
         const dem_status status = run_guard(scene, threads, &hash);
-        printf("%-12s %016llx %s\n", guard_name(scene), (unsigned long long)hash, status == DEM_OK ? "" : dem_status_text(status));
+        printf("%-12s %016llx %s\n", guard_name(scene), (unsigned long long)hash,
+               status == DEM_OK ? "" : dem_status_text(status));
     }
     return 0;
 }

@@ -1,5 +1,6 @@
-/* dem_invariants.h: what must hold between two runs, whatever the scene: lists agree with their owners, every live contact has its bodies,
-   no timer is late. The one file of the tests that reads private state of dem.h; it finds everything again by the slowest way. */
+/* dem_invariants.h: what must hold between two runs, whatever the scene: lists agree with their owners, every live
+   contact has its bodies, no timer is late. The one file of the tests that reads private state of dem.h; it finds
+   everything again by the slowest way. */
 #ifndef RIDDLE_DEM_INVARIANTS_H
 #define RIDDLE_DEM_INVARIANTS_H
 
@@ -44,10 +45,12 @@ static inline const char *invariants__contacts(const dem_world *w, int32_t *coun
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i] && w->touching[i] != count[i]) return "a particle counts its contacts wrongly";
     }
-    for (ptrdiff_t i = 0; i < w->count && !w->engine->run.needs_lists; i++) { /* of walls: in the list of the particle, each place once */
+    /* of walls: in the list of the particle, each place once */
+    for (ptrdiff_t i = 0; i < w->count && !w->engine->run.needs_lists; i++) {
         int32_t with_walls = 0, at_walls = 0;
         for (int32_t c = w->engine->walls.first_contact[i]; c >= 0; c = w->engine->contacts.wall_next[c]) {
-            if (w->engine->contacts.i[c] != i || w->engine->contacts.j[c] >= 0) return "another's contact in a particle's list of walls";
+            if (w->engine->contacts.i[c] != i || w->engine->contacts.j[c] >= 0)
+                return "another's contact in a particle's list of walls";
             for (int32_t d = w->engine->contacts.wall_next[c]; d >= 0; d = w->engine->contacts.wall_next[d]) {
                 if (w->engine->contacts.j[d] == w->engine->contacts.j[c] &&
                     w->engine->contacts.element[d] == w->engine->contacts.element[c])
@@ -96,7 +99,8 @@ static inline const char *invariants__links(const dem_world *w) {
         sides += j >= 0 ? 2 : 1;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        for (int32_t k = w->engine->links.on && w->alive[i] ? w->engine->links.first_link[i] : -1; k >= 0; k = dem__next_link(w, k, i)) {
+        for (int32_t k = w->engine->links.on && w->alive[i] ? w->engine->links.first_link[i] : -1; k >= 0;
+             k = dem__next_link(w, k, i)) {
             if (k >= w->engine->links.count || (w->engine->links.i[k] != i && w->engine->links.j[k] != i))
                 return "another's link in a particle's list";
             if (++listed > sides) return "a list of links is a ring";
@@ -131,9 +135,11 @@ static inline const char *invariants__pairs(const dem_world *w) {
     }
     DEM__EACH_CONTACT(w, c) {
         const int32_t p = w->engine->contacts.near[c];
-        if (w->engine->contacts.j[c] < 0 ? p != -1 : (p < 0 || p >= w->engine->pairs.count)) return "a contact without its near pair";
+        if (w->engine->contacts.j[c] < 0 ? p != -1 : (p < 0 || p >= w->engine->pairs.count))
+            return "a contact without its near pair";
         if (p < 0) continue;
-        if (w->engine->pairs.near[p].i != w->engine->contacts.i[c] || w->engine->pairs.near[p].j != w->engine->contacts.j[c])
+        if (w->engine->pairs.near[p].i != w->engine->contacts.i[c] ||
+            w->engine->pairs.near[p].j != w->engine->contacts.j[c])
             return "a contact with another's near pair";
         if (w->engine->pairs.timers.due[p] != DEM__STOPPED) return "a pair that touches has a timer";
     }
@@ -155,20 +161,23 @@ static inline const char *invariants__overlaps(const dem_world *w) {
         const dem_vec x = dem_position(w, i);
         for (ptrdiff_t j = i + 1; j < w->count; j++) {
             if (!w->alive[j]) continue;
-            const double gap = dem__length(dem__nearest_image(w, dem__sub(x, dem_position(w, j)))) - dem_radius(w, i) - dem_radius(w, j);
+            const double gap = dem__length(dem__nearest_image(w, dem__sub(x, dem_position(w, j)))) - dem_radius(w, i) -
+                               dem_radius(w, j);
             if (gap < -shift - 2.0 * w->engine->bodies.shifted[j] && !invariants__touch(w, i, j))
                 return "two particles overlap without a contact";
         }
         for (int k = 0; k < w->walls; k++) {
             dem__touch touch[DEM__TOUCHES];
             double least;
-            const int n = w->wall[k].enabled ? dem__touch_wall(&w->wall[k], x, dem_radius(w, i), 0.0, touch, &least) : 0;
+            const int n =
+                w->wall[k].enabled ? dem__touch_wall(&w->wall[k], x, dem_radius(w, i), 0.0, touch, &least) : 0;
             if (w->wall[k].kind == DEM_EXIT) {
                 if (least < -shift && w->wall[k].enabled && w->alive[i] > 0) return "a particle is beyond an exit";
                 continue;
             }
             for (int q = 0; q < n; q++) {
-                if (touch[q].gap < -shift && !invariants__touch(w, i, -1 - k)) return "a particle is in a wall without a contact";
+                if (touch[q].gap < -shift && !invariants__touch(w, i, -1 - k))
+                    return "a particle is in a wall without a contact";
             }
         }
     }
@@ -182,7 +191,8 @@ static inline const char *dem_broken_invariant(const dem_world *w, int32_t *scra
     if (!broken) broken = invariants__contacts(w, scratch);
     if (!broken) broken = invariants__active(w, scratch);
     if (!broken) broken = invariants__links(w);
-    if (w->engine->run.needs_lists || w->engine->run.needs_forces) return broken; /* the lists are made when the next run begins */
+    /* the lists are made when the next run begins */
+    if (w->engine->run.needs_lists || w->engine->run.needs_forces) return broken;
     if (!broken) broken = invariants__pairs(w);
     if (!broken && (w->def.skip & DEM_SKIP_PAIRS)) broken = invariants__timers_of(&w->engine->pairs.timers, w->step);
     if (!broken && (w->def.skip & DEM_SKIP_SPACE)) broken = invariants__timers_of(&w->engine->walls.timers, w->step);

@@ -12,7 +12,9 @@ typedef struct scene_random {
 } scene_random;
 
 static inline double scene_uniform(scene_random *r) { return random_share(&r->state); }
-static inline double scene_between(scene_random *r, double low, double high) { return low + (high - low) * scene_uniform(r); }
+static inline double scene_between(scene_random *r, double low, double high) {
+    return low + (high - low) * scene_uniform(r);
+}
 static inline dem_vec scene_vector(scene_random *r, double size) {
     dem_vec v;
     v.x = scene_between(r, -size, size);
@@ -60,12 +62,14 @@ static inline dem_status scene_fill(dem_world *w, scene_random *r, int nx, int n
                                     const double *sizes, int kinds, double speed) {
     for (int k = 0; k < nx * ny * nz; k++) {
         double d = sizes[k % kinds] * scene_between(r, 0.97, 1.0), room = 0.5 * (pitch - d);
-        double at[3] = {corner.x + pitch * (k % nx + 0.5), corner.y + pitch * (k / nx % ny + 0.5), corner.z + pitch * (k / nx / ny + 0.5)};
+        double at[3] = {corner.x + pitch * (k % nx + 0.5), corner.y + pitch * (k / nx % ny + 0.5),
+                        corner.z + pitch * (k / nx / ny + 0.5)};
         dem_status status;
         for (int a = 0; a < 3; a++) at[a] += scene_between(r, -room, room);
         status = dem_add_spheres(w, 1, at, &d, 0, k % kinds);
         if (status != DEM_OK) return status;
-        dem_vec v = scene_vector(r, speed), spin = scene_vector(r, 20.0 * speed); /* in this order, whatever the compiler */
+        /* In this order, whatever the compiler. */
+        dem_vec v = scene_vector(r, speed), spin = scene_vector(r, 20.0 * speed);
         status = dem_set_motion(w, w->count - 1, v, spin);
         if (status != DEM_OK) return status;
     }
@@ -119,7 +123,9 @@ static inline dem_status scene_make(dem_world *w, int scene, int skip, int threa
     status = dem_init(w, &def, NULL);
     if (status != DEM_OK) return status;
     switch (scene) {
-    case SCENE_GAS: scene_box(w, 0.05, -0.05, 0.05); return scene_fill(w, &r, 5, 5, 5, dem_vec3(-0.05, -0.05, -0.05), 0.02, &one, 1, 2.0);
+    case SCENE_GAS:
+        scene_box(w, 0.05, -0.05, 0.05);
+        return scene_fill(w, &r, 5, 5, 5, dem_vec3(-0.05, -0.05, -0.05), 0.02, &one, 1, 2.0);
     case SCENE_BED: {
         int floor_plane = dem_add_plane(w, 1, dem_vec3(0, 0, 0), dem_vec3(0.02, 0.01, 1));
         if (floor_plane < 0) return (dem_status)-floor_plane;
@@ -142,10 +148,13 @@ static inline dem_status scene_make(dem_world *w, int scene, int skip, int threa
         const double big = 10e-3, tiny = 1e-3;
         scene_box(w, 0.011, 0.0, 0.05);
         status = scene_fill(w, &r, 2, 2, 2, dem_vec3(-0.0105, -0.0105, 0.006), 0.0105, &big, 1, 0.2);
-        return status != DEM_OK ? status : scene_fill(w, &r, 12, 12, 4, dem_vec3(-0.0072, -0.0072, 0), 1.2e-3, &tiny, 1, 0.2);
+        return status != DEM_OK ? status
+                                : scene_fill(w, &r, 12, 12, 4, dem_vec3(-0.0072, -0.0072, 0), 1.2e-3, &tiny, 1, 0.2);
     }
     case SCENE_PERIODIC: return scene_fill(w, &r, 5, 5, 5, dem_vec3(-0.03, -0.02, -0.025), 0.012, mixed, 3, 1.5);
-    case SCENE_DEEP: { /* enough for sections of contacts and for rings: 5376 spheres that overlap and fly apart, on a floor that beats them */
+    case SCENE_DEEP: {
+        /* Enough for sections of contacts and for rings: 5376 spheres that overlap and fly apart, on a floor
+           that beats them. */
         const int floor_plane = dem_add_plane(w, 1, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
         if (floor_plane < 0) return (dem_status)-floor_plane;
         dem_vibrate(w, floor_plane, dem_vec3(0, 0, 1e-3), dem_vec3(0, 0, 0), 200.0);

@@ -9,7 +9,8 @@ DEM_INLINE void force_magnet(const dem_contact *contact, double *state, dem_resp
     dem_force_linear_friction(contact, state, response);
     response->normal -= contact->constants[DEM_LINEAR_CONSTANTS];
 }
-static const dem_law magnet = {"linear, with attraction", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS + 1, prepare_magnet, force_magnet, NULL, NULL};
+static const dem_law magnet = {
+    "linear, with attraction", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS + 1, prepare_magnet, force_magnet, NULL, NULL};
 DEM_KERNEL(dem__kernel_magnet, magnet, DEM_LINEAR | DEM_FRICTION)
 
 int main(int argc, char **argv) {
@@ -25,7 +26,8 @@ int main(int argc, char **argv) {
     (void)features;
 #else
     if (status == DEM_OK)
-        status = features == DEM_LINEAR ? dem_run_law(&world, 1e-4, &dem__kernel_magnet) : dem_run(&world, 1e-4, features);
+        status =
+            features == DEM_LINEAR ? dem_run_law(&world, 1e-4, &dem__kernel_magnet) : dem_run(&world, 1e-4, features);
 #endif
     dem_free(&world);
     return status != DEM_OK;

@@ -1,7 +1,9 @@
-/* failing_allocator.h: a memory hook for tests that counts, can fail on order, and notices every misuse that a leak checker would.
+/* failing_allocator.h: a memory hook for tests that counts, can fail on order, and notices every misuse that a leak
+   checker would.
 
        failing_allocator memory;
-       failing_init(&memory);                    // or failing_init_at(&memory, k): allocation k (from 0) and all later ones fail
+       // or failing_init_at(&memory, k): allocation k (from 0) and all later ones fail
+       failing_init(&memory);
        x_def def = x_default_def();
        def.memory.fn = failing_fn;
        def.memory.user = &memory;
@@ -50,7 +52,8 @@ static inline void failing_init_at(failing_allocator *a, int k) {
 }
 
 static inline int failing_refuses(failing_allocator *a) {
-    int k = a->calls++, refuse = a->fail_at >= 0 && k >= a->fail_at && (a->fail_count < 0 || k < a->fail_at + a->fail_count);
+    int k = a->calls++,
+        refuse = a->fail_at >= 0 && k >= a->fail_at && (a->fail_count < 0 || k < a->fail_at + a->fail_count);
     a->random ^= a->random << 13;
     a->random ^= a->random >> 7;
     a->random ^= a->random << 17;
@@ -70,7 +73,8 @@ static inline void *failing_fn(void *user, void *old, size_t old_size, size_t ne
         memcpy(&true_size, block, sizeof true_size);
         if (true_size != old_size) {
             a->misused = 1;
-            fprintf(stderr, "memory hook: old size %lu given for a block of %lu\n", (unsigned long)old_size, (unsigned long)true_size);
+            fprintf(stderr, "memory hook: old size %lu given for a block of %lu\n", (unsigned long)old_size,
+                    (unsigned long)true_size);
         }
         for (int i = 0; i < FAILING_TAIL; i++)
             if (block[FAILING_HEAD + true_size + (size_t)i] != FAILING_BYTE) a->misused = 1;

@@ -1,6 +1,6 @@
-/* Trials of filtration_evaluate: how often the ranges that it states hold what the readings were made from, over numbers of readings, spacings and
-   kinds of scatter, with the defaults and nothing else given. scripts/verify filter_ranges builds and runs it; prints a table; leaves with 1
-   where a range holds outside of the limits.
+/* Trials of filtration_evaluate: how often the ranges that it states hold what the readings were made from, over
+   numbers of readings, spacings and kinds of scatter, with the defaults and nothing else given. scripts/verify
+   filter_ranges builds and runs it; prints a table; leaves with 1 where a range holds outside of the limits.
      filter_trials [TRIALS] [SEED] [CSV]     trials of each kind (2000); the table as a file */
 #include <math.h>
 #include <stdint.h>
@@ -15,14 +15,16 @@ static double uniform(void) { return random_inner(&stream); }
 static double normal(void) { return sqrt(-2.0 * log(uniform())) * cos(6.283185307179586 * uniform()); }
 
 enum { LARGEST = 200, KINDS = 9 };
-static const char *const kinds[KINDS] = {"equal t/V",   "time",           "volume",        "proportional",  "time, AR 0.6",
-                                         "t/V, AR 0.6", "volume, AR 0.6", "balance walks", "balance drifts"};
+static const char *const kinds[KINDS] = {"equal t/V",      "time",          "volume",
+                                         "proportional",   "time, AR 0.6",  "t/V, AR 0.6",
+                                         "volume, AR 0.6", "balance walks", "balance drifts"};
 
 static const double slope = 5.175e8, end_volume = 14e-6; /* [s/m6], [m3] */
 
 /* Readings of one test: scatter of `size` of the last time or volume. */
 static void draw(int kind, size_t n, double intercept, int equal_times, double size, double *t, double *V) {
-    const double end = (slope * end_volume + intercept) * end_volume, rough = kind >= 4 && kind <= 6 ? 0.6 : 0.0, drift = 3.0 * normal();
+    const double end = (slope * end_volume + intercept) * end_volume, rough = kind >= 4 && kind <= 6 ? 0.6 : 0.0,
+                 drift = 3.0 * normal();
     double error = normal(), walk = 0.0, before = 0.0;
     for (size_t i = 0; i < n; i++) {
         const double share = (double)(i + 1) / (double)n;
@@ -58,8 +60,10 @@ typedef struct knowledge {
 /* The least share of ranges that must hold. */
 static double least_of(const knowledge *known, int kind, size_t n) {
     if (known->independent)
-        return kind == 3 && n < 30 ? 89.0 : 91.0; /* four laws of scatter are weighed, and few readings do not tell them */
-    if (kind == 7) return n > 100 ? 92.0 : 84.0; /* fewer readings see no walk of a balance; the ranges widen, but not far enough */
+        /* Four laws of scatter are weighed, and few readings do not tell them. */
+        return kind == 3 && n < 30 ? 89.0 : 91.0;
+    /* Fewer readings see no walk of a balance; the ranges widen, but not far enough. */
+    if (kind == 7) return n > 100 ? 92.0 : 84.0;
     if (kind >= 4 && kind <= 6) return n > 20 ? 92.0 : 90.0;
     return 93.0;
 }
@@ -125,7 +129,8 @@ int main(int argc, char **argv) {
            "range holds [%]: slope, intercept, time to 1/2, 1, 2 of the volume | half width, rms [%]");
     for (size_t a = 0; a < sizeof all / sizeof *all; a++)
         for (int kind = all[a].first; kind <= all[a].last; kind++)
-            for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) bad += trials_of(&all[a], kind, numbers[k], trials);
+            for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+                bad += trials_of(&all[a], kind, numbers[k], trials);
     printf("%d rows outside of their limits\n", bad);
     return csv && fclose(csv) ? 2 : bad > 0;
 }

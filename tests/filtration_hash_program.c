@@ -1,5 +1,6 @@
-/* filtration_hash_program.c: runs four small flows and prints the hash of each, one a line: both precisions, both lattices, moving spheres,
-   a cloth, every kind of face. Compiled in several ways by tests/check_filtration: the lines must not differ.
+/* filtration_hash_program.c: runs four small flows and prints the hash of each, one a line: both precisions, both
+   lattices, moving spheres, a cloth, every kind of face. Compiled in several ways by tests/check_filtration: the lines
+   must not differ.
    Usage: filtration_hash_program [threads] */
 #include <stdio.h>
 #include <stdlib.h>
@@ -48,7 +49,8 @@ static filtration_fluid_def small_box(int threads) {
 
 /* Ten spheres that spin and move between a wall at rest and one that moves. */
 static uint64_t spheres(filtration_fluid_def def) {
-    double centre[3 * SPHERES], velocity[3 * SPHERES], spin[3 * SPHERES], radius[SPHERES], force[3 * SPHERES], torque[3 * SPHERES];
+    double centre[3 * SPHERES], velocity[3 * SPHERES], spin[3 * SPHERES], radius[SPHERES], force[3 * SPHERES],
+        torque[3 * SPHERES];
     const filtration_spheres all = {SPHERES, centre, velocity, spin, radius, force, torque};
     filtration_fluid fluid;
     def.face_velocity[FILTRATION_HIGH_Z][1] = 0.01;
@@ -81,14 +83,18 @@ static uint64_t cloth(filtration_fluid_def def, int driven) {
     if (driven) def.body_force[0] = 1e5;
     else def.face_pressure[FILTRATION_HIGH_Z] = 100.0;
     if (filtration_fluid_init(&fluid, &def) != FILTRATION_OK) return 0;
-    if (filtration_fluid_run(&fluid, STEPS, NULL) != FILTRATION_OK || filtration_fluid_set_tau(&fluid, 0.7) != FILTRATION_OK) return 0;
+    if (filtration_fluid_run(&fluid, STEPS, NULL) != FILTRATION_OK ||
+        filtration_fluid_set_tau(&fluid, 0.7) != FILTRATION_OK)
+        return 0;
     if (filtration_fluid_run(&fluid, STEPS, NULL) != FILTRATION_OK) return 0;
     const uint64_t hash = flow_hash(&fluid, 1);
     filtration_fluid_free(&fluid);
     return hash;
 }
 
-static void say(const char *name, uint64_t hash) { printf("%-14s %016llx%s\n", name, (unsigned long long)hash, hash ? "" : " failed"); }
+static void say(const char *name, uint64_t hash) {
+    printf("%-14s %016llx%s\n", name, (unsigned long long)hash, hash ? "" : " failed");
+}
 
 int main(int argc, char **argv) {
     const filtration_fluid_def def = small_box(argc > 1 ? atoi(argv[1]) : 1);

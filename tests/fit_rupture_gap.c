@@ -1,6 +1,7 @@
-/* Fits the correction of eq 19, bridge_rupture_gap_unequal, to solutions of the Young-Laplace equation, and compares it with others that the
-   fit has not seen: random ones, and kinds of contact angles that are common. Run by scripts/verify rupture_fit. Prints coefficients and
-   deviations; leaves with 1 if the header's function is off by more than 1 % rms or 4 % in any.
+/* Fits the correction of eq 19, bridge_rupture_gap_unequal, to solutions of the Young-Laplace equation, and compares it
+   with others that the fit has not seen: random ones, and kinds of contact angles that are common. Run by
+   scripts/verify rupture_fit. Prints coefficients and deviations; leaves with 1 if the header's function is off by more
+   than 1 % rms or 4 % in any.
        cc -O2 -I. tests/fit_rupture_gap.c -lm && ./a.out [BRIDGES] */
 #include <math.h>
 #include <stdint.h>
@@ -29,8 +30,8 @@ static int solved(bridge_case *c) {
     return 1;
 }
 
-/* Angles to 50 degrees, every fourth one a multiple of 15, some alike; V/R_h^3 from 1e-6 to 0.1; a plate in 20 of 100, as many equal
-   spheres. Unsolved ones are drawn anew. */
+/* Angles to 50 degrees, every fourth one a multiple of 15, some alike; V/R_h^3 from 1e-6 to 0.1; a plate in 20 of 100,
+   as many equal spheres. Unsolved ones are drawn anew. */
 static bridge_case draw(uint64_t *random) {
     for (;;) {
         bridge_case c;
@@ -44,7 +45,8 @@ static bridge_case draw(uint64_t *random) {
         }
         if (random_share(random) < 0.15) angle[1] = angle[0];
         c.small = angle[0] * RIDDLE_PI / 180.0, c.large = angle[1] * RIDDLE_PI / 180.0;
-        if (c.ratio == 1.0 && c.small > c.large) { /* equal spheres: the smaller angle is called that of the smaller one */
+        /* Equal spheres: the smaller angle is called that of the smaller one. */
+        if (c.ratio == 1.0 && c.small > c.large) {
             const double swapped = c.small;
             c.small = c.large, c.large = swapped;
         }
@@ -59,7 +61,8 @@ static void terms_of(const bridge_case *c, double *x) {
     for (int a = 0; a <= 3; a++)
         for (int b = 0; a + b <= 3; b++)
             for (int e = 0; a + b + e <= 3; e++)
-                for (int f = 0; a + b + e + f <= 3; f++) x[n++] = pow(v[0], a) * pow(v[1], b) * pow(v[2], e) * pow(v[3], f);
+                for (int f = 0; a + b + e + f <= 3; f++)
+                    x[n++] = pow(v[0], a) * pow(v[1], b) * pow(v[2], e) * pow(v[3], f);
 }
 
 static double sum_of(const double *coefficients, const double *x) {
@@ -84,8 +87,8 @@ static void solve(double a[TERMS][TERMS + 1]) {
     for (int p = 0; p < TERMS; p++) a[p][TERMS] /= a[p][p];
 }
 
-/* The bridge lets go of one sphere or of the other, so the logarithm of the correction is the smaller of two cubics. Each round fits both
-   to the bridges that belong to it, with more weight for those that it misses most. */
+/* The bridge lets go of one sphere or of the other, so the logarithm of the correction is the smaller of two cubics.
+   Each round fits both to the bridges that belong to it, with more weight for those that it misses most. */
 static void fit(const bridge_case *cases, int n, double branch[2][TERMS]) {
     double x[TERMS];
     for (int round = 0; round < ROUNDS; round++) {
@@ -96,7 +99,8 @@ static void fit(const bridge_case *cases, int n, double branch[2][TERMS]) {
             terms_of(c, x);
             const double p = sum_of(branch[0], x), q = sum_of(branch[1], x);
             const int at = round == 0 ? c->large - c->small > 0.28 : round < 20 ? fabs(q - y) < fabs(p - y) : q < p;
-            const double miss = ((p < q ? p : q) - y) / 0.007, weight = round < 20 ? 1.0 : 1.0 + fmin(miss * miss * miss * miss, 60.0);
+            const double miss = ((p < q ? p : q) - y) / 0.007,
+                         weight = round < 20 ? 1.0 : 1.0 + fmin(miss * miss * miss * miss, 60.0);
             for (int r = 0; r < TERMS; r++) {
                 for (int s = 0; s < TERMS; s++) a[at][r][s] += weight * x[r] * x[s];
                 a[at][r][TERMS] += weight * x[r] * y;
@@ -115,10 +119,12 @@ typedef struct misses {
     int n;
 } misses;
 static void miss(misses *m, double value, double truth) {
-    m->squares += (value / truth - 1.0) * (value / truth - 1.0), m->most = fmax(m->most, fabs(value / truth - 1.0)), m->n++;
+    m->squares += (value / truth - 1.0) * (value / truth - 1.0), m->most = fmax(m->most, fabs(value / truth - 1.0)),
+                                                                 m->n++;
 }
 static void say(const char *name, const misses *m) {
-    printf("%-34s %5d bridges, off by %.2f %% rms, at most %.2f %%\n", name, m->n, 100.0 * sqrt(m->squares / m->n), 100.0 * m->most);
+    printf("%-34s %5d bridges, off by %.2f %% rms, at most %.2f %%\n", name, m->n, 100.0 * sqrt(m->squares / m->n),
+           100.0 * m->most);
 }
 
 int main(int argc, char **argv) {
@@ -153,9 +159,11 @@ int main(int argc, char **argv) {
                     bridge_case c;
                     c.ratio = r / 10.0, c.volume = 1e-6 * pow(10.0, 0.5 * v);
                     c.small = kinds[k][turn] * RIDDLE_PI / 180.0, c.large = kinds[k][1 - turn] * RIDDLE_PI / 180.0;
-                    if (solved(&c)) miss(&common, bridge_rupture_gap_unequal(c.volume, 1.0, c.ratio, c.small, c.large), c.gap);
+                    if (solved(&c))
+                        miss(&common, bridge_rupture_gap_unequal(c.volume, 1.0, c.ratio, c.small, c.large), c.gap);
                 }
     say("eq 19, random", &eq_19), say("this fit, random", &fitted), say("the header, random", &header),
         say("the header, common kinds", &common);
-    return !(sqrt(header.squares / header.n) < 0.01 && header.most < 0.04 && sqrt(common.squares / common.n) < 0.01 && common.most < 0.04);
+    return !(sqrt(header.squares / header.n) < 0.01 && header.most < 0.04 && sqrt(common.squares / common.n) < 0.01 &&
+             common.most < 0.04);
 }

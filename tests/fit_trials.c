@@ -1,6 +1,7 @@
-/* Trials of the fits: random noisy sets of many kinds. A set with more distinct points than free parameters must be fitted, or refused with
-   the status that names what its points leave open, and the fit must never be worse than the best curve on a border of the parameters.
-   scripts/verify fits builds and runs it; prints what it counted; leaves with 1 if a set failed.
+/* Trials of the fits: random noisy sets of many kinds. A set with more distinct points than free parameters must be
+   fitted, or refused with the status that names what its points leave open, and the fit must never be worse than the
+   best curve on a border of the parameters. scripts/verify fits builds and runs it; prints what it counted; leaves
+   with 1 if a set failed.
      fit_trials [N] [M]     N sets of classifier_fit and blocking_fit (10000), M of screen_fit for each model (300) */
 #include <math.h>
 #include <stdint.h>
@@ -40,7 +41,8 @@ static double least(one_parameter f, const void *user, double low, double high) 
     }
     double from = a + (b - a) * (at - 1) / GRID, to = a + (b - a) * (at + 1) / GRID;
     for (int k = 0; k < 60; k++) {
-        const double p = to - golden * (to - from), q = from + golden * (to - from), fp = f(exp(p), user), fq = f(exp(q), user);
+        const double p = to - golden * (to - from), q = from + golden * (to - from), fp = f(exp(p), user),
+                     fq = f(exp(q), user);
         if (fp < fq) to = q;
         else from = p;
         best = fmin(best, fmin(fp, fq));
@@ -85,7 +87,8 @@ static double step_rms(const curve_data *d, int with_bypass) {
 
 static void make_curve(curve_data *d, int set) {
     const int kind = set % 8;
-    const double size = 1e-5, slope = between(0.6, 6.0), bypass = kind == 1 ? between(0.0, 0.4) : 0.0, first = between(0.1, 0.9),
+    const double size = 1e-5, slope = between(0.6, 6.0), bypass = kind == 1 ? between(0.0, 0.4) : 0.0,
+                 first = between(0.1, 0.9),
                  scatter = kind == 2   ? 0.0
                            : kind == 3 ? 0.15
                                        : between(0.005, 0.03);
@@ -93,7 +96,8 @@ static void make_curve(curve_data *d, int set) {
     d->law = (classifier_curve_law)(set / 8 % 3);
     for (int i = 0; i < d->n; i++) {
         d->x[i] = first * size * pow(between(1.5, 12.0) / first, i / (d->n - 1.0));
-        if (i > 0 && d->x[i] <= d->x[i - 1]) d->x[i] = d->x[i - 1] * (kind == 4 && share() < 0.5 ? 1.0 : 1.1); /* some sizes twice */
+        /* Some sizes twice. */
+        if (i > 0 && d->x[i] <= d->x[i - 1]) d->x[i] = d->x[i - 1] * (kind == 4 && share() < 0.5 ? 1.0 : 1.1);
         d->t[i] = bypass + (1.0 - bypass) * (1.0 - exp(-log(2.0) * pow(d->x[i] / size, slope))) + scatter * normal();
     }
     if (kind == 5) d->t[(int)(d->n * share())] = share();                             /* an outlier */
@@ -128,19 +132,23 @@ static void try_curves(int sets) {
             if (status != CLASSIFIER_OK) {
                 const classifier_status wanted = !enough ? CLASSIFIER_TOO_FEW : CLASSIFIER_OUTSIDE;
                 const int is_open = above == 0 || below == 0 || (best[free] > 0.0 && !is_worse(sqrt(flat), best[free]));
-                if (status != wanted || (enough && !is_open)) failed("classifier", set, classifier_status_text(status), free, 0);
+                if (status != wanted || (enough && !is_open))
+                    failed("classifier", set, classifier_status_text(status), free, 0);
                 refused[free]++;
                 continue;
             }
             fitted[free]++;
             border += fit[free].at_border != 0;
             if (is_worse(fit[free].rms, best[free])) failed("classifier", set, "rms", fit[free].rms, best[free]);
-            if (free > 0 && fit[free - 1].rms > 0.0 && is_worse(fit[free].rms, fit[free - 1].rms) && distinct(d.x, d.n) > parameters - 1)
+            if (free > 0 && fit[free - 1].rms > 0.0 && is_worse(fit[free].rms, fit[free - 1].rms) &&
+                distinct(d.x, d.n) > parameters - 1)
                 failed("classifier", set, "rms with one more free", fit[free].rms, fit[free - 1].rms);
             const double said = curve_rms(&d, &fit[free].curve);
-            if (!(fabs(said - fit[free].rms) <= 1e-9)) failed("classifier", set, "rms, not that of the curve", fit[free].rms, said);
+            if (!(fabs(said - fit[free].rms) <= 1e-9))
+                failed("classifier", set, "rms, not that of the curve", fit[free].rms, said);
             if (!(fit[free].curve.bypass >= 0.0 && fit[free].curve.bypass < 1.0) || !(fit[free].curve.size > 0.0))
-                failed("classifier", set, "a parameter outside its range", fit[free].curve.bypass, fit[free].curve.size);
+                failed("classifier", set, "a parameter outside its range", fit[free].curve.bypass,
+                       fit[free].curve.size);
         }
     }
     for (int free = 0; free < 3; free++)
@@ -205,7 +213,8 @@ static void try_readings(int sets) {
         if (status == BLOCKING_NO_CHANGE) continue; /* equal readings: the constant, and k is open */
         for (int c = 0; c < 2; c++) r.end = c, best = fmin(best, least(at_end, &r, 1e-6, 1e3));
         if (is_worse(sqrt(fit.sse / r.n), best)) failed("blocking", set, "rms", sqrt(fit.sse / r.n), best);
-        if (!(fit.k_lowest <= fit.k && fit.k <= fit.k_highest && fit.f_inf_lowest <= fit.f_inf && fit.f_inf <= fit.f_inf_highest))
+        if (!(fit.k_lowest <= fit.k && fit.k <= fit.k_highest && fit.f_inf_lowest <= fit.f_inf &&
+              fit.f_inf <= fit.f_inf_highest))
             failed("blocking", set, "a value outside its own range", fit.k, fit.f_inf);
     }
     printf("blocking_fit: %d fitted, %d that leave something open, %d refused\n", fitted, left_open, refused);
@@ -264,7 +273,8 @@ static void try_screens(int sets) {
                     held.low[j] = held.high[j] = side ? options.high[j] : options.low[j];
                     if (screen_fit(&def, (screen_model)m, d.cases, d.one, &held, &border) != SCREEN_OK) continue;
                     /* model 2 has valleys that run to infinity: there the last digits are not reached */
-                    if (is_worse(fit.rms, border.rms * (m == 2 ? 1.0 + 1e-5 : 1.0))) failed("screen_fit", set, "rms", fit.rms, border.rms);
+                    if (is_worse(fit.rms, border.rms * (m == 2 ? 1.0 + 1e-5 : 1.0)))
+                        failed("screen_fit", set, "rms", fit.rms, border.rms);
                 }
             }
         }

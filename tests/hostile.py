@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Writes a C program that calls every public function of a header with hostile numbers and null pointers: in each argument, and in each
-field of each structure that it takes, one at a time. Everything is read off the declarations (python/generate.py), so that a new function or field is
-tried without being named.
+"""Writes a C program that calls every public function of a header with hostile numbers and null pointers: in each
+argument, and in each field of each structure that it takes, one at a time. Everything is read off the declarations
+(python/generate.py), so that a new function or field is tried without being named.
 
-    tests/hostile.py HEADER >FILE.c        the program prints how many calls it made; a sanitizer and an alarm are the judges
+    tests/hostile.py HEADER >FILE.c        the program prints how many calls it made; a sanitizer and an alarm are the
+                                           judges
 """
 import os
 import re
@@ -44,7 +45,8 @@ static void use_world(dem_world *w) { /* what a call has accepted must not harm 
     dem_add_convex(w, 0, 1, at, NULL, 0, 0);
     dem_run(w, 3.0 * w->def.dt, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY);
     for (ptrdiff_t i = 0; i < w->count; i++) dem_get_body(w, i);
-    dem_measure_region(w, &all, &measure), dem_energy(w), dem_hash(w), dem_core_overlaps(w), dem_save(w, numbers, sizeof numbers), reset();
+    dem_measure_region(w, &all, &measure), dem_energy(w), dem_hash(w), dem_core_overlaps(w);
+    dem_save(w, numbers, sizeof numbers), reset();
 }
 """,
     "granulation_": """
@@ -58,7 +60,8 @@ static void make_balance(granulation_balance *b) {
     double edges[6] = {1e-13, 2e-13, 4e-13, 8e-13, 1.6e-12, 3.2e-12};
     granulation_granule g = {5e-13, 1e-13, 2e-13};
     def.most_steps = 100;
-    if (granulation_balance_init(b, &def, 5, edges, NULL, 0, NULL, NULL) == GRANULATION_OK) granulation_balance_add(b, &g, 1e3);
+    if (granulation_balance_init(b, &def, 5, edges, NULL, 0, NULL, NULL) == GRANULATION_OK)
+        granulation_balance_add(b, &g, 1e3);
 }
 static void make_monte_carlo(granulation_montecarlo *m) {
     granulation_granule g[4] = {{5e-13, 1e-13, 0}, {5e-13, 1e-13, 0}, {5e-13, 1e-13, 0}, {5e-13, 1e-13, 0}};
@@ -84,13 +87,16 @@ static void make_fluid(filtration_fluid *f) {
 SHORTER = {
     "classifier_def": "{a}.points = 64;",
     "filtration_fluid_def": "for (int q = 0; q < 3; q++) {a}.nodes[q] = 8;",
-    "dem_feed": "{a}.region = dem_box_region(dem_vec3(0, 0, 0), dem_vec3(8e-3, 8e-3, 8e-3)), {a}.sizes = dem_one_size(4e-3), {a}.tries = 20;",
+    "dem_feed": "{a}.region = dem_box_region(dem_vec3(0, 0, 0), dem_vec3(8e-3, 8e-3, 8e-3)), {a}.sizes = "
+                "dem_one_size(4e-3), {a}.tries = 20;",
 }
 # Called with null pointers only: they own what others made, want a hook that is always there, or read bytes.
-NULL_ONLY = re.compile(r"_free$|_load$|_save$|^dem_read_stl$|^dem_run_law$|^dem_set_links$|^dem_free_mesh$|^filtration_solid_cut$|^filtration_image_(?!check)")
+NULL_ONLY = re.compile(r"_free$|_load$|_save$|^dem_read_stl$|^dem_run_law$|^dem_set_links$|^dem_free_mesh$|"
+                       r"^filtration_solid_cut$|^filtration_image_(?!check)")
 # Not called: what a kernel calls with what it has made, and an accessor.
 SKIPPED = re.compile(r"^dem_force_|^dem_prepare_|^dem_axis_of$")
-REALS, WHOLES = {"double", "float"}, {"int", "int32_t", "int64_t", "uint32_t", "uint64_t", "size_t", "ptrdiff_t", "unsigned int", "uint8_t", "unsigned char", "int16_t", "long"}
+REALS, WHOLES = {"double", "float"}, {"int", "int32_t", "int64_t", "uint32_t", "uint64_t", "size_t", "ptrdiff_t",
+                                      "unsigned int", "uint8_t", "unsigned char", "int16_t", "long"}
 
 
 class Caller:
@@ -158,7 +164,8 @@ class Caller:
                 lines.append(f"if (!{variable}.{d.name}) {variable}.{d.name} = indices;")
 
     def argument(self, p, k, lines, after):
-        """Declares argument k; returns what is passed, and the targets (path, kind, length?) within it; None: cannot be called."""
+        """Declares argument k; returns what is passed, and the targets (path, kind, length?) within it; None: cannot be
+        called."""
         kind = p.type
         inner = self.name_of(kind)
         if inner in REALS:
@@ -194,7 +201,8 @@ class Caller:
         """An array of structures, for what may want one."""
         if name in self.defaults:
             return "&" + self.structure(name, k, lines)
-        lines += [f"static {name} b{k}[64];", f"memset(b{k}, 0, sizeof b{k});", f"{name} a{k};", f"memset(&a{k}, 0, sizeof a{k});"]
+        lines += [f"static {name} b{k}[64];", f"memset(b{k}, 0, sizeof b{k});", f"{name} a{k};",
+                  f"memset(&a{k}, 0, sizeof a{k});"]
         self.fill(name, f"a{k}", lines)
         lines.append(f"/* */ for (int q = 0; q < 64; q++) b{k}[q] = a{k};")
         return f"b{k}"
@@ -210,9 +218,11 @@ class Caller:
 
     def function(self, name, declaration):
         lines, after, passed, targets, null_only = [], [], [], [], NULL_ONLY.search(name)
-        is_law = "static" in declaration.storage and not self.h.functions[name]["returns"].endswith("_status")  # trusts its pointers
+        # trusts its pointers
+        is_law = "static" in declaration.storage and not self.h.functions[name]["returns"].endswith("_status")
         self.naming = name
-        lengths = self.lengths(name) | {"n", "count", "bins", "capacity", "rows", "columns", "classes", "cells", "l_cells", "steps", "max_steps", "threads"}
+        lengths = self.lengths(name) | {"n", "count", "bins", "capacity", "rows", "columns", "classes", "cells",
+                                        "l_cells", "steps", "max_steps", "threads"}
         for k, p in enumerate(declaration.type.args.params if declaration.type.args else []):
             if isinstance(p, c_ast.Typename):
                 continue
@@ -238,14 +248,20 @@ class Caller:
         code.append("    switch (target) {")
         for t, (at, kind, short, told) in enumerate(targets):
             if kind == "null":
-                code.append(f'    case {t}: if (value > 0) {{ {" ".join(after + ["return 1;"])} }} field = "{told} (null)"; {at}; break;')
+                code.append(f'    case {t}: if (value > 0) {{ {" ".join(after + ["return 1;"])} }} field = "{told} '
+                            f'(null)"; {at}; break;')
                 continue
-            put = "hostile[value]" if kind == "real" else "lengths[value] > 0 ? lengths[value] : -(lengths[value] < 0 && (typeof(%s))-1 < 0)" % at if short else "wholes[value]"
+            put = ("hostile[value]" if kind == "real"
+                   else "lengths[value] > 0 ? lengths[value] : -(lengths[value] < 0 && (typeof(%s))-1 < 0)" % at
+                   if short else "wholes[value]")
             leave = " ".join(after + ["return 1;"])
-            code.append(f'    case {t}: if (value >= {"REALS" if kind == "real" else "LENGTHS" if short else "WHOLES"}) {{ {leave} }} field = "{told}"; {at} = {put}; break;')
+            code.append(f'    case {t}: if (value >= '
+                        f'{"REALS" if kind == "real" else "LENGTHS" if short else "WHOLES"}) '
+                        f'{{ {leave} }} field = "{told}"; {at} = {put}; break;')
         code += ["    default: break;", "    }"]
         code += [f"    b{k}[0] = a{k};" for k, text in enumerate(passed) if text.endswith(f" b{k})")]
-        code += [f"    {'' if void else '(void)'}{name}({', '.join(passed)});"] + ["    " + line for line in after] + ["    return 0;", "}"]
+        code += [f"    {'' if void else '(void)'}{name}({', '.join(passed)});"]
+        code += ["    " + line for line in after] + ["    return 0;", "}"]
         return code, len(targets)
 
     def program(self):
@@ -253,7 +269,8 @@ class Caller:
         for node in self.h.tree.ext:
             declaration = node.decl if isinstance(node, c_ast.FuncDef) else node
             name = declaration.name
-            if not isinstance(declaration, c_ast.Decl) or name not in self.h.functions or SKIPPED.search(name) or name in [f for f, _ in functions]:
+            if (not isinstance(declaration, c_ast.Decl) or name not in self.h.functions or SKIPPED.search(name)
+                or name in [f for f, _ in functions]):
                 continue
             made = self.function(name, declaration)
             if made:
@@ -261,7 +278,9 @@ class Caller:
                 functions.append((name, made[1]))
         helpers = next((v for k, v in HELPERS.items() if k == self.h.lower + "_"), "")
         rows = "\n".join(f'    {{"{n}", call_{n}, {t}}},' for n, t in functions)
-        return PROGRAM.replace("HEADER", self.h.file).replace("HELPERS", helpers).replace("CALLS", "\n".join(code)).replace("ROWS", rows)
+        return PROGRAM.replace("HEADER",
+                               self.h.file).replace("HELPERS",
+                                                    helpers).replace("CALLS", "\n".join(code)).replace("ROWS", rows)
 
 
 PROGRAM = r"""/* Generated by tests/hostile.py. */
@@ -277,9 +296,11 @@ PROGRAM = r"""/* Generated by tests/hostile.py. */
 
 #include "HEADER"
 
-static const double hostile[] = {NAN, INFINITY, -INFINITY, 1e308, -1e308, 1e200, 1e30, 5e-324, 1e-300, 1e-200, -1.0, 0.0, -0.0, 1.0};
+static const double hostile[] = {NAN,    INFINITY, -INFINITY, 1e308, -1e308, 1e200, 1e30,
+                                 5e-324, 1e-300,   1e-200,    -1.0,  0.0,    -0.0,  1.0};
 static const int wholes[] = {INT_MAX, INT_MIN, 1000000000, -1, 0, 1, 99}, lengths[] = {INT_MIN, -1, 0, 1, 2};
-enum { REALS = sizeof hostile / sizeof *hostile, WHOLES = sizeof wholes / sizeof *wholes, LENGTHS = sizeof lengths / sizeof *lengths };
+enum { REALS = sizeof hostile / sizeof *hostile, WHOLES = sizeof wholes / sizeof *wholes };
+enum { LENGTHS = sizeof lengths / sizeof *lengths };
 
 static double numbers[1 << 16];
 static int32_t indices[1 << 12];

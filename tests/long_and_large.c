@@ -1,5 +1,6 @@
-/* Long and large runs of dem.h, for scripts/verify long_and_large: 1e8 steps of a few spheres over a vibrating floor, the same steps beyond
-   2^31 and 2^32, and 2 million spheres at rest. Each must end as it should, without drift, in the memory that the manual of dem.h states.
+/* Long and large runs of dem.h, for scripts/verify long_and_large: 1e8 steps of a few spheres over a vibrating floor,
+   the same steps beyond 2^31 and 2^32, and 2 million spheres at rest. Each must end as it should, without drift, in the
+   memory that the manual of dem.h states.
    Usage: long_and_large [STEPS] [SPHERES]. Prints what it found; exit status 1 if anything is not as it should be. */
 #include <stdio.h>
 #include <stdlib.h>
@@ -79,11 +80,14 @@ static void run_long(int64_t steps) {
     double aside = 0.0;
     for (int i = 0; i < FEW; i++) {
         const dem_vec x = dem_position(&w, i), v = dem_velocity(&w, i), s = dem_spin(&w, i);
-        aside += fabs(x.x - (i == 1 ? 0.02 : 0.0)) + fabs(x.y - (i == 2 ? 0.02 : 0.0)) + fabs(v.x) + fabs(v.y) + dem__length(s);
+        aside += fabs(x.x - (i == 1 ? 0.02 : 0.0)) + fabs(x.y - (i == 2 ? 0.02 : 0.0)) + fabs(v.x) + fabs(v.y) +
+                 dem__length(s);
     }
-    printf("%lld steps, %.0f s: mean height %.6f and %.6f mm in the two halves; %.3g J by the floor, error %.1e of it; %.1f s of processor "
+    printf("%lld steps, %.0f s: mean height %.6f and %.6f mm in the two halves; %.3g J by the floor, error %.1e of it; "
+           "%.1f s of processor "
            "time\n",
-           (long long)w.step, w.time, 1e3 * first, 1e3 * second, moved, error, (double)(clock() - begin) / CLOCKS_PER_SEC);
+           (long long)w.step, w.time, 1e3 * first, 1e3 * second, moved, error,
+           (double)(clock() - begin) / CLOCKS_PER_SEC);
     expect(w.step == steps, "number of steps");
     expect(fabs(w.time - (double)steps * w.def.dt) <= 1e-15 * w.time, "time is that of the steps");
     expect(aside == 0.0, "what moves up and down moves nowhere else");
@@ -97,8 +101,8 @@ static void run_long(int64_t steps) {
 /* The same steps, however many went before. */
 static void run_late(void) {
     enum { LATE = 1000000 };
-    static const int64_t before[] = {0, ((int64_t)1 << 31) - (LATE / 2 / 256) * 256, ((int64_t)1 << 32) - (LATE / 2 / 256) * 256,
-                                     (int64_t)1 << 52};
+    static const int64_t before[] = {0, ((int64_t)1 << 31) - (LATE / 2 / 256) * 256,
+                                     ((int64_t)1 << 32) - (LATE / 2 / 256) * 256, (int64_t)1 << 52};
     dem_vec x[FEW], v[FEW];
     for (int k = 0; k < 4; k++) {
         counted memory = {0, 0};
@@ -139,13 +143,14 @@ static void columns(dem_world *w, counted *memory, ptrdiff_t n, double d, double
 static void is_at_rest(const dem_world *w, double d, double top, const char *what) {
     double farthest = 0.0, fastest = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const double start = i % 2 ? top : top - d + (1.5 * d - top) / 3.0; /* the lower one bears two, the upper one itself */
+        /* the lower one bears two, the upper one itself */
+        const double start = i % 2 ? top : top - d + (1.5 * d - top) / 3.0;
         const double off = fabs(dem_position(w, i).z - start), v = dem__length(dem_velocity(w, i));
         farthest = off > farthest ? off : farthest;
         fastest = v > fastest ? v : fastest;
     }
-    printf("%s: step %lld, %ld spheres, %ld contacts: at most %.1e m from where they were, %.1e m/s\n", what, (long long)w->step,
-           (long)w->count, (long)dem_contact_count(w), farthest, fastest);
+    printf("%s: step %lld, %ld spheres, %ld contacts: at most %.1e m from where they were, %.1e m/s\n", what,
+           (long long)w->step, (long)w->count, (long)dem_contact_count(w), farthest, fastest);
     expect(farthest < 1e-12 && fastest < 1e-9, "spheres at rest stay there");
     expect(dem_contact_count(w) == w->count, "two contacts a column");
 }
@@ -161,8 +166,10 @@ static void run_large(ptrdiff_t n) {
     expect(dem_run(&w, 20.0 * w.def.dt, DEM_LINEAR | DEM_FRICTION) == DEM_OK, "run");
     is_at_rest(&w, d, top, "large");
     const double pairs = (double)w.engine->pairs.count, least = 6.0 * (double)n;
-    const double stated = 572.0 * (double)n + 40.0 * (pairs > least ? pairs : least) + 340.0 * (double)dem_contact_count(&w);
-    printf("held %.2f GB, at most %.2f GB while arrays grew; the manual's sums: %.2f GB, and half as much again for growing\n",
+    const double stated =
+        572.0 * (double)n + 40.0 * (pairs > least ? pairs : least) + 340.0 * (double)dem_contact_count(&w);
+    printf("held %.2f GB, at most %.2f GB while arrays grew; the manual's sums: %.2f GB, and half as much again for "
+           "growing\n",
            1e-9 * (double)memory.live, 1e-9 * (double)memory.peak, 1e-9 * stated);
     expect((double)memory.live < 1.5 * stated + 1e6, "memory as the manual states");
     const size_t size = dem_save(&w, NULL, 0);
@@ -179,8 +186,9 @@ static void run_large(ptrdiff_t n) {
     expect(dem_run(&w, 5.0 * w.def.dt, DEM_LINEAR | DEM_FRICTION) == DEM_OK, "run after a load");
     expect(dem_hash(&w) == hash, "a loaded run continues with the same bits");
     is_at_rest(&w, d, top, "loaded");
-    printf("a save of %.2f GB; gone on from it in %.2f GB, at most %.2f GB; %.1f s of processor time in all\n", 1e-9 * (double)size,
-           1e-9 * (double)memory.live, 1e-9 * (double)memory.peak, (double)(clock() - begin) / CLOCKS_PER_SEC);
+    printf("a save of %.2f GB; gone on from it in %.2f GB, at most %.2f GB; %.1f s of processor time in all\n",
+           1e-9 * (double)size, 1e-9 * (double)memory.live, 1e-9 * (double)memory.peak,
+           (double)(clock() - begin) / CLOCKS_PER_SEC);
     expect((double)memory.live < 1.5 * stated + 1e6, "memory after a load");
     dem_free(&w);
 }

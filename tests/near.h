@@ -12,7 +12,8 @@
 #define near_to(what, got, wanted, tolerance) near_relative(got, wanted, tolerance, what)
 
 static inline void near_absolute(double got, double wanted, double tolerance, const char *what) {
-    if (!(fabs(got - wanted) <= tolerance)) fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got - wanted);
+    if (!(fabs(got - wanted) <= tolerance))
+        fail_msg("%s: %.17g, not %.17g (off by %.2g)", what, got, wanted, got - wanted);
 }
 static inline void near_relative(double got, double wanted, double tolerance, const char *what) {
     if (!(fabs(got - wanted) <= tolerance * fabs(wanted)))

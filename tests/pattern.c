@@ -1,4 +1,5 @@
-/* pattern.c: linked to every test program: with RIDDLE_TEST_PATTERN set (scripts/test NAME PATTERN) only tests of these names run. */
+/* pattern.c: linked to every test program: with RIDDLE_TEST_PATTERN set (scripts/test NAME PATTERN) only tests of
+   these names run. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

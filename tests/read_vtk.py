@@ -1,5 +1,6 @@
-"""Reads series by VTK's own reader: read_vtk.py FOLDER NAME. Prints one line about NAME.pvd and one about NAME_walls.pvd:
-frames, points and cells of the first and the last, the arrays, and which walls have moved between the two."""
+"""Reads series by VTK's own reader: read_vtk.py FOLDER NAME. Prints one line about NAME.pvd and one about
+NAME_walls.pvd: frames, points and cells of the first and the last, the arrays, and which walls have moved between the
+two."""
 import os
 import sys
 import xml.etree.ElementTree as xml

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # Counts a separation anew from single particles: recount_separation.py FOLDER JSON SIEVES|- FINE COARSE|- CUT [FROM]
-#   FOLDER/passed.csv has a line for each particle that left; with COARSE "-" the coarse product is all that has not left as fine: by another
-#   exit, or still there, in the last of FOLDER/particles_*.csv. SIEVES: in mm with commas, "-": each size is its own class. FROM: what left
+#   FOLDER/passed.csv has a line for each particle that left; with COARSE "-" the coarse product is all that has not
+# left as fine: by another
+#   exit, or still there, in the last of FOLDER/particles_*.csv. SIEVES: in mm with commas, "-": each size is its own
+# class. FROM: what left
 #   after that time [s] counts. Compares every number of separation.csv and the JSON.
 import csv
 import glob

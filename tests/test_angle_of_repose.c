@@ -1,4 +1,5 @@
-/* examples/angle_of_repose: steeper with more friction, within what spheres do; the funnel comes through its own file. */
+/* examples/angle_of_repose: steeper with more friction, within what spheres do; the funnel comes through
+   its own file. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -14,7 +14,8 @@
 
 /* ---- memory ---- */
 
-/* Laws with different numbers of states, in turn, while nothing touches: the arrays of contacts change, their room does not. */
+/* Laws with different numbers of states, in turn, while nothing touches: the arrays of contacts change, their
+   room does not. */
 static void test_laws_in_turn(void **state) {
     (void)state;
     failing_allocator memory;
@@ -90,7 +91,8 @@ DEM_INLINE void attracting_force(const dem_contact *c, double *state, dem_respon
     dem_force_linear(c, state, r);
     r->normal -= 1e-3; /* also where the contact has ended */
 }
-static const dem_law attracting = {"attracting", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, attracting_force, NULL, NULL};
+static const dem_law attracting = {"attracting",     1,    0,   0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+                                   attracting_force, NULL, NULL};
 DEM_KERNEL(attracting_kernel, attracting, DEM_LINEAR)
 
 /* Whatever a law answers for a contact that is over: from the next step on its bodies fly. */
@@ -148,8 +150,8 @@ static void test_refused_where_they_enter(void **state) {
     dem_free(&w);
 }
 
-/* A list holds for its first step however thin its margin, and is checked before it ends: spheres that move up to half a radius in a step
-   are seen where they touch, whatever the skin. */
+/* A list holds for its first step however thin its margin, and is checked before it ends: spheres that move up to half
+   a radius in a step are seen where they touch, whatever the skin. */
 static void test_fast_spheres_are_seen(void **state) {
     (void)state;
     static const double skins[] = {0.9, 0.35, 0.1, 0.05, 0.02, 0.01, 1e-3, 1e-6};
@@ -195,7 +197,8 @@ static void test_place_of_a_polyhedron(void **state) {
 /* A clump under a load, which takes steps in flight, goes on from a save with the same bits, whenever that was. */
 static void test_loaded_clump_goes_on(void **state) {
     (void)state;
-    const double centre[9] = {0, 0, 0, 1.5e-3, 1e-3, 0, 0, 1e-3, 2e-3}, d[3] = {2e-3, 1.5e-3, 2.5e-3}, at[3] = {0, 0, 0};
+    const double centre[9] = {0, 0, 0, 1.5e-3, 1e-3, 0, 0, 1e-3, 2e-3}, d[3] = {2e-3, 1.5e-3, 2.5e-3},
+                 at[3] = {0, 0, 0};
     dem_clump clump;
     dem_def def = scene_def(4e-6);
     dem_world w, twin;
@@ -255,7 +258,8 @@ static dem_status rich_wall(dem_world *w, int k) {
     dem_mesh mesh;
     memset(&mesh, 0, sizeof mesh);
     mesh.vertices = 4, mesh.triangles = 4, mesh.vertex = vertex, mesh.triangle = triangle;
-    cone.low = dem_vec3(0, 0, -1e-3), cone.high = dem_vec3(0, 0, 0.03), cone.low_radius = 0.012, cone.high_radius = 0.02;
+    cone.low = dem_vec3(0, 0, -1e-3), cone.high = dem_vec3(0, 0, 0.03), cone.low_radius = 0.012,
+    cone.high_radius = 0.02;
     screen.half_x = 0.03, screen.aperture = 3e-3, screen.wire = 1e-3, screen.centre = dem_vec3(0, 0, -2e-3);
     switch (k) {
     case 0: return from_wall(dem_add_plane(w, 1, dem_vec3(0, 0, -6e-3), up));
@@ -341,7 +345,8 @@ static uint64_t rich_scene(int scene, failing_allocator *memory, int fail_at, in
     failing_init(memory);
     memory->fail_at = fail_at, memory->fail_count = times;
     def.allocator.fn = failing_fn, def.allocator.user = memory;
-    dem_pair(&def, 0, 0)->stiffness = dem_pair(&def, 0, 1)->stiffness = 500.0, *dem_pair(&def, 1, 1) = *dem_pair(&def, 0, 0);
+    dem_pair(&def, 0, 0)->stiffness = dem_pair(&def, 0, 1)->stiffness = 500.0,
+                      *dem_pair(&def, 1, 1) = *dem_pair(&def, 0, 0);
     feed.sizes = dem_uniform_sizes(1.5e-3, 3e-3, 1), feed.velocity = dem_vec3(0, 0, -0.5);
     feed.region = dem_box_region(dem_vec3(-9e-3, -9e-3, 2e-3), dem_vec3(9e-3, 9e-3, 0.02));
     if (scene == RICH_SOURCES) feed_clumps(&feed);
@@ -370,7 +375,8 @@ static uint64_t rich_scene(int scene, failing_allocator *memory, int fail_at, in
     return hash;
 }
 
-/* Every allocation of a scene with all that there is fails, once and until it is mended: afterwards everything is as if it had not. */
+/* Every allocation of a scene with all that there is fails, once and until it is mended: afterwards everything is as
+   if it had not. */
 static void test_memory_of_rich_scenes(void **state) {
     (void)state;
     for (int scene = 0; scene < RICH_SCENES; scene++) {
@@ -382,7 +388,8 @@ static void test_memory_of_rich_scenes(void **state) {
         for (int k = 0; k < allocations; k++) {
             for (int times = 1; times >= -1; times -= 2) {
                 const uint64_t hash = rich_scene(scene, &memory, k, times);
-                if (hash != expected || !memory.has_failed) fail_msg("scene %d, allocation %d: %d", scene, k, memory.has_failed);
+                if (hash != expected || !memory.has_failed)
+                    fail_msg("scene %d, allocation %d: %d", scene, k, memory.has_failed);
             }
         }
         print_message("    scene %d: %d allocations\n", scene, allocations);
@@ -423,11 +430,13 @@ static void test_field_after_bodies(void **state) {
     dem_free(&w), dem_free(&twin);
 }
 
-/* A body that turns by more than a hundred radians a step is too fast, whatever its moments; a spin of some radians a step is followed. */
+/* A body that turns by more than a hundred radians a step is too fast, whatever its moments; a spin of some radians a
+   step is followed. */
 static void test_spin_without_end(void **state) {
     (void)state;
     enum { SPINS = 3, SHAPES = 3 };
-    static const double spin[SPINS] = {1e80, 1e12, 1e6}, side[SHAPES][3] = {{2e-3, 3e-3, 4e-3}, {2e-3, 2e-3, 4e-3}, {2e-3, 2e-3, 2e-3}};
+    static const double spin[SPINS] = {1e80, 1e12, 1e6},
+                        side[SHAPES][3] = {{2e-3, 3e-3, 4e-3}, {2e-3, 2e-3, 4e-3}, {2e-3, 2e-3, 2e-3}};
     const double at[3] = {0, 0, 0};
     for (int k = 0; k < SPINS * SHAPES; k++) {
         const double s = spin[k % SPINS], *sides = side[k / SPINS];
@@ -440,7 +449,8 @@ static void test_spin_without_end(void **state) {
         assert_true(shape >= 0);
         assert_int_equal(dem_add_convex(&w, shape, 1, at, NULL, 0, 0), DEM_OK);
         assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0, 0, 0), dem_vec3(s, 0.5 * s, s)), DEM_OK);
-        assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY), k % SPINS < 2 ? DEM_TOO_FAST : DEM_OK);
+        assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY),
+                         k % SPINS < 2 ? DEM_TOO_FAST : DEM_OK);
         assert_true(dem_position(&w, 0).z <= 0.0);
         if (k % SPINS == 2) assert_true(dem_energy(&w).rotational <= DBL_MAX);
         dem_free(&w);
@@ -451,7 +461,8 @@ DEM_INLINE void exploding_force(const dem_contact *c, double *state, dem_respons
     dem_force_linear(c, state, r); /* fills the whole answer */
     r->normal = c->gap < -1e-4 ? 1e200 : 0.0;
 }
-static const dem_law exploding = {"exploding", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, exploding_force, NULL, NULL};
+static const dem_law exploding = {"exploding",     1,    0,   0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+                                  exploding_force, NULL, NULL};
 DEM_KERNEL(exploding_kernel, exploding, DEM_LINEAR)
 
 /* A sphere that leaves in the very step in which its energy overflows is a failure, as one that stays is. */
@@ -466,7 +477,8 @@ static void test_infinite_energy_does_not_leave(void **state) {
     assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0, 0, -0.3), dem_vec3(0, 0, 0)), DEM_OK);
     assert_true(dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) >= 0);
     assert_true(dem_add_exit(&w, dem_vec3(0, 0, exit_at), dem_vec3(0, 0, 1)) >= 0);
-    assert_int_equal(dem_run(&w, 2.4e-4, DEM_LINEAR | DEM_ENERGY), DEM_OK); /* begins the ledger; the sphere is still in flight */
+    /* Begins the ledger; the sphere is still in flight. */
+    assert_int_equal(dem_run(&w, 2.4e-4, DEM_LINEAR | DEM_ENERGY), DEM_OK);
     assert_int_equal(dem_run_law(&w, 1e-3, &exploding_kernel), DEM_NOT_FINITE);
     assert_true(w.passed_total == 1);
     dem_free(&w);
@@ -481,20 +493,24 @@ static void test_shapes_that_are_none(void **state) {
     assert_int_equal(dem_make_brick(&good, dem_vec3(2e-3, 3e-3, 4e-3), 0.05, NULL), DEM_OK);
     assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
 #define REFUSED(change) (bad = good, change, assert_int_equal(dem_add_shape(&w, &bad), -(int)DEM_BAD_ARGUMENT))
-    REFUSED(bad.corners = 33), REFUSED(bad.corners = -1), REFUSED(bad.edges = INT_MAX), REFUSED(bad.faces = 1000), REFUSED(bad.faces = 0);
-    REFUSED(bad.face_corner[3] = 200), REFUSED(bad.edge[2][1] = 32), REFUSED(bad.edge_face[0][0] = 60), REFUSED(bad.face_start[1] = 0);
-    REFUSED(bad.radius = (double)NAN), REFUSED(bad.reach = (double)INFINITY), REFUSED(bad.volume = 0.0), REFUSED(bad.rate = 0.0), REFUSED(bad.springs = 0);
+    REFUSED(bad.corners = 33), REFUSED(bad.corners = -1), REFUSED(bad.edges = INT_MAX), REFUSED(bad.faces = 1000),
+        REFUSED(bad.faces = 0);
+    REFUSED(bad.face_corner[3] = 200), REFUSED(bad.edge[2][1] = 32), REFUSED(bad.edge_face[0][0] = 60),
+        REFUSED(bad.face_start[1] = 0);
+    REFUSED(bad.radius = (double)NAN), REFUSED(bad.reach = (double)INFINITY), REFUSED(bad.volume = 0.0),
+        REFUSED(bad.rate = 0.0), REFUSED(bad.springs = 0);
     REFUSED(bad.moment[1] = -1.0), REFUSED(bad.corner[5][2] = 1e9), REFUSED(bad.plane[4][0] = (double)NAN);
 #undef REFUSED
     assert_int_equal(dem_add_shape(&w, &good), 0);
     dem_free(&w);
 }
 
-/* A sphere, and a clump, that were fixed or loaded and are free again fly as if they had always been: what is saved then goes on with the
-   same bits. */
+/* A sphere, and a clump, that were fixed or loaded and are free again fly as if they had always been: what is saved
+   then goes on with the same bits. */
 static void test_free_again_flies(void **state) {
     (void)state;
-    const double at[3] = {0, 0, 0}, far_off[3] = {1e-2, 0, 0}, d = 2e-3, centre[6] = {0, 0, 0, 1.5e-3, 0, 0}, of[2] = {2e-3, 2e-3};
+    const double at[3] = {0, 0, 0}, far_off[3] = {1e-2, 0, 0}, d = 2e-3, centre[6] = {0, 0, 0, 1.5e-3, 0, 0},
+                 of[2] = {2e-3, 2e-3};
     const dem_vec none = dem_vec3(0, 0, 0);
     dem_clump clump;
     assert_int_equal(dem_make_clump(2, centre, of, &clump), DEM_OK);
@@ -594,7 +610,8 @@ DEM_INLINE void terse_pull(const dem_contact *c, double *state, dem_response *r)
 static const dem_law terse_link = {"terse link", 1, 0, 0, 0, 0, NULL, terse_pull, NULL, NULL};
 DEM_LINK_KERNEL(terse_link_kernel, terse_link)
 
-/* A law that sets two numbers of its response: the rest is 0, in the first and last step of a contact, too, and of a link. */
+/* A law that sets two numbers of its response: the rest is 0, in the first and last step of a contact, too,
+   and of a link. */
 static void test_terse_law(void **state) {
     (void)state;
     const double at[9] = {0, 0, 0, 0.3e-3, 0.2e-3, 2.2e-3, 5e-3, 0, 0}, d[3] = {2e-3, 2e-3, 2e-3};
@@ -612,7 +629,8 @@ static void test_terse_law(void **state) {
         const dem_vec v = dem_velocity(&w, 0), spin = dem_spin(&w, 1);
         const dem_energy_ledger e = dem_energy(&w);
         assert_true(v.z < -0.1 && dem_contact_count(&w) == 0 && spin.x == 30.0 && spin.y == 20.0 && spin.z == -10.0);
-        assert_true(e.sliding_loss == 0.0 && e.rolling_loss == 0.0 && fabs(e.kinetic - dem_mass(&w, 0) * 0.125) < 1e-3 * e.kinetic);
+        assert_true(e.sliding_loss == 0.0 && e.rolling_loss == 0.0 &&
+                    fabs(e.kinetic - dem_mass(&w, 0) * 0.125) < 1e-3 * e.kinetic);
         if (k == 0) first = dem_hash(&w);
         assert_true(dem_hash(&w) == first);
         dem_free(&w);
@@ -621,11 +639,12 @@ static void test_terse_law(void **state) {
 
 /* ---- what a caller can mend is asked again ---- */
 
-/* Links that reach too far for the lists are refused by every run until dem_set_links mends it; then the world goes on as one that never
-   asked for it. */
+/* Links that reach too far for the lists are refused by every run until dem_set_links mends it; then the world goes on
+   as one that never asked for it. */
 static void test_links_too_near_are_mended(void **state) {
     (void)state;
-    const double at[9] = {0, 0, 0, 0, 1e-3, 2.1e-3, 5e-3, 0, 0}, d[3] = {2e-3, 2e-3, 2e-3}, weak[SPRING_STATES] = {0.05, 1.0, 0.0};
+    const double at[9] = {0, 0, 0, 0, 1e-3, 2.1e-3, 5e-3, 0, 0}, d[3] = {2e-3, 2e-3, 2e-3},
+                 weak[SPRING_STATES] = {0.05, 1.0, 0.0};
     uint64_t expected = 0;
     for (int asks = 0; asks < 2; asks++) {
         dem_def def = scene_def(4e-6);
@@ -639,7 +658,8 @@ static void test_links_too_near_are_mended(void **state) {
         if (asks) {
             const uint64_t was = dem_hash(&w);
             assert_int_equal(dem_set_links(&w, &spring_kernel, 2e-5, 1e-3), DEM_OK);
-            for (int k = 0; k < 3; k++) assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR | DEM_ENERGY), DEM_BAD_DEFINITION);
+            for (int k = 0; k < 3; k++)
+                assert_int_equal(dem_run(&w, 1e-3, DEM_LINEAR | DEM_ENERGY), DEM_BAD_DEFINITION);
             assert_true(dem_hash(&w) == was && w.owed == 0.0);
             assert_int_equal(dem_set_links(&w, &spring_kernel, 2e-5, 1e-7), DEM_OK);
         }
@@ -664,7 +684,8 @@ static void test_late_clock(void **state) {
         assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
         assert_int_equal(dem_run(&w, late[k] < 1e10 ? late[k] : 1e10, DEM_LINEAR), DEM_OK);
         if (late[k] > 1e10)
-            w.time = late[k], w.engine->run.start_time = late[k], w.engine->run.start_step = w.step; /* nobody waits so long */
+            /* Nobody waits so long. */
+            w.time = late[k], w.engine->run.start_time = late[k], w.engine->run.start_step = w.step;
         assert_true(w.time >= 0.999 * late[k]);
         assert_int_equal(dem_set_time_step(&w, 4e-6), DEM_OK);
         assert_int_equal(dem_set_gravity(&w, dem_vec3(0, 0, -9.81)), DEM_OK);
@@ -700,9 +721,11 @@ static void busy_ended(dem_world *w, int32_t slot, void *user) {
     (void)slot, (void)user;
     try_to_change(w);
 }
-static const dem_law busy = {"busy", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear, busy_born, busy_ended};
+static const dem_law busy = {"busy",           1,         0,         0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+                             dem_force_linear, busy_born, busy_ended};
 DEM_KERNEL(busy_kernel, busy, DEM_LINEAR)
-static const dem_law busy_spring = {"busy spring", 1, SPRING_STATES, 0, 0, 0, NULL, scene_spring_force, NULL, busy_ended};
+static const dem_law busy_spring = {"busy spring",      1,    SPRING_STATES, 0, 0, 0, NULL,
+                                    scene_spring_force, NULL, busy_ended};
 DEM_LINK_KERNEL(busy_link_kernel, busy_spring)
 static void busy_motion(void *user, double time, dem_pose *pose) {
     pose->shift.z = 1e-3 * time;
@@ -751,7 +774,8 @@ static void test_hooks_change_nothing(void **state) {
     HOOKS_WERE_REFUSED(1);
     assert_int_equal(dem_run(&w, 2e-5, DEM_LINEAR), DEM_OK);
     HOOKS_WERE_REFUSED(5);
-    assert_int_equal(dem_vibrate(&w, wall, none, none, 1.0), DEM_OK); /* takes over from where the function has moved it */
+    /* Takes over from where the function has moved it. */
+    assert_int_equal(dem_vibrate(&w, wall, none, none, 1.0), DEM_OK);
     HOOKS_WERE_REFUSED(1);
     assert_int_equal(dem_prescribe(&w, wall, none, busy_motion, &w), DEM_OK);
     assert_int_equal(dem_control_force(&w, wall, up, 1.0, 0.0, 0.0), DEM_OK);

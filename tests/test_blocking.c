@@ -1,4 +1,5 @@
-/* blocking.h against the numbers of the source paper, closed forms and 40-digit calculations (tests/reference/blocking_curves.csv). */
+/* blocking.h against the numbers of the source paper, closed forms and 40-digit calculations
+   (tests/reference/blocking_curves.csv). */
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>
@@ -21,9 +22,11 @@
 static const double nan_ = (double)NAN;
 
 #undef near
-#define near(got, wanted, tolerance) near_absolute(got, wanted, (tolerance) * fmax(fabs((double)(wanted)), 1.0), NEAR_PLACE)
+#define near(got, wanted, tolerance)                                                                                   \
+    near_absolute(got, wanted, (tolerance)*fmax(fabs((double)(wanted)), 1.0), NEAR_PLACE)
 
-/* Table 2: f = f_inf + A exp(-k t), and what section 4 of the specification says of it; the row 8b experimental is the paper's */
+/* Table 2: f = f_inf + A exp(-k t), and what section 4 of the specification says of it; the row 8b experimental
+   is the paper's */
 static const struct {
     const char *row;
     double f_inf, A, k, start, at_30, mean_60;
@@ -50,21 +53,29 @@ static void grains_and_vibration(void **state) {
                     blocking_is_hard_to_screen(blocking_relative_size(1.2 * l, l)));
         assert_false(blocking_is_hard_to_screen(0.7999999 * l / l) || blocking_is_hard_to_screen(1.2000001 * l / l));
     }
-    assert_false(blocking_is_hard_to_screen(nan_) || blocking_is_hard_to_screen(HUGE_VAL) || blocking_is_hard_to_screen(1e-300));
+    assert_false(blocking_is_hard_to_screen(nan_) || blocking_is_hard_to_screen(HUGE_VAL) ||
+                 blocking_is_hard_to_screen(1e-300));
 
     const double pi = 3.14159265358979323846, n = 70.0 / 3.0;
     near(blocking_toss_indicator(n, 0.7e-3, pi / 2, 15 * pi / 180, 9.81), 1.58781010617546, 1e-12);
     close_to(blocking_toss_amplitude(1.5, n, 15 * pi / 180, 9.81), 6.61288145173179e-4, 1e-14);
     close_to(blocking_toss_frequency(1.58781010617546242, 0.7e-3, pi / 2, 15 * pi / 180, 9.81), n, 1e-14);
     near(blocking_toss_indicator(50.6, 1e-3, pi / 2, 0.0, 9.81), 4 * pi * pi * 50.6 * 50.6 * 1e-3 / 9.81, 1e-14);
-    close_to(blocking_toss_indicator(20.0, 1e-3, pi / 6, 0.0, 9.81), 0.5 * blocking_toss_indicator(20.0, 1e-3, pi / 2, 0.0, 9.81), 1e-14);
+    close_to(blocking_toss_indicator(20.0, 1e-3, pi / 6, 0.0, 9.81),
+             0.5 * blocking_toss_indicator(20.0, 1e-3, pi / 2, 0.0, 9.81), 1e-14);
     near(blocking_toss_indicator(0.0, 1e-3, 1.0, 0.0, 9.81), 0.0, 0.0);
-    assert_true(isnan(blocking_toss_indicator(n, 1e-3, 1.0, pi / 2, 9.81)) && isnan(blocking_toss_indicator(n, 1e-3, 1.0, 2.0, 9.81)) &&
-                isnan(blocking_toss_indicator(-1.0, 1e-3, 1.0, 0.0, 9.81)) && isnan(blocking_toss_indicator(n, -1e-3, 1.0, 0.0, 9.81)) &&
-                isnan(blocking_toss_indicator(n, 1e-3, -1.0, 0.0, 9.81)) && isnan(blocking_toss_indicator(n, 1e-3, 1.0, 0.0, 0.0)) &&
-                isnan(blocking_toss_indicator(nan_, 1e-3, 1.0, 0.0, 9.81)) && isnan(blocking_toss_indicator(n, 1e-3, 1.0, 0.0, nan_)));
-    assert_true(isnan(blocking_toss_amplitude(-1.0, n, 0.0, 9.81)) && isnan(blocking_toss_amplitude(1.0, 0.0, 0.0, 9.81)));
-    assert_true(isnan(blocking_toss_frequency(1.0, 1e-3, 0.0, 0.0, 9.81)) && isnan(blocking_toss_frequency(1.0, 0.0, 1.0, 0.0, 9.81)) &&
+    assert_true(isnan(blocking_toss_indicator(n, 1e-3, 1.0, pi / 2, 9.81)) &&
+                isnan(blocking_toss_indicator(n, 1e-3, 1.0, 2.0, 9.81)) &&
+                isnan(blocking_toss_indicator(-1.0, 1e-3, 1.0, 0.0, 9.81)) &&
+                isnan(blocking_toss_indicator(n, -1e-3, 1.0, 0.0, 9.81)) &&
+                isnan(blocking_toss_indicator(n, 1e-3, -1.0, 0.0, 9.81)) &&
+                isnan(blocking_toss_indicator(n, 1e-3, 1.0, 0.0, 0.0)) &&
+                isnan(blocking_toss_indicator(nan_, 1e-3, 1.0, 0.0, 9.81)) &&
+                isnan(blocking_toss_indicator(n, 1e-3, 1.0, 0.0, nan_)));
+    assert_true(isnan(blocking_toss_amplitude(-1.0, n, 0.0, 9.81)) &&
+                isnan(blocking_toss_amplitude(1.0, 0.0, 0.0, 9.81)));
+    assert_true(isnan(blocking_toss_frequency(1.0, 1e-3, 0.0, 0.0, 9.81)) &&
+                isnan(blocking_toss_frequency(1.0, 0.0, 1.0, 0.0, 9.81)) &&
                 isnan(blocking_toss_frequency(nan_, 1e-3, 1.0, 0.0, 9.81)));
 
     const struct {
@@ -117,7 +128,8 @@ static void hard_content(void **state) {
     assert_int_equal(blocking_hard_from_curve(size, part, 3, 1.9e-3, &h), BLOCKING_NOT_COVERED);
     const double from[] = {0.9e-3, 1e-3, 2e-3}, offset[] = {0.2, 0.5, 1.0};
     assert_int_equal(blocking_hard_from_curve(from, offset, 3, 1e-3, &h), BLOCKING_NOT_COVERED);
-    const double percent[] = {0.0, 50.0, 100.0}, falling[] = {0.0, 0.7, 0.6}, minus[] = {-0.1, 0.7, 1.0}, unknown[] = {0.0, nan_, 1.0};
+    const double percent[] = {0.0, 50.0, 100.0}, falling[] = {0.0, 0.7, 0.6}, minus[] = {-0.1, 0.7, 1.0},
+                 unknown[] = {0.0, nan_, 1.0};
     assert_int_equal(blocking_hard_from_curve(size, percent, 3, 1e-3, &h), BLOCKING_IN_PERCENT);
     assert_int_equal(blocking_hard_from_curve(size, falling, 3, 1e-3, &h), BLOCKING_NOT_CUMULATIVE);
     assert_int_equal(blocking_hard_from_curve(size, minus, 3, 1e-3, &h), BLOCKING_NEGATIVE);
@@ -139,8 +151,10 @@ static void counted_holes(void **state) {
     near(c.standard_error, 0.022857917118582787, 1e-15);
     near(c.low, 0.65594418097729173, 1e-14);
     near(c.high, 0.7452031995798376, 1e-14);
-    near(c.spot_error, sqrt((0.0025 * 0.0025 + 0.0175 * 0.0175 + 0.0425 * 0.0425 + 0.0275 * 0.0275) / 3.0 / 4.0), 1e-14);
-    const size_t all[] = {400}, none[] = {0}, spot[] = {400}, most[] = {384}, some[] = {280}, zero[] = {0}, more[] = {401};
+    near(c.spot_error, sqrt((0.0025 * 0.0025 + 0.0175 * 0.0175 + 0.0425 * 0.0425 + 0.0275 * 0.0275) / 3.0 / 4.0),
+         1e-14);
+    const size_t all[] = {400}, none[] = {0}, spot[] = {400}, most[] = {384}, some[] = {280}, zero[] = {0},
+                 more[] = {401};
     assert_int_equal(blocking_count_holes(most, spot, 1, 1.96, &c), BLOCKING_OK);
     near(c.standard_error, 0.0098, 5e-5); /* "s = 0.0098 (f=.96), 0.0229 (f=.7)" */
     assert_true(isnan(c.spot_error));
@@ -165,8 +179,10 @@ static void counted_holes(void **state) {
     assert_true(c.low >= 0.0 && c.low < 1e-6 && c.high > 1.0 - 1e-6 && c.high <= 1.0);
 
     assert_false(blocking_bed_too_thick(0.0, 0.2) || blocking_bed_too_thick(0.0199, 0.2));
-    assert_true(blocking_bed_too_thick(0.02, 0.2) && blocking_bed_too_thick(0.03, 0.3) && blocking_bed_too_thick(1.0, 0.2));
-    assert_true(blocking_bed_too_thick(nan_, 0.2) && blocking_bed_too_thick(0.01, 0.0) && blocking_bed_too_thick(-0.01, 0.2));
+    assert_true(blocking_bed_too_thick(0.02, 0.2) && blocking_bed_too_thick(0.03, 0.3) &&
+                blocking_bed_too_thick(1.0, 0.2));
+    assert_true(blocking_bed_too_thick(nan_, 0.2) && blocking_bed_too_thick(0.01, 0.0) &&
+                blocking_bed_too_thick(-0.01, 0.2));
 }
 
 static void curves_of_table_2(void **state) {
@@ -224,24 +240,30 @@ static void invariants(void **state) {
     (void)state;
     uint64_t seed = 7;
     for (int i = 0; i < 200000; i++) {
-        double f0 = random_plain(&seed), k1 = exp(20 * random_plain(&seed) - 14), k2 = exp(20 * random_plain(&seed) - 14);
+        double f0 = random_plain(&seed), k1 = exp(20 * random_plain(&seed) - 14),
+               k2 = exp(20 * random_plain(&seed) - 14);
         double t = exp(24 * random_plain(&seed) - 12), s = exp(24 * random_plain(&seed) - 12);
         if (i % 17 == 0) k1 = 0.0;
         if (i % 13 == 0) k2 = 0.0;
         if (i % 11 == 0) f0 = i % 2;
         double f = blocking_free_fraction(f0, k1, k2, t), f_inf = k1 + k2 > 0.0 ? k2 / (k1 + k2) : f0;
-        if (!(f >= fmin(f0, f_inf) && f <= fmax(f0, f_inf))) fail_msg("f leaves [f0, f_inf]: %g %g %g %g", f0, k1, k2, t);
+        if (!(f >= fmin(f0, f_inf) && f <= fmax(f0, f_inf)))
+            fail_msg("f leaves [f0, f_inf]: %g %g %g %g", f0, k1, k2, t);
         near(blocking_free_fraction(f, k1, k2, s), blocking_free_fraction(f0, k1, k2, t + s), 2e-15); /* semigroup */
-        near(1.0 - blocking_free_fraction(1.0 - f0, k2, k1, t), f, 5e-16);                            /* holes free <-> blocked */
+        /* holes free <-> blocked */
+        near(1.0 - blocking_free_fraction(1.0 - f0, k2, k1, t), f, 5e-16);
         if (k1 == 0.0) near(f, 1.0 - (1.0 - f0) * exp(-k2 * t), 1e-15);                               /* eq 8 */
         if (k2 == 0.0) near(f, f0 * exp(-k1 * t), 1e-15);                                             /* eq 6 */
         double mean = blocking_time_mean(f0, f_inf, k1 + k2, t), later = blocking_time_mean(f, f_inf, k1 + k2, s);
-        if (!(mean >= fmin(f0, f) - 1e-15 && mean <= fmax(f0, f) + 1e-15)) fail_msg("mean outside the curve: %g %g %g %g", f0, k1, k2, t);
+        if (!(mean >= fmin(f0, f) - 1e-15 && mean <= fmax(f0, f) + 1e-15))
+            fail_msg("mean outside the curve: %g %g %g %g", f0, k1, k2, t);
         near(blocking_time_mean(f0, f_inf, k1 + k2, t + s), (t * mean + s * later) / (t + s), 3e-15); /* means add up */
         double x = (k1 + k2) * t;
-        if (x < 20.0 && fabs(f - f0) > 1e-8) { /* time back from the value; what the value itself does not hold is allowed for */
+        /* time back from the value; what the value itself does not hold is allowed for */
+        if (x < 20.0 && fabs(f - f0) > 1e-8) {
             double lost = DBL_EPSILON / fabs(f - f_inf) / x;
-            if (lost < 1e-4) close_to(blocking_time_to(f, f0, f_inf, k1 + k2), t, 1e-14 + 4 * lost + 1e-15 / fabs(f - f0));
+            if (lost < 1e-4)
+                close_to(blocking_time_to(f, f0, f_inf, k1 + k2), t, 1e-14 + 4 * lost + 1e-15 / fabs(f - f0));
         }
         double exposure = mean * t;
         if (exposure > 1e-12 && f > 1e-6) {
@@ -258,7 +280,8 @@ static void degenerate_curves(void **state) {
     near(blocking_free_fraction(0.37, 0.0, 0.0, HUGE_VAL), 0.37, 0.0);
     near(blocking_free_fraction(0.37, 1.0, 3.0, HUGE_VAL), 0.75, 1e-16);
     near(blocking_free_fraction(0.37, 1e-300, 0.0, 1e-300), 0.37, 0.0);
-    assert_true(isnan(blocking_equilibrium(0.0, 0.0)) && isnan(blocking_equilibrium(-1.0, 2.0)) && isnan(blocking_equilibrium(nan_, 1.0)));
+    assert_true(isnan(blocking_equilibrium(0.0, 0.0)) && isnan(blocking_equilibrium(-1.0, 2.0)) &&
+                isnan(blocking_equilibrium(nan_, 1.0)));
     assert_true(isnan(blocking_free_fraction(1.1, 1, 1, 1)) && isnan(blocking_free_fraction(nan_, 1, 1, 1)) &&
                 isnan(blocking_free_fraction(.5, -1, 1, 1)) && isnan(blocking_free_fraction(.5, 1, nan_, 1)) &&
                 isnan(blocking_free_fraction(.5, 1, 1, -1)) && isnan(blocking_free_fraction(.5, 1, 1, nan_)) &&
@@ -279,7 +302,8 @@ static void degenerate_curves(void **state) {
                 isnan(blocking_time_to(0.95, 0.9, 0.2, 0.5)) && isnan(blocking_time_to(0.5, 0.9, 0.2, 0.0)) &&
                 isnan(blocking_time_to(nan_, 0.9, 0.2, 0.5)));
 
-    assert_true(isinf(blocking_time_for_exposure(19.0, 0.9, 0.0, 0.05))); /* 0.9 / 0.05 = 18 s of clean deck is all it gives */
+    /* 0.9 / 0.05 = 18 s of clean deck is all it gives */
+    assert_true(isinf(blocking_time_for_exposure(19.0, 0.9, 0.0, 0.05)));
     near(blocking_exposure(0.9, 0.0, 0.05, HUGE_VAL), 18.0, 1e-15);
     /* k t and k1 + k2 beyond the largest double */
     for (double t = 1e290; t < HUGE_VAL; t *= 3.0) {
@@ -296,8 +320,9 @@ static void degenerate_curves(void **state) {
     near(blocking_time_for_exposure(0.0, 0.0, 0.1, 1.0), 0.0, 0.0);
     assert_true(isinf(blocking_time_for_exposure(1.0, 0.0, 0.1, 0.0)));
     close_to(blocking_time_for_exposure(2.0, 0.0, 1.0, 1e-300), 2e150, 1e-12); /* exposure k t^2 / 2 */
-    assert_true(isnan(blocking_time_for_exposure(-1.0, .5, .5, 1)) && isnan(blocking_time_for_exposure(1, 1.5, .5, 1)) &&
-                isnan(blocking_time_for_exposure(1, .5, nan_, 1)) && isnan(blocking_time_for_exposure(nan_, .5, .5, 1)));
+    assert_true(isnan(blocking_time_for_exposure(-1.0, .5, .5, 1)) &&
+                isnan(blocking_time_for_exposure(1, 1.5, .5, 1)) && isnan(blocking_time_for_exposure(1, .5, nan_, 1)) &&
+                isnan(blocking_time_for_exposure(nan_, .5, .5, 1)));
 }
 
 /* ---- changing rates ---- */
@@ -434,8 +459,9 @@ static void jumps(void **state) {
     def.user = &l;
     const double times[] = {5.0, 20.0}, exact = blocking_free_fraction(exp(-0.5 * 7.3), 0.001, 0.3, 20.0 - 7.3);
     double f[2], mean[2];
-    const double mean_exact =
-        (7.3 * blocking_time_mean(1.0, 0.0, 0.5, 7.3) + 12.7 * blocking_time_mean(exp(-0.5 * 7.3), 0.3 / 0.301, 0.301, 12.7)) / 20.0;
+    const double mean_exact = (7.3 * blocking_time_mean(1.0, 0.0, 0.5, 7.3) +
+                               12.7 * blocking_time_mean(exp(-0.5 * 7.3), 0.3 / 0.301, 0.301, 12.7)) /
+                              20.0;
     blocking_ode_report named, found;
     const double breaks[] = {-1.0, 7.3, 50.0};
     def.breaks = breaks;
@@ -522,10 +548,10 @@ static void bad_integrations(void **state) {
     assert_int_equal(blocking_check_ode_def(&good, &field), BLOCKING_OK);
     assert_null(field);
     const double falling[] = {1.0, 0.5};
-#define BAD(change, name)                                                                                                                  \
-    def = good;                                                                                                                            \
-    change;                                                                                                                                \
-    assert_int_equal(blocking_check_ode_def(&def, &field), BLOCKING_BAD_DEF);                                                              \
+#define BAD(change, name)                                                                                              \
+    def = good;                                                                                                        \
+    change;                                                                                                            \
+    assert_int_equal(blocking_check_ode_def(&def, &field), BLOCKING_BAD_DEF);                                          \
     assert_string_equal(field, name)
     BAD(def.cookie = 0, "cookie");
     BAD(def.f0 = nan_, "f0");
@@ -584,7 +610,8 @@ static void three_points(void **state) {
     near(e.f0, start, 0.0);
     near(e.k1, k * (1 - f_inf), 1e-13);
     near(e.k2, k * f_inf, 1e-13);
-    /* eq 14 as printed, on readings it is not made for, against its numbers in the specification: what three_point is there to avoid */
+    /* eq 14 as printed, on readings it is not made for, against its numbers in the specification: what three_point is
+       there to avoid */
     double wrong = (AT(0) * AT(30) - AT(10) * AT(10)) / (AT(0) - 2 * AT(10) + AT(30));
     near(wrong, 0.980310487939876, 1e-12);
     wrong = (AT(64) * AT(256) - AT(128) * AT(128)) / (AT(64) - 2 * AT(128) + AT(256));
@@ -594,7 +621,8 @@ static void three_points(void **state) {
     near(e.f0, start, 1e-13);
     assert_int_equal(three(0, 5, 10, AT(0), AT(5), AT(10), &e), BLOCKING_OK);
     near(e.f_inf, f_inf, 1e-11);
-    for (int t = 1; t <= 1024; t *= 2) { /* every neighbouring pair of the schedule qualifies with t = 0; the first ones amplify */
+    /* Every neighbouring pair of the schedule qualifies with t = 0; the first ones amplify. */
+    for (int t = 1; t <= 1024; t *= 2) {
         assert_int_equal(three(0, t, 2 * t, AT(0), AT(t), AT(2 * t), &e), BLOCKING_OK);
         near(e.f_inf, f_inf, 1e-15 * blocking_noise_f_inf(exp(-k * t)) + 1e-15);
         close_to(e.k, k, 1e-15 * blocking_noise_k(exp(-k * t)) / .235 + 1e-15);
@@ -616,8 +644,8 @@ static void three_points(void **state) {
         assert_true(status == BLOCKING_OK || status == BLOCKING_OUT_OF_RANGE);
         if (fabs(e.k - kk) > 4 * e.error_k + 1e-13 * kk || fabs(e.f_inf - fi) > 4 * e.error_f_inf + 1e-13 ||
             fabs(e.f0 - f0) > 4 * e.error_f0 + 1e-13)
-            fail_msg("f0 %g f_inf %g k %g, times %g %g %g: k off by %g, f_inf by %g", f0, fi, kk, t[0], t[1], t[2], e.k / kk - 1,
-                     e.f_inf - fi);
+            fail_msg("f0 %g f_inf %g k %g, times %g %g %g: k off by %g, f_inf by %g", f0, fi, kk, t[0], t[1], t[2],
+                     e.k / kk - 1, e.f_inf - fi);
     }
     assert_true(solved > 90000);
 }
@@ -642,7 +670,8 @@ static void three_point_statuses(void **state) {
     near(e.k1, e.k, 1e-15);
     assert_int_equal(three(0, 1, 2, 0.7, 0.8, 0.89, &e), BLOCKING_OUT_OF_RANGE);
     near(e.f_inf_clipped, 1.0, 0.0);
-    assert_int_equal(three(10, 11, 12, 0.9, 0.5, 0.3, &e), BLOCKING_OUT_OF_RANGE); /* at t = 0 it would be far above 1 */
+    /* at t = 0 it would be far above 1 */
+    assert_int_equal(three(10, 11, 12, 0.9, 0.5, 0.3, &e), BLOCKING_OUT_OF_RANGE);
     assert_true(e.f0 > 1.0 && e.f_inf > 0.0);
     assert_int_equal(three(0, 1, 2, 95, 70, 60, &e), BLOCKING_IN_PERCENT);
     assert_int_equal(three(0, 1, 2, -0.1, 0.2, 0.3, &e), BLOCKING_NEGATIVE);
@@ -667,7 +696,8 @@ static void noise(void **state) {
     /* the least is 6.114574586614678, not the 6.114574708 of the specification */
     const double best = 0.203841191738773933;
     near(blocking_noise_k(best), 6.11457458661467759, 1e-14);
-    assert_true(blocking_noise_k(best * 1.001) > blocking_noise_k(best) && blocking_noise_k(best * 0.999) > blocking_noise_k(best));
+    assert_true(blocking_noise_k(best * 1.001) > blocking_noise_k(best) &&
+                blocking_noise_k(best * 0.999) > blocking_noise_k(best));
     near(exp(-BLOCKING_BEST_KT), best, 1e-15);
     assert_true(isnan(blocking_noise_k(0.0)) && isnan(blocking_noise_k(1.0)) && isnan(blocking_noise_f_inf(nan_)) &&
                 isnan(blocking_noise_f_inf(-1.0)));
@@ -689,7 +719,8 @@ static void noise(void **state) {
         close_to(e.error_k, cases[i].k_, 1e-10);
         close_to(e.error_f0, cases[i].f0, 1e-10);
     }
-    const double t[3] = {0, 2, 4}, f[3] = {0.9, 0.7 + 0.2 * 0.3, 0.7 + 0.2 * 0.09}; /* the two laws are its case rho = 2 */
+    /* the two laws are its case rho = 2 */
+    const double t[3] = {0, 2, 4}, f[3] = {0.9, 0.7 + 0.2 * 0.3, 0.7 + 0.2 * 0.09};
     blocking_estimate e;
     assert_int_equal(blocking_three_point(t, f, 1e-3, 0.0, &e), BLOCKING_OK);
     close_to(e.error_f_inf, 1e-3 * blocking_noise_f_inf(0.3), 1e-13);
@@ -715,7 +746,8 @@ static void fits_recover_exact_data(void **state) {
             near(fit.f0, table2[i].start, 1e-14);
             close_to(fit.k, table2[i].k, s ? 1e-11 : 1e-13);
             near(fit.r2, 1.0, 1e-13);
-            assert_true(fit.sse < 1e-28 && fit.k_lowest <= fit.k && fit.k_highest >= fit.k && fit.k_highest < (1 + 1e-10) * fit.k_lowest);
+            assert_true(fit.sse < 1e-28 && fit.k_lowest <= fit.k && fit.k_highest >= fit.k &&
+                        fit.k_highest < (1 + 1e-10) * fit.k_lowest);
             near(fit.k1, fit.k * (1 - fit.f_inf), 1e-16);
             near(fit.k2, fit.k * fit.f_inf, 1e-16);
             assert_false(fit.f0_on_bound || fit.f_inf_on_bound);
@@ -750,7 +782,8 @@ static void fit_statuses(void **state) {
     blocking_fit_def def = blocking_default_fit_def();
     blocking_fit_result fit;
     const double t[] = {0, 10, 20, 30, 40};
-#define FIT(a, b, c, d, e) f[0] = a, f[1] = b, f[2] = c, f[3] = d, f[4] = e, status = blocking_fit(&def, t, f, NULL, 5, &fit)
+#define FIT(a, b, c, d, e)                                                                                             \
+    f[0] = a, f[1] = b, f[2] = c, f[3] = d, f[4] = e, status = blocking_fit(&def, t, f, NULL, 5, &fit)
     double f[5];
     blocking_status status;
     FIT(.8, .8, .8, .8, .8);
@@ -798,11 +831,11 @@ static void fit_statuses(void **state) {
     assert_int_equal(blocking_fit(&def, t, f, sigma, 5, &fit), BLOCKING_NOT_FINITE);
     const char *field;
     blocking_fit_def good = def;
-#define BAD_FIT(change, name)                                                                                                              \
-    def = good;                                                                                                                            \
-    change;                                                                                                                                \
-    assert_int_equal(blocking_check_fit_def(&def, &field), BLOCKING_BAD_DEF);                                                              \
-    assert_string_equal(field, name);                                                                                                      \
+#define BAD_FIT(change, name)                                                                                          \
+    def = good;                                                                                                        \
+    change;                                                                                                            \
+    assert_int_equal(blocking_check_fit_def(&def, &field), BLOCKING_BAD_DEF);                                          \
+    assert_string_equal(field, name);                                                                                  \
     assert_int_equal(blocking_fit(&def, t, f, NULL, 5, &fit), BLOCKING_BAD_DEF)
     BAD_FIT(def.cookie = 1, "cookie");
     BAD_FIT(def.k_low = 0.0, "k_low");
@@ -828,8 +861,8 @@ static double deviate(uint64_t *seed) {
 
 static void fit_intervals_cover(void **state) {
     (void)state;
-    /* fit 7b, the paper's schedule, noise of 400 counted holes: k within its 95 % profile range in about 95 of 100 trials, and its
-       scatter as predicted */
+    /* fit 7b, the paper's schedule, noise of 400 counted holes: k within its 95 % profile range in about 95 of 100
+       trials, and its scatter as predicted */
     const double t[] = {0, 1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048}, k = .0101;
     blocking_fit_def def = blocking_default_fit_def();
     blocking_fit_result fit;
@@ -872,23 +905,27 @@ static void student(void **state) {
     (void)state;
     const struct {
         double z, dof, t;
-    } table[] = {
-        {1.959963984540054, 1, 12.7062047361747},  {1.959963984540054, 2, 4.30265272974946},   {1.959963984540054, 3, 3.18244630528371},
-        {1.959963984540054, 10, 2.22813885198627}, {1.959963984540054, 120, 1.97993040505278}, {1.959963984540054, 1000, 1.9623390808},
-        {2.575829303548901, 1, 63.6567411628716},  {2.575829303548901, 5, 4.03214298355522},   {2.575829303548901, 200, 2.600634434}};
+    } table[] = {{1.959963984540054, 1, 12.7062047361747},   {1.959963984540054, 2, 4.30265272974946},
+                 {1.959963984540054, 3, 3.18244630528371},   {1.959963984540054, 10, 2.22813885198627},
+                 {1.959963984540054, 120, 1.97993040505278}, {1.959963984540054, 1000, 1.9623390808},
+                 {2.575829303548901, 1, 63.6567411628716},   {2.575829303548901, 5, 4.03214298355522},
+                 {2.575829303548901, 200, 2.600634434}};
     for (size_t i = 0; i < LENGTH(table); i++) close_to(blocking_student(table[i].z, table[i].dof), table[i].t, 3e-9);
     assert_true(blocking_student(2.0, HUGE_VAL) == 2.0 && blocking_student(2.0, 2e6) == 2.0);
     close_to(blocking_student(2.0, 200.0), blocking_student(2.0, 200.001), 1e-7);
-    assert_true(isnan(blocking_student(0.0, 5)) && isnan(blocking_student(nan_, 5)) && isnan(blocking_student(2, 0.5)) &&
-                isnan(blocking_student(2, nan_)) && blocking_student(HUGE_VAL, 2) > 1e4);
+    assert_true(isnan(blocking_student(0.0, 5)) && isnan(blocking_student(nan_, 5)) &&
+                isnan(blocking_student(2, 0.5)) && isnan(blocking_student(2, nan_)) &&
+                blocking_student(HUGE_VAL, 2) > 1e4);
 }
 
-/* 13, 6, 5 and 4 readings, with and without sigma: the ranges of k and of f_inf hold the truth in 95 of 100 trials. The same with 2000 trials:
-   scripts/verify blocking_coverage. */
+/* 13, 6, 5 and 4 readings, with and without sigma: the ranges of k and of f_inf hold the truth in 95 of 100 trials. The
+   same with 2000 trials: scripts/verify blocking_coverage. */
 static void ranges_cover(void **state) {
     (void)state;
-    const double t[4][13] = {
-        {0, 1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048}, {0, 20, 50, 100, 200, 400}, {0, 5, 10, 30, 60}, {0, 5, 10, 30}};
+    const double t[4][13] = {{0, 1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048},
+                             {0, 20, 50, 100, 200, 400},
+                             {0, 5, 10, 30, 60},
+                             {0, 5, 10, 30}};
     const int count[4] = {13, 6, 5, 4};
     const char *setting = getenv("RIDDLE_TRIALS");
     const int trials = setting ? atoi(setting) : 300;
@@ -899,7 +936,8 @@ static void ranges_cover(void **state) {
         int k = 0, f_inf = 0, open = 0;
         for (int i = 0; i < trials; i++) {
             double f[13], sigma[13];
-            for (int j = 0; j < n; j++) f[j] = blocking_curve(.949, .714, .0101, t[s / 2][j]) + (sigma[j] = 0.01) * deviate(&seed);
+            for (int j = 0; j < n; j++)
+                f[j] = blocking_curve(.949, .714, .0101, t[s / 2][j]) + (sigma[j] = 0.01) * deviate(&seed);
             blocking_fit_def def = blocking_default_fit_def();
             blocking_fit_result fit;
             blocking_status status = blocking_fit(&def, t[s / 2], f, s % 2 ? sigma : NULL, (size_t)n, &fit);
@@ -909,14 +947,14 @@ static void ranges_cover(void **state) {
             open += !fit.k_determined || !fit.f_inf_determined;
         }
         if (setting)
-            print_message("%2d readings%s: k in %.3f, f_inf in %.3f of the ranges, one left open in %.2f\n", n, s % 2 ? ", sigma" : "",
-                          (double)k / trials, (double)f_inf / trials, (double)open / trials);
+            print_message("%2d readings%s: k in %.3f, f_inf in %.3f of the ranges, one left open in %.2f\n", n,
+                          s % 2 ? ", sigma" : "", (double)k / trials, (double)f_inf / trials, (double)open / trials);
         assert_true(fabs(k - 0.95 * trials) <= margin * trials && fabs(f_inf - 0.95 * trials) <= margin * trials);
     }
 }
 
-/* Counts near 1: the range of f0 holds where errors of the single readings, zero for a clean sieve, do not (thousands: scripts/verify
-   blocking_counts). */
+/* Counts near 1: the range of f0 holds where errors of the single readings, zero for a clean sieve, do not (thousands:
+   scripts/verify blocking_counts). */
 static void fits_of_counted_holes(void **state) {
     (void)state;
     enum { N = 6, TRIALS = 400 };
@@ -935,8 +973,10 @@ static void fits_of_counted_holes(void **state) {
             for (int k = 0; k < 200; k++) free_holes[j] += random_plain(&seed) < p;
         }
         assert_true(blocking_fit_holes(&def, t, free_holes, holes, N, f, sigma, &fit) <= BLOCKING_NOT_RESOLVED);
-        held[0] += fit.f0_lowest <= 0.985 && 0.985 <= fit.f0_highest, held[1] += fit.f_inf_lowest <= 0.8 && 0.8 <= fit.f_inf_highest;
-        for (int j = 0; j < N; j++) assert_true(f[j] == (double)free_holes[j] / 200.0 && sigma[j] > 0.0 && sigma[j] < 0.05);
+        held[0] += fit.f0_lowest <= 0.985 && 0.985 <= fit.f0_highest,
+            held[1] += fit.f_inf_lowest <= 0.8 && 0.8 <= fit.f_inf_highest;
+        for (int j = 0; j < N; j++)
+            assert_true(f[j] == (double)free_holes[j] / 200.0 && sigma[j] > 0.0 && sigma[j] < 0.05);
     }
     print_message("counted holes: ranges of f0, f_inf hold %d, %d of %d\n", held[0], held[1], TRIALS);
     for (int k = 0; k < 2; k++) assert_true(held[k] >= 0.92 * TRIALS && held[k] <= 0.985 * TRIALS);
@@ -963,18 +1003,22 @@ static void what_four_readings_say(void **state) {
     assert_true(fit.dof == 1.0 && fit.f_inf_lowest < .714 && fit.f_inf_highest > .8);
     close_to(fit.student, 12.71, 1e-2);
     assert_int_equal(blocking_fit(&def, t, f, sigma, 4, &counted), BLOCKING_OK);
-    assert_true(isinf(counted.dof) && !counted.k_determined && !counted.f_inf_determined && counted.f_inf_lowest == 0.0);
+    assert_true(isinf(counted.dof) && !counted.k_determined && !counted.f_inf_determined &&
+                counted.f_inf_lowest == 0.0);
     /* on a bound there is a range and no error */
     double g[6];
     const double u[] = {0, 10, 20, 40, 80, 160};
     for (int i = 0; i < 6; i++) g[i] = fmax(0.0, blocking_pure_blocking(.9, .02, u[i]) - (i % 2 ? .004 : 0.0));
     blocking_fit(&def, u, g, NULL, 6, &fit);
-    assert_true(fit.f_inf_on_bound && isnan(fit.error_f_inf) && fit.f_inf_lowest == 0.0 && fit.f_inf_highest > 0.0 && fit.error_k > 0.0);
-    /* of the curve at a time and of its mean: at 0 that of f0, at infinity that of f_inf; between, narrower than where nothing was read */
+    assert_true(fit.f_inf_on_bound && isnan(fit.error_f_inf) && fit.f_inf_lowest == 0.0 && fit.f_inf_highest > 0.0 &&
+                fit.error_k > 0.0);
+    /* of the curve at a time and of its mean: at 0 that of f0, at infinity that of f_inf; between, narrower than where
+       nothing was read */
     double low[4], high[4], mean_low, mean_high;
     const double when[4] = {0.0, 30.0, 600.0, HUGE_VAL};
     for (int i = 0; i < 4; i++) {
-        assert_int_equal(blocking_fit_range(&def, t, f, sigma, 4, when[i], &low[i], &high[i], &mean_low, &mean_high), BLOCKING_OK);
+        assert_int_equal(blocking_fit_range(&def, t, f, sigma, 4, when[i], &low[i], &high[i], &mean_low, &mean_high),
+                         BLOCKING_OK);
         assert_true(low[i] <= high[i] && mean_low <= mean_high);
     }
     assert_true(low[0] == counted.f0_lowest && high[0] == counted.f0_highest && low[3] == counted.f_inf_lowest &&
@@ -986,11 +1030,13 @@ static void what_four_readings_say(void **state) {
     /* through to the deck */
     blocking_duty duty = blocking_default_duty();
     blocking_deck deck;
-    duty.passing = 1.0, duty.capacity = 2.0, duty.clearance = 0.5, duty.f0 = counted.f0, duty.f_inf = counted.f_inf, duty.k = counted.k;
+    duty.passing = 1.0, duty.capacity = 2.0, duty.clearance = 0.5, duty.f0 = counted.f0, duty.f_inf = counted.f_inf,
+    duty.k = counted.k;
     duty.run_time = 60.0;
     assert_int_equal(blocking_design(&duty, &deck), BLOCKING_OK);
     assert_true(isnan(deck.area_mean_low95) && isnan(deck.area_lowest_high95));
-    blocking_fit_range(&def, t, f, sigma, 4, 60.0, &duty.last_lowest, &duty.last_highest, &duty.mean_lowest, &duty.mean_highest);
+    blocking_fit_range(&def, t, f, sigma, 4, 60.0, &duty.last_lowest, &duty.last_highest, &duty.mean_lowest,
+                       &duty.mean_highest);
     assert_int_equal(blocking_design(&duty, &deck), BLOCKING_OK);
     assert_true(deck.area_mean_low95 < deck.area_mean && deck.area_mean < deck.area_mean_high95);
     close_to(deck.area_mean_high95, deck.area_clean / duty.mean_lowest, 1e-15);
@@ -1011,9 +1057,9 @@ static void equal_readings_with_sigma(void **state) {
             for (int differ = 0; differ < 2; differ++) {
                 const double f[] = {.96, .96, .96 + (differ ? 1e-6 * s : 0.0), .96, .96};
                 if (differ) def.tolerance = 0.0;
-                assert_int_equal(
-                    blocking_fit_range(&def, t, f, sigma, 5, when[i], &low[differ], &high[differ], &mean_low[differ], &mean_high[differ]),
-                    BLOCKING_OK);
+                assert_int_equal(blocking_fit_range(&def, t, f, sigma, 5, when[i], &low[differ], &high[differ],
+                                                    &mean_low[differ], &mean_high[differ]),
+                                 BLOCKING_OK);
             }
             def = blocking_default_fit_def();
             near(low[0], low[1], 1e-5 * s);
@@ -1027,11 +1073,14 @@ static void equal_readings_with_sigma(void **state) {
         const double same[] = {.96, .96, .96, .96, .96};
         assert_int_equal(blocking_fit(&def, t, same, sigma, 5, &fit), BLOCKING_NO_CHANGE);
         blocking_fit_range(&def, t, same, sigma, 5, 0.0, &low[0], &high[0], NULL, NULL);
-        assert_true(fit.f_inf == .96 && isnan(fit.k) && isnan(fit.error_f_inf) && isinf(fit.dof) && fit.student == 1.96);
-        assert_true(fit.f0_lowest == low[0] && fit.f0_highest == high[0] && fit.f_inf_lowest == 0.0 && fit.f_inf_highest == 1.0);
+        assert_true(fit.f_inf == .96 && isnan(fit.k) && isnan(fit.error_f_inf) && isinf(fit.dof) &&
+                    fit.student == 1.96);
+        assert_true(fit.f0_lowest == low[0] && fit.f0_highest == high[0] && fit.f_inf_lowest == 0.0 &&
+                    fit.f_inf_highest == 1.0);
         assert_true(fit.k_lowest == 0.0 && isinf(fit.k_highest) && !fit.k_determined && !fit.f_inf_determined);
         /* without sigma nothing tells the spread */
-        assert_int_equal(blocking_fit_range(&def, t, same, NULL, 5, 1.0, low, high, mean_low, mean_high), BLOCKING_NO_CHANGE);
+        assert_int_equal(blocking_fit_range(&def, t, same, NULL, 5, 1.0, low, high, mean_low, mean_high),
+                         BLOCKING_NO_CHANGE);
         assert_true(isnan(low[0]) && isnan(high[0]) && isnan(mean_low[0]) && isnan(mean_high[0]));
         assert_int_equal(blocking_fit(&def, t, same, NULL, 5, &fit), BLOCKING_NO_CHANGE);
         assert_true(isnan(fit.f0_lowest) && isnan(fit.f_inf_highest) && isnan(fit.student));
@@ -1055,7 +1104,8 @@ static void equal_readings_with_sigma(void **state) {
             counted[j] = free_holes / 100.0;
             error[j] = sqrt(share * (1.0 - share) / 100.0);
         }
-        equal += counted[0] == counted[1] && counted[1] == counted[2] && counted[2] == counted[3] && counted[3] == counted[4];
+        equal += counted[0] == counted[1] && counted[1] == counted[2] && counted[2] == counted[3] &&
+                 counted[3] == counted[4];
         assert_int_equal(blocking_fit_range(&def, t, counted, error, 5, 80.0, low, high, NULL, NULL), BLOCKING_OK);
         holds += low[0] <= .998 && .998 <= high[0];
     }
@@ -1077,7 +1127,8 @@ static void ranges_at_a_late_clock(void **state) {
                     f[j] = blocking_curve(.9, .6, .05, 10.0 * j) + (j % 2 ? .002 : -.002);
                     sigma[j] = .002;
                 }
-                assert_int_equal(blocking_fit_range(&def, t, f, known ? sigma : NULL, 6, starts[s] + after[i], &low, &high, NULL, NULL),
+                assert_int_equal(blocking_fit_range(&def, t, f, known ? sigma : NULL, 6, starts[s] + after[i], &low,
+                                                    &high, NULL, NULL),
                                  BLOCKING_OK);
                 if (s == 0) low_at_0 = low, high_at_0 = high;
                 assert_true(low == low_at_0 && high == high_at_0);
@@ -1085,13 +1136,16 @@ static void ranges_at_a_late_clock(void **state) {
                 assert_true(low < truth && truth < high && high - low < .05);
             }
         }
-    /* blocking_fit bounds f0 at t = 0, from where no curve leads to these: its ranges are of the readings all the same */
+    /* blocking_fit bounds f0 at t = 0, from where no curve leads to these: its ranges are of the readings
+       all the same */
     double t[6], f[6], sigma[6], low, high, mean_low, mean_high;
     blocking_fit_result fit;
     for (int j = 0; j < 6; j++) t[j] = 20000 + 10 * j, f[j] = blocking_curve(.9, .6, .05, 10.0 * j), sigma[j] = 1e-7;
     assert_int_equal(blocking_fit(&def, t, f, sigma, 6, &fit), BLOCKING_NOT_SATURATING);
-    assert_true(fit.f0 == 1.0 && fit.f_inf_highest > .6 && fit.f_inf_highest < .6 + 1e-6 && fit.k_highest > .05 && fit.k_highest < .0501);
-    /* between the clock's start and the first reading, and the mean from the clock's start on: readings of a curve known exactly */
+    assert_true(fit.f0 == 1.0 && fit.f_inf_highest > .6 && fit.f_inf_highest < .6 + 1e-6 && fit.k_highest > .05 &&
+                fit.k_highest < .0501);
+    /* between the clock's start and the first reading, and the mean from the clock's start on: readings of a curve
+       known exactly */
     const double late = 100.0, k = .005;
     for (int j = 0; j < 6; j++) t[j] = late + 20 * j, f[j] = blocking_curve(.9, .6, k, 20.0 * j), sigma[j] = 1e-8;
     for (double T = 1.0; T < 1e6; T *= 3.0) {
@@ -1139,7 +1193,8 @@ static void noisy_sets(void **state) {
         for (int c = 0; c < 2; c++) /* f_inf = c, the best k and f0 of a fine grid */
             for (double x = -9.0; x < 6.0; x += 0.02) {
                 double ee = 0.0, ef = 0.0, sse = 0.0, rate = exp(x);
-                for (int j = 0; j < n; j++) ee += exp(-2.0 * rate * t[j]), ef += exp(-rate * t[j]) * (f[j] - c + c * exp(-rate * t[j]));
+                for (int j = 0; j < n; j++)
+                    ee += exp(-2.0 * rate * t[j]), ef += exp(-rate * t[j]) * (f[j] - c + c * exp(-rate * t[j]));
                 double start = fmin(1.0, fmax(0.0, ef / ee));
                 for (int j = 0; j < n; j++) {
                     double miss = f[j] - c - (start - c) * exp(-rate * t[j]);
@@ -1148,7 +1203,8 @@ static void noisy_sets(void **state) {
                 border[c] = fmin(border[c], sse);
             }
         double best = fmin(constant, fmin(border[0], border[1]));
-        if (!(sqrt(fit.sse / n) <= sqrt(best / n) * (1.0 + 1e-9) + 1e-9)) fail_msg("set %d: %.12g, on a border %.12g", i, fit.sse, best);
+        if (!(sqrt(fit.sse / n) <= sqrt(best / n) * (1.0 + 1e-9) + 1e-9))
+            fail_msg("set %d: %.12g, on a border %.12g", i, fit.sse, best);
     }
 }
 
@@ -1178,7 +1234,8 @@ static void pulses_are_seen(void **state) {
     }
 }
 
-/* k1 and k2 as exponentials of K and x_h: found again, with what the data do not tell left out, and a range at a place between */
+/* k1 and k2 as exponentials of K and x_h: found again, with what the data do not tell left out, and a range at a
+   place between */
 static void laws_across_tests(void **state) {
     (void)state;
     enum { TESTS = 12, READINGS = 8 };
@@ -1190,17 +1247,20 @@ static void laws_across_tests(void **state) {
         for (int i = 0; i < TESTS; i++) {
             blocking_test one = {t, f[i], NULL, READINGS, 1.0 + i % 4, 0.2 + 0.3 * (i / 4), 0.0};
             double k1 = exp(-5.0 + 2.0 * one.x_h), k2 = exp(-4.5 + 0.4 * one.K);
-            for (int j = 0; j < READINGS; j++) f[i][j] = blocking_free_fraction(1.0, k1, k2, t[j]) + 0.01 * deviate(&seed);
+            for (int j = 0; j < READINGS; j++)
+                f[i][j] = blocking_free_fraction(1.0, k1, k2, t[j]) + 0.01 * deviate(&seed);
             for (int j = 0; j < READINGS; j++) f[i][j] = fmin(1.0, f[i][j]);
             tests[i] = one;
         }
         blocking_law law;
         blocking_law_value value;
         assert_int_equal(blocking_fit_law(tests, TESTS, &law, NULL), BLOCKING_OK);
-        assert_true(law.aicc < law.aicc_constant && (law.used_a & 4) && (law.used_b & 2) && !((law.used_a | law.used_b) & 8));
+        assert_true(law.aicc < law.aicc_constant && (law.used_a & 4) && (law.used_b & 2) &&
+                    !((law.used_a | law.used_b) & 8));
         form += law.used_a == 5 && law.used_b == 3;
         assert_int_equal(blocking_law_at(&law, 2.5, 0.4, 0.0, &value), BLOCKING_OK);
-        held += value.f_inf_low95 <= 1.0 / (1.0 + exp(-0.5 + 0.8 - 1.0)) && 1.0 / (1.0 + exp(-0.5 + 0.8 - 1.0)) <= value.f_inf_high95;
+        held += value.f_inf_low95 <= 1.0 / (1.0 + exp(-0.5 + 0.8 - 1.0)) &&
+                1.0 / (1.0 + exp(-0.5 + 0.8 - 1.0)) <= value.f_inf_high95;
         assert_true(value.outside == 0 && value.k1_low95 < value.k1 && value.k1 < value.k1_high95);
         close_to(value.f_inf, value.k2 / (value.k1 + value.k2), 1e-12);
         blocking_law_at(&law, 6.0, 0.4, 0.02, &value);
@@ -1220,7 +1280,8 @@ static void laws_across_tests(void **state) {
     tests[0].n = 1;
     assert_int_equal(blocking_fit_law(tests, 1, &law, NULL), BLOCKING_TOO_FEW);
     tests[0].n = READINGS;
-    assert_int_equal(blocking_fit_law(tests, 1, &law, NULL), BLOCKING_OK); /* one test: constant k1, k2, as blocking_fit */
+    /* one test: constant k1, k2, as blocking_fit */
+    assert_int_equal(blocking_fit_law(tests, 1, &law, NULL), BLOCKING_OK);
     blocking_fit_def def = blocking_default_fit_def();
     blocking_fit_result fit;
     blocking_law_value value;
@@ -1234,8 +1295,8 @@ static void laws_across_tests(void **state) {
     assert_true(isnan(value.k1));
 }
 
-/* The ranges that a law gives for a deck, f and its mean over a run, and the area for a duty, hold the truth in 95 of 100; drawn pairs of k1
-   and k2 say the same. RIDDLE_TRIALS: how many; without it few. */
+/* The ranges that a law gives for a deck, f and its mean over a run, and the area for a duty, hold the truth in 95
+   of 100; drawn pairs of k1 and k2 say the same. RIDDLE_TRIALS: how many; without it few. */
 static void laws_reach_the_deck(void **state) {
     (void)state;
     enum { TESTS = 6, READINGS = 7, RUNS = 3, DRAWS = 400 };
@@ -1251,7 +1312,8 @@ static void laws_reach_the_deck(void **state) {
         for (int i = 0; i < TESTS; i++) {
             blocking_test one = {t, f[i], NULL, READINGS, 1.0 + 3.0 * (i % 2), 0.2 + 0.3 * (i / 2), 0.0};
             double k1 = exp(-5.0 + 2.0 * one.x_h), k2 = exp(-4.5 + 0.4 * one.K);
-            for (int j = 0; j < READINGS; j++) f[i][j] = fmin(1.0, blocking_free_fraction(0.97, k1, k2, t[j]) + 0.01 * deviate(&seed));
+            for (int j = 0; j < READINGS; j++)
+                f[i][j] = fmin(1.0, blocking_free_fraction(0.97, k1, k2, t[j]) + 0.01 * deviate(&seed));
             tests[i] = one;
         }
         blocking_law law;
@@ -1261,7 +1323,8 @@ static void laws_reach_the_deck(void **state) {
             const double k = true_k1 + true_k2, last = blocking_curve(1.0, true_k2 / k, k, T[r]),
                          mean = blocking_time_mean(1.0, true_k2 / k, k, T[r]);
             assert_int_equal(blocking_law_free(&law, 2.5, 0.4, 0.0, 1.0, T[r], &run), BLOCKING_OK);
-            assert_true(run.last_low95 < run.last && run.last < run.last_high95 && run.mean_low95 < run.mean && run.mean < run.mean_high95);
+            assert_true(run.last_low95 < run.last && run.last < run.last_high95 && run.mean_low95 < run.mean &&
+                        run.mean < run.mean_high95);
             in_last[r] += run.last_low95 <= last && last <= run.last_high95;
             in_mean[r] += run.mean_low95 <= mean && mean <= run.mean_high95;
             if (r != 1) continue;
@@ -1277,7 +1340,8 @@ static void laws_reach_the_deck(void **state) {
             double drawn[DRAWS], k1, k2;
             int below = 0;
             for (int i = 0; i < DRAWS; i++) {
-                assert_int_equal(blocking_law_draw(&law, 2.5, 0.4, 0.0, deviate(&seed), deviate(&seed), &k1, &k2), BLOCKING_OK);
+                assert_int_equal(blocking_law_draw(&law, 2.5, 0.4, 0.0, deviate(&seed), deviate(&seed), &k1, &k2),
+                                 BLOCKING_OK);
                 drawn[i] = blocking_time_mean(1.0, k2 / (k1 + k2), k1 + k2, T[r]);
                 below += drawn[i] < mean;
             }
@@ -1285,7 +1349,9 @@ static void laws_reach_the_deck(void **state) {
         }
     }
     for (int r = 0; r < RUNS; r++)
-        if (setting) print_message("after %g s: f %.3f, mean %.3f held\n", T[r], (double)in_last[r] / trials, (double)in_mean[r] / trials);
+        if (setting)
+            print_message("after %g s: f %.3f, mean %.3f held\n", T[r], (double)in_last[r] / trials,
+                          (double)in_mean[r] / trials);
     if (setting) print_message("area %.3f, draws %.3f held\n", (double)in_area / trials, (double)in_draws / trials);
     const double least = setting ? 0.92 : 0.85, most = setting ? 0.975 : 1.0;
     for (int r = 0; r < RUNS; r++) {
@@ -1309,8 +1375,10 @@ static void laws_refuse(void **state) {
     assert_int_equal(blocking_law_draw(&law, 2.0, 0.4, 0.0, 0.0, 0.0, &k1, &k2), BLOCKING_OK);
     close_to(k1, value.k1, 1e-13);
     close_to(k2, value.k2, 1e-13);
-    assert_int_equal(blocking_law_free(&law, 2.0, 0.4, 0.0, 0.9, 0.0, &run), BLOCKING_OK); /* at once: what it begins with */
-    assert_true(run.last == 0.9 && run.last_low95 == 0.9 && run.last_high95 == 0.9 && run.mean_high95 == 0.9 && run.outside == 0);
+    /* at once: what it begins with */
+    assert_int_equal(blocking_law_free(&law, 2.0, 0.4, 0.0, 0.9, 0.0, &run), BLOCKING_OK);
+    assert_true(run.last == 0.9 && run.last_low95 == 0.9 && run.last_high95 == 0.9 && run.mean_high95 == 0.9 &&
+                run.outside == 0);
     assert_int_equal(blocking_law_free(&law, 2.0, 0.4, 0.0, 1.0, HUGE_VAL, &run), BLOCKING_OK);
     close_to(run.last, value.f_inf, 1e-13);
     near(run.last_low95, value.f_inf_low95, 1e-4); /* of the odds alone: the same edge, met at 256 places */
@@ -1337,7 +1405,8 @@ static void laws_refuse(void **state) {
 /* Finite numbers whose products are not: refused where they enter. */
 static void overflow(void **state) {
     (void)state;
-    const double tiny[] = {0, 1e-308, 2e-308}, subnormal[] = {0, 5e-324, 1e-323}, far_off[] = {1e6, 1e6 + 1, 1e6 + 2}, f[] = {.9, .8, .75};
+    const double tiny[] = {0, 1e-308, 2e-308}, subnormal[] = {0, 5e-324, 1e-323}, far_off[] = {1e6, 1e6 + 1, 1e6 + 2},
+                 f[] = {.9, .8, .75};
     blocking_estimate e;
     assert_int_equal(blocking_three_point(tiny, f, .01, 1e-9, &e), BLOCKING_NOT_FINITE);
     assert_true(isnan(e.k) && isnan(e.error_k));
@@ -1368,7 +1437,8 @@ static void table_3(void **state) {
                  {BLOCKING_SHARP_AS_PRINTED, 3.5, 0, .997875},  {BLOCKING_SHARP_AS_PRINTED, 5, 1, 1.2777},
                  {BLOCKING_SHARP_REPAIRED, 1.5, .9, .677385},   {BLOCKING_IRREGULAR, 1.5, .9, .781528},
                  {BLOCKING_SPHERICAL, 10, .5, 3.62675}};
-    for (size_t i = 0; i < LENGTH(exact); i++) near(blocking_table3(exact[i].shape, exact[i].K, exact[i].x_h), exact[i].f, 1e-14);
+    for (size_t i = 0; i < LENGTH(exact); i++)
+        near(blocking_table3(exact[i].shape, exact[i].K, exact[i].x_h), exact[i].f, 1e-14);
 
     /* the same by the general polynomial of eq 16, with the powers in the order of the print */
     const int powers[10][2] = {{1, 2}, {0, 3}, {0, 2}, {0, 1}, {1, 1}, {2, 1}, {0, 0}, {1, 0}, {2, 0}, {3, 0}};
@@ -1377,18 +1447,24 @@ static void table_3(void **state) {
         blocking_table3_coefficients((blocking_shape)s, a);
         for (int i = 0; i < 50; i++) {
             double x[2] = {.6 + .09 * i, .02 * i};
-            near(blocking_polynomial(a, &powers[0][0], 10, x, 2), blocking_table3((blocking_shape)s, x[0], x[1]), 3e-15);
-            double slope =
-                (blocking_table3((blocking_shape)s, x[0], x[1] + h) - blocking_table3((blocking_shape)s, x[0], x[1] - h)) / (2 * h);
+            near(blocking_polynomial(a, &powers[0][0], 10, x, 2), blocking_table3((blocking_shape)s, x[0], x[1]),
+                 3e-15);
+            double slope = (blocking_table3((blocking_shape)s, x[0], x[1] + h) -
+                            blocking_table3((blocking_shape)s, x[0], x[1] - h)) /
+                           (2 * h);
             near(blocking_table3_slope((blocking_shape)s, x[0], x[1]), slope, 1e-8);
         }
     }
-    assert_true(isnan(blocking_table3(BLOCKING_SHAPE_COUNT, 1, 1)) && isnan(blocking_table3_slope((blocking_shape)77, 1, 1)));
+    assert_true(isnan(blocking_table3(BLOCKING_SHAPE_COUNT, 1, 1)) &&
+                isnan(blocking_table3_slope((blocking_shape)77, 1, 1)));
 
     /* ranges and shares over K 0.6..5, x_h 0..1 */
     const struct {
         double least, most, above, rising;
-    } plane[] = {{.5979, 1.07915, .285, .339}, {.5627, 1.08476, .092, .0}, {.6698, 1.2777, .217, .52}, {.5188, 1.0239, .033, .17}};
+    } plane[] = {{.5979, 1.07915, .285, .339},
+                 {.5627, 1.08476, .092, .0},
+                 {.6698, 1.2777, .217, .52},
+                 {.5188, 1.0239, .033, .17}};
     for (int s = 0; s < BLOCKING_SHAPE_COUNT; s++) {
         double least = 9, most = -9;
         int above = 0, rising = 0;
@@ -1502,7 +1578,8 @@ static void polynomials(void **state) {
             y[i] = blocking_table3((blocking_shape)s, x[i][0], x[i][1]);
         }
         blocking_table3_coefficients((blocking_shape)s, printed);
-        assert_int_equal(blocking_polynomial_fit(&x[0][0], y, 55, &order[0][0], 10, 2, a, error, work, &report), BLOCKING_OK);
+        assert_int_equal(blocking_polynomial_fit(&x[0][0], y, 55, &order[0][0], 10, 2, a, error, work, &report),
+                         BLOCKING_OK);
         for (int i = 0; i < 10; i++) near(a[i], printed[i], 1e-13);
         near(report.r2, 1.0, 1e-14);
         assert_int_equal(report.term, 10);
@@ -1529,18 +1606,26 @@ static void polynomials(void **state) {
 
     /* what the points cannot tell apart is named: one K only, so K^2 is a multiple of 1 */
     for (int i = 0; i < 55; i++) x[i][0] = 1.5;
-    assert_int_equal(blocking_polynomial_fit(&x[0][0], y, 55, &order[0][0], 10, 2, a, error, work, &report), BLOCKING_UNDETERMINED);
+    assert_int_equal(blocking_polynomial_fit(&x[0][0], y, 55, &order[0][0], 10, 2, a, error, work, &report),
+                     BLOCKING_UNDETERMINED);
     assert_true(report.term == 2 && isnan(a[0]) && isnan(error[0])); /* x^2 beside K x^2 */
-    assert_int_equal(blocking_polynomial_fit(&x[0][0], y, 9, &order[0][0], 10, 2, a, error, work, NULL), BLOCKING_TOO_FEW);
-    assert_int_equal(blocking_polynomial_fit(&x[0][0], y, 0, &order[0][0], 0, 2, NULL, NULL, NULL, NULL), BLOCKING_TOO_FEW);
-    assert_int_equal(blocking_polynomial_fit(NULL, y, 55, &order[0][0], 10, 2, a, error, work, NULL), BLOCKING_BAD_ARGUMENT);
-    assert_int_equal(blocking_polynomial_fit(&x[0][0], y, 55, &order[0][0], 10, 2, NULL, error, work, NULL), BLOCKING_BAD_ARGUMENT);
+    assert_int_equal(blocking_polynomial_fit(&x[0][0], y, 9, &order[0][0], 10, 2, a, error, work, NULL),
+                     BLOCKING_TOO_FEW);
+    assert_int_equal(blocking_polynomial_fit(&x[0][0], y, 0, &order[0][0], 0, 2, NULL, NULL, NULL, NULL),
+                     BLOCKING_TOO_FEW);
+    assert_int_equal(blocking_polynomial_fit(NULL, y, 55, &order[0][0], 10, 2, a, error, work, NULL),
+                     BLOCKING_BAD_ARGUMENT);
+    assert_int_equal(blocking_polynomial_fit(&x[0][0], y, 55, &order[0][0], 10, 2, NULL, error, work, NULL),
+                     BLOCKING_BAD_ARGUMENT);
     const int minus[] = {0, -1};
-    assert_int_equal(blocking_polynomial_fit(line_x, line_y, 4, minus, 2, 1, a, error, work, NULL), BLOCKING_BAD_ARGUMENT);
+    assert_int_equal(blocking_polynomial_fit(line_x, line_y, 4, minus, 2, 1, a, error, work, NULL),
+                     BLOCKING_BAD_ARGUMENT);
     assert_true(isnan(blocking_polynomial(line_x, minus, 2, line_y, 1)));
     const double unknown[] = {1, 2, nan_, 4};
-    assert_int_equal(blocking_polynomial_fit(line_x, unknown, 4, line, 2, 1, a, error, work, NULL), BLOCKING_NOT_FINITE);
-    assert_int_equal(blocking_polynomial_fit(unknown, line_y, 4, line, 2, 1, a, error, work, NULL), BLOCKING_NOT_FINITE);
+    assert_int_equal(blocking_polynomial_fit(line_x, unknown, 4, line, 2, 1, a, error, work, NULL),
+                     BLOCKING_NOT_FINITE);
+    assert_int_equal(blocking_polynomial_fit(unknown, line_y, 4, line, 2, 1, a, error, work, NULL),
+                     BLOCKING_NOT_FINITE);
     const double zero[] = {0.0};
     const int nothing[] = {0};
     const double one[] = {1.0};
@@ -1555,9 +1640,10 @@ static void deck_area(void **state) {
     near(blocking_open_area(.63e-3, .4e-3), 0.37411631633518711, 1e-15);
     near(blocking_effective_area(.8, 2.0, .36), .576, 1e-15);
     near(blocking_clearance(.8, .36), .288, 1e-15);
-    assert_true(isnan(blocking_open_area(0, 1)) && isnan(blocking_open_area(1, -1)) && isnan(blocking_open_area(nan_, 1)) &&
-                isnan(blocking_effective_area(1.1, 1, .5)) && isnan(blocking_effective_area(.5, -1, .5)) &&
-                isnan(blocking_clearance(.5, 37)) && isnan(blocking_clearance(nan_, .5)));
+    assert_true(isnan(blocking_open_area(0, 1)) && isnan(blocking_open_area(1, -1)) &&
+                isnan(blocking_open_area(nan_, 1)) && isnan(blocking_effective_area(1.1, 1, .5)) &&
+                isnan(blocking_effective_area(.5, -1, .5)) && isnan(blocking_clearance(.5, 37)) &&
+                isnan(blocking_clearance(nan_, .5)));
 
     blocking_duty good = blocking_default_duty(), duty;
     blocking_deck deck;
@@ -1589,12 +1675,12 @@ static void deck_area(void **state) {
     duty.f_inf = 0.0;
     assert_int_equal(blocking_design(&duty, &deck), BLOCKING_OK);
     assert_true(isinf(deck.area_mean) && isinf(deck.area_lowest) && deck.area_clean > 0.0);
-#define BAD_DUTY(change, name)                                                                                                             \
-    duty = good;                                                                                                                           \
-    change;                                                                                                                                \
-    assert_int_equal(blocking_check_duty(&duty, &field), BLOCKING_BAD_DEF);                                                                \
-    assert_string_equal(field, name);                                                                                                      \
-    assert_int_equal(blocking_design(&duty, &deck), BLOCKING_BAD_DEF);                                                                     \
+#define BAD_DUTY(change, name)                                                                                         \
+    duty = good;                                                                                                       \
+    change;                                                                                                            \
+    assert_int_equal(blocking_check_duty(&duty, &field), BLOCKING_BAD_DEF);                                            \
+    assert_string_equal(field, name);                                                                                  \
+    assert_int_equal(blocking_design(&duty, &deck), BLOCKING_BAD_DEF);                                                 \
     assert_true(isnan(deck.area_mean))
     BAD_DUTY(duty.cookie = 0, "cookie");
     BAD_DUTY(duty.passing = 0.0, "passing");
@@ -1617,7 +1703,8 @@ static void deck_area(void **state) {
 
 /* Zeros, denormals, the largest, infinities, NaN, percents, negatives and, mostly, fractions */
 static double any(uint64_t *s) {
-    static const double odd[] = {0, -0.0, 1, 0.5, 4.9e-324, 1e-300, 1e300, DBL_MAX, -1, -1e-300, 95, 1e-9, 1e9, HUGE_VAL, -HUGE_VAL};
+    static const double odd[] = {0,  -0.0,    1,  0.5,  4.9e-324, 1e-300,   1e300,    DBL_MAX,
+                                 -1, -1e-300, 95, 1e-9, 1e9,      HUGE_VAL, -HUGE_VAL};
     size_t pick = (size_t)(40.0 * random_plain(s));
     if (pick < LENGTH(odd)) return odd[pick];
     if (pick == LENGTH(odd)) return nan_;
@@ -1662,7 +1749,8 @@ static void any_numbers(void **state) {
         blocking_status status = blocking_three_point(t, g, i % 10 ? 0.01 : a, i % 7 ? 1e-9 : b, &estimate);
         if (status == BLOCKING_OK || status == BLOCKING_OUT_OF_RANGE) {
             estimated++;
-            assert_true(estimate.k > 0.0 && estimate.f_inf_clipped >= 0.0 && estimate.f_inf_clipped <= 1.0 && estimate.k1 >= 0.0);
+            assert_true(estimate.k > 0.0 && estimate.f_inf_clipped >= 0.0 && estimate.f_inf_clipped <= 1.0 &&
+                        estimate.k1 >= 0.0);
         } else assert_true(isnan(estimate.k));
         if (i % 10 == 0) {
             blocking_fit_def def = blocking_default_fit_def();
@@ -1671,8 +1759,10 @@ static void any_numbers(void **state) {
             status = blocking_fit(&def, t, g, i % 20 ? sigma : NULL, n, &fit);
             if (status == BLOCKING_OK || (status >= BLOCKING_NON_MONOTONE && status <= BLOCKING_NOT_RESOLVED)) {
                 fitted++;
-                assert_true(fit.k > 0.0 && fit.f0 >= 0.0 && fit.f0 <= 1.0 && fit.f_inf >= 0.0 && fit.f_inf <= 1.0 && fit.sse >= 0.0);
-                assert_true(isnan(fit.k_lowest) || (fit.k_lowest <= fit.k * (1 + 1e-9) && fit.k_highest >= fit.k * (1 - 1e-9)));
+                assert_true(fit.k > 0.0 && fit.f0 >= 0.0 && fit.f0 <= 1.0 && fit.f_inf >= 0.0 && fit.f_inf <= 1.0 &&
+                            fit.sse >= 0.0);
+                assert_true(isnan(fit.k_lowest) ||
+                            (fit.k_lowest <= fit.k * (1 + 1e-9) && fit.k_highest >= fit.k * (1 - 1e-9)));
             } else assert_true(isnan(fit.k));
         }
         if (i % 10 == 1) {
@@ -1695,7 +1785,8 @@ static void any_numbers(void **state) {
         }
         blocking_hard hard;
         status = i % 2 ? blocking_hard_from_classes(t, g, n, a, &hard) : blocking_hard_from_curve(t, g, n, a, &hard);
-        assert_true(status == BLOCKING_OK ? hard.below >= 0.0 && hard.above >= 0.0 && hard.x_h <= 1.0 + 1e-12 : isnan(hard.x_h));
+        assert_true(status == BLOCKING_OK ? hard.below >= 0.0 && hard.above >= 0.0 && hard.x_h <= 1.0 + 1e-12
+                                          : isnan(hard.x_h));
         blocking_conditions conditions = {a, b, c, d, e, a};
         blocking_average average;
         status = blocking_average_free((blocking_shape)(i % 5), &conditions, &average);

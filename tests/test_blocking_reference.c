@@ -1,4 +1,5 @@
-/* blocking.h against slow, plain calculations of the same things, and its bits against a hash that holds for every compiler and level. */
+/* blocking.h against slow, plain calculations of the same things, and its bits against a hash that holds for every
+   compiler and level. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -51,7 +52,8 @@ static void integration(void **state) {
         for (int j = 0; j < steps; j++) {
             double t = start + j * h, a = derivative(&w, t, y), b = derivative(&w, t + 0.5 * h, y + 0.5 * h * a);
             double c = derivative(&w, t + 0.5 * h, y + 0.5 * h * b), d = derivative(&w, t + h, y + h * c);
-            double middle = y + h * (5.0 * a + 4.0 * b + 4.0 * c - d) / 24.0, end = y + h * (a + 2.0 * b + 2.0 * c + d) / 6.0;
+            double middle = y + h * (5.0 * a + 4.0 * b + 4.0 * c - d) / 24.0,
+                   end = y + h * (a + 2.0 * b + 2.0 * c + d) / 6.0;
             integral += h * (y + 4.0 * middle + end) / 6.0;
             y = end;
             if (j + 1 == (int)(0.3 * steps)) {
@@ -65,7 +67,8 @@ static void integration(void **state) {
 
 /* ---- least squares against a nested grid over f0, f_inf and ln k ---- */
 
-static double sum_of_squares(const double *t, const double *f, const double *sigma, int n, double f0, double f_inf, double k) {
+static double sum_of_squares(const double *t, const double *f, const double *sigma, int n, double f0, double f_inf,
+                             double k) {
     double sum = 0.0;
     for (int i = 0; i < n; i++) {
         double miss = (f[i] - f_inf - (f0 - f_inf) * exp(-k * t[i])) / (sigma ? sigma[i] : 1.0);
@@ -74,7 +77,8 @@ static double sum_of_squares(const double *t, const double *f, const double *sig
     return sum;
 }
 
-/* Least sum of squares of a curve alpha + beta e^(-k t), without bounds; k may be negative, and a straight line for k = 0. */
+/* Least sum of squares of a curve alpha + beta e^(-k t), without bounds; k may be negative, and a straight
+   line for k = 0. */
 static double unbounded(const double *t, const double *f, const double *sigma, int n, double k) {
     double sw = 0.0, su = 0.0, sf = 0.0, suu = 0.0, suf = 0.0, sff = 0.0;
     for (int i = 0; i < n; i++) {
@@ -92,7 +96,8 @@ static void least_squares(void **state) {
     blocking_fit_def def = blocking_default_fit_def();
     for (int trial = 0; trial < 300; trial++) {
         double t[9], f[9], sigma[9], now = trial % 2 ? 0.0 : between(&seed, 0.0, 5.0);
-        double f0 = random_plain(&seed), f_inf = random_plain(&seed), k = exp(between(&seed, -5.0, 0.5)), noise = trial % 3 ? 0.02 : 0.2;
+        double f0 = random_plain(&seed), f_inf = random_plain(&seed), k = exp(between(&seed, -5.0, 0.5)),
+               noise = trial % 3 ? 0.02 : 0.2;
         int n = 4 + trial % 6;
         for (int i = 0; i < n; i++) {
             t[i] = now;
@@ -118,7 +123,8 @@ static void least_squares(void **state) {
                     for (int c = 0; c <= m; c++) {
                         double x = fmin(1.0, fmax(0.0, centre[0] + width[0] * (2.0 * a / m - 1.0)));
                         double y = fmin(1.0, fmax(0.0, centre[1] + width[1] * (2.0 * b / m - 1.0)));
-                        double z = centre[2] + width[2] * (2.0 * c / m - 1.0), sse = sum_of_squares(t, f, s, n, x, y, exp(z));
+                        double z = centre[2] + width[2] * (2.0 * c / m - 1.0),
+                               sse = sum_of_squares(t, f, s, n, x, y, exp(z));
                         if (sse < best && exp(z) * t[n - 1] > 1e-3) {
                             best = sse;
                             at[0] = x;
@@ -129,8 +135,8 @@ static void least_squares(void **state) {
             for (int j = 0; j < 3; j++) width[j] *= level == 0 ? 0.1 : 0.5;
         }
         if (!(fit.sse <= best * (1.0 + 1e-9) + 1e-20))
-            fail_msg("trial %d: sse %.12g at f0 %g f_inf %g k %g, the grid has %.12g at %g %g %g", trial, fit.sse, fit.f0, fit.f_inf, fit.k,
-                     best, at[0], at[1], exp(at[2]));
+            fail_msg("trial %d: sse %.12g at f0 %g f_inf %g k %g, the grid has %.12g at %g %g %g", trial, fit.sse,
+                     fit.f0, fit.f_inf, fit.k, best, at[0], at[1], exp(at[2]));
         /* the profile range: at its ends the sum of squares without bounds exceeds its least by student^2 s^2 */
         double least = fit.sse, ends[2] = {fit.k_lowest, fit.k_highest};
         double place = 0.0, reach = 9.0;
@@ -146,7 +152,8 @@ static void least_squares(void **state) {
             if (!(ends[e] > 0.0 && ends[e] < 1e300) || fabs(ends[e] / fit.k - 1.0) < 1e-9) continue;
             double sse = unbounded(t, f, s, n, ends[e]);
             if (!(fabs(sse - target) < 1e-4 * target))
-                fail_msg("trial %d: sse at k %g (fitted %g) is %.10g, should be %.10g", trial, ends[e], fit.k, sse, target);
+                fail_msg("trial %d: sse at k %g (fitted %g) is %.10g, should be %.10g", trial, ends[e], fit.k, sse,
+                         target);
         }
     }
 }
@@ -159,7 +166,8 @@ static void three_readings(void **state) {
     for (int i = 0; i < 20000; i++) {
         double t[3] = {0.0, between(&seed, 0.1, 10.0), 0.0}, rho = between(&seed, 1.1, 9.0);
         t[2] = rho * t[1];
-        double f[3] = {random_plain(&seed), random_plain(&seed), random_plain(&seed)}, q = (f[2] - f[0]) / (f[1] - f[0]);
+        double f[3] = {random_plain(&seed), random_plain(&seed), random_plain(&seed)},
+               q = (f[2] - f[0]) / (f[1] - f[0]);
         blocking_estimate e;
         blocking_status status = blocking_three_point(t, f, 0.01, 1e-9, &e);
         rho = t[2] / t[1];
@@ -175,9 +183,10 @@ static void three_readings(void **state) {
             double f_inf = f[0] + (f[1] - f[0]) / (1.0 - low);
             double loss = 1e-13 * e.error_f_inf / 0.01 + 1e-12;
             assert_true(fabs(e.r - low) < 1e-9 && fabs(e.f_inf - f_inf) < loss * 1e3);
-            assert_true(status == (f_inf >= 0.0 && f_inf <= 1.0 ? BLOCKING_OK : BLOCKING_OUT_OF_RANGE) || fabs(f_inf) < 1e-9 ||
-                        fabs(f_inf - 1) < 1e-9);
-            for (int j = 0; j < 3; j++) assert_true(fabs(blocking_curve(f[0], e.f_inf, e.k, t[j]) - f[j]) < 1e-9 * (1.0 + fabs(e.f_inf)));
+            assert_true(status == (f_inf >= 0.0 && f_inf <= 1.0 ? BLOCKING_OK : BLOCKING_OUT_OF_RANGE) ||
+                        fabs(f_inf) < 1e-9 || fabs(f_inf - 1) < 1e-9);
+            for (int j = 0; j < 3; j++)
+                assert_true(fabs(blocking_curve(f[0], e.f_inf, e.k, t[j]) - f[j]) < 1e-9 * (1.0 + fabs(e.f_inf)));
         }
     }
 }
@@ -222,7 +231,9 @@ static void polynomial_fit(void **state) {
             }
         }
         blocking_polynomial_report report;
-        assert_int_equal(blocking_polynomial_fit(&x[0][0], y, POINTS, &powers[0][0], TERMS, VARS, a, error, work, &report), BLOCKING_OK);
+        assert_int_equal(
+            blocking_polynomial_fit(&x[0][0], y, POINTS, &powers[0][0], TERMS, VARS, a, error, work, &report),
+            BLOCKING_OK);
         long double sse = 0.0L;
         for (int i = 0; i < POINTS; i++) {
             long double miss = (long double)y[i] - blocking_polynomial(a, &powers[0][0], TERMS, x[i], VARS);
@@ -260,7 +271,8 @@ static void bits(void **state) {
     uint64_t hash = 14695981039346656037u, seed = 31;
     blocking_fit_def fit_def = blocking_default_fit_def();
     for (int i = 0; i < 300; i++) {
-        double f0 = random_plain(&seed), f_inf = random_plain(&seed), k = 0.3 * random_plain(&seed), t[6], f[6], now = 0.0;
+        double f0 = random_plain(&seed), f_inf = random_plain(&seed), k = 0.3 * random_plain(&seed), t[6], f[6],
+               now = 0.0;
         for (int j = 0; j < 6; j++) {
             t[j] = now;
             now += 0.1 + 10.0 * random_plain(&seed);

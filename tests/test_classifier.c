@@ -1,4 +1,5 @@
-/* classifier.h: every number of the specification, analytic answers, hostile input, memory, and what the model promises. */
+/* classifier.h: every number of the specification, analytic answers, hostile input, memory, and what the
+   model promises. */
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>
@@ -56,17 +57,26 @@ static void drag_coefficients(void **state) {
     near(k_cube, 1.1139, 5e-5);
     near(k_cube / cube, 1.382, 5e-4);
     double sphere_area = RIDDLE_PI / 4.0 * pow(6.0 / RIDDLE_PI, 2.0 / 3.0);
-    classifier_drag face_on =
-        classifier_hoelzer_sommerfeld_oriented(cube, sphere_area / (3.0 - 4.0 / RIDDLE_PI), sphere_area, CLASSIFIER_EQUIVALENT);
+    classifier_drag face_on = classifier_hoelzer_sommerfeld_oriented(cube, sphere_area / (3.0 - 4.0 / RIDDLE_PI),
+                                                                     sphere_area, CLASSIFIER_EQUIVALENT);
     near(face_on.c1 / 24.0, 1.141, 5e-4);
-    near(classifier_hoelzer_sommerfeld_oriented(cube, sphere_area / (3.0 - 4.0 / RIDDLE_PI), sphere_area, CLASSIFIER_PROJECTED).c1 / 24.0,
+    near(classifier_hoelzer_sommerfeld_oriented(cube, sphere_area / (3.0 - 4.0 / RIDDLE_PI), sphere_area,
+                                                CLASSIFIER_PROJECTED)
+                 .c1 /
+             24.0,
          0.9437, 3e-4);
-    double volume = RIDDLE_PI / 4.0 * 0.02, surface = RIDDLE_PI / 2.0 + RIDDLE_PI * 0.02, psi = classifier_sphericity(volume, surface);
+    double volume = RIDDLE_PI / 4.0 * 0.02, surface = RIDDLE_PI / 2.0 + RIDDLE_PI * 0.02,
+           psi = classifier_sphericity(volume, surface);
     double ball = psi * surface / 4.0, across = RIDDLE_PI / 4.0;
-    near(classifier_hoelzer_sommerfeld_oriented(psi, ball / (surface / 2.0 - 0.02), ball / across, CLASSIFIER_EQUIVALENT).c1 / 24.0, 2.628,
-         0.002);
-    near(classifier_hoelzer_sommerfeld_oriented(psi, ball / (surface / 2.0 - 0.02), ball / across, CLASSIFIER_PROJECTED).c1 / 24.0, 27.2,
-         0.05);
+    near(
+        classifier_hoelzer_sommerfeld_oriented(psi, ball / (surface / 2.0 - 0.02), ball / across, CLASSIFIER_EQUIVALENT)
+                .c1 /
+            24.0,
+        2.628, 0.002);
+    near(classifier_hoelzer_sommerfeld_oriented(psi, ball / (surface / 2.0 - 0.02), ball / across, CLASSIFIER_PROJECTED)
+                 .c1 /
+             24.0,
+         27.2, 0.05);
     /* a force from a coefficient, and Stokes' law exactly at rest and nearly there */
     classifier_drag stokes = classifier_stokes();
     close_to(classifier_drag_force(stokes, 1e-5, 0.3, 1.2, 1.81e-5), 3.0 * RIDDLE_PI * 1.81e-5 * 1e-5 * 0.3, 1e-14);
@@ -83,8 +93,8 @@ static void sphericities(void **state) {
     close_to(classifier_sphericity_2d(sqrt(3.0) / 4.0, 3.0), 0.777560150778, 1e-12);
     close_to(classifier_rorato(0.83), 1.075 * 0.83 - 0.067, 1e-15);
     assert_true(isnan(classifier_rorato(1.0)) && isnan(classifier_rorato(0.53)) && isnan(classifier_rorato(nan_)));
-    assert_true(classifier_rorato(0.53443) > 0.5075 && classifier_rorato(0.99237) < 0.9998 && isnan(classifier_rorato(0.99238)) &&
-                isnan(classifier_rorato(0.53441)));
+    assert_true(classifier_rorato(0.53443) > 0.5075 && classifier_rorato(0.99237) < 0.9998 &&
+                isnan(classifier_rorato(0.99238)) && isnan(classifier_rorato(0.53441)));
     bool clamped = false;
     close_to(classifier_rorato_clamped(1.0, &clamped), 0.9998, 1e-12);
     assert_true(clamped);
@@ -93,7 +103,8 @@ static void sphericities(void **state) {
     close_to(classifier_rorato_clamped(0.9, &clamped), 0.9005, 1e-12);
     assert_false(clamped);
     assert_true(isnan(classifier_rorato_clamped(nan_, NULL)));
-    near((0.7635661205738745 + 0.067) / 1.075, 0.7726, 5e-5); /* the paper's brick lies outside its own measured 0.78 .. 0.89 */
+    /* the paper's brick lies outside its own measured 0.78 .. 0.89 */
+    near((0.7635661205738745 + 0.067) / 1.075, 0.7726, 5e-5);
 }
 
 static void dense_flow(void **state) {
@@ -108,7 +119,8 @@ static void dense_flow(void **state) {
         close_to(classifier_di_felice_interstitial_drag(0.6, re), pow(0.6, 2.0 - chi), 1e-13);
         close_to(classifier_di_felice_superficial(0.6, re), pow(0.6, -chi), 1e-13);
         /* superficial velocity = voids * interstitial: the same force */
-        close_to(classifier_di_felice_superficial(0.6, re) * 0.36, classifier_di_felice_interstitial_drag(0.6, re), 1e-13);
+        close_to(classifier_di_felice_superficial(0.6, re) * 0.36, classifier_di_felice_interstitial_drag(0.6, re),
+                 1e-13);
     }
     assert_true(isnan(classifier_di_felice_exponent(-1.0)) && isnan(classifier_di_felice_superficial(0.0, 1.0)) &&
                 isnan(classifier_di_felice_superficial(1.1, 1.0)));
@@ -116,7 +128,8 @@ static void dense_flow(void **state) {
 
 static void cut_sizes(void **state) {
     (void)state;
-    const double rpm[] = {3000.0, 9000.0, 15000.0}, eq3[] = {1.863386544967832e-5, 6.211288483226106e-6, 3.726773089935664e-6};
+    const double rpm[] = {3000.0, 9000.0, 15000.0},
+                 eq3[] = {1.863386544967832e-5, 6.211288483226106e-6, 3.726773089935664e-6};
     const double paper[][3] = {{30.25, 87.64, 59.32}, {8.48, 28.39, 19.84}, {4.86, 14.72, 10.55}},
                  equivalent[][3] = {{26.91, 75.49, 51.43}, {7.63, 24.75, 17.40}, {4.39, 12.97, 9.34}};
     const double chi[] = {2.7, 4.1, 4.3};
@@ -142,8 +155,8 @@ static void cut_sizes(void **state) {
     /* Stokes with a shape: psi^(-1/4) */
     classifier_balance creeping = slow;
     creeping.radial_velocity = 1e-12;
-    close_to(classifier_cut_size(&creeping, hs(0.6, CLASSIFIER_EQUIVALENT), NULL), classifier_cut_size_stokes(&creeping) * pow(0.6, -0.25),
-             1e-6);
+    close_to(classifier_cut_size(&creeping, hs(0.6, CLASSIFIER_EQUIVALENT), NULL),
+             classifier_cut_size_stokes(&creeping) * pow(0.6, -0.25), 1e-6);
     /* buoyancy: factor (1 - rho_f / rho_p) in K, 4e-4 */
     classifier_balance wet = slow;
     wet.buoyancy = true;
@@ -156,7 +169,8 @@ static void cut_sizes(void **state) {
     near(classifier_cut_sensitivity(classifier_stokes(), 3.0), 0.5, 1e-15);
     near(classifier_cut_sensitivity(hs(1.0, CLASSIFIER_EQUIVALENT), 1e12), 1.0, 1e-5);
     /* the ends of what can be asked: never a failure, at most six iterations */
-    const double psis[] = {DBL_MIN, 1e-300, 1e-100, 1e-9, 0.3, 1.0 - 1e-16, 1.0}, rates[] = {1e-150, 1e-30, 1.0, 1e30, 1e60};
+    const double psis[] = {DBL_MIN, 1e-300, 1e-100, 1e-9, 0.3, 1.0 - 1e-16, 1.0},
+                 rates[] = {1e-150, 1e-30, 1.0, 1e30, 1e60};
     for (int i = 0; i < LENGTH(psis); i++)
         for (int k = 0; k < LENGTH(rates); k++) {
             classifier_balance at = {1.2, 1.81e-5, 2700.0, 0.025, 1.0, rates[k], false};
@@ -171,16 +185,20 @@ static void cut_sizes(void **state) {
 static void stopping(void **state) {
     (void)state;
     double re = 1.2 * 39.0 * 2e-5 / 1.81e-5;
-    close_to(re, 51.71270718232044, 1e-15);                                                                                   /* R24 */
-    close_to(classifier_stopping_distance(classifier_stokes(), 2e-5, 2700.0, 1.2, 1.81e-5, 39.0), 0.1292817679558011, 1e-15); /* R25 */
-    close_to(classifier_stopping_distance(hs(1.0, CLASSIFIER_EQUIVALENT), 2e-5, 2700.0, 1.2, 1.81e-5, 39.0), 0.06696552979170641,
-             1e-13); /* R27 */
-    close_to(classifier_stopping_distance(hs(0.85, CLASSIFIER_EQUIVALENT), 2e-5, 2700.0, 1.2, 1.81e-5, 39.0), 0.05328142606074977,
-             1e-13); /* R28 */
+    /* R24. */
+    close_to(re, 51.71270718232044, 1e-15);
+    /* R25. */
+    close_to(classifier_stopping_distance(classifier_stokes(), 2e-5, 2700.0, 1.2, 1.81e-5, 39.0), 0.1292817679558011,
+             1e-15);
+    close_to(classifier_stopping_distance(hs(1.0, CLASSIFIER_EQUIVALENT), 2e-5, 2700.0, 1.2, 1.81e-5, 39.0),
+             0.06696552979170641, 1e-13); /* R27 */
+    close_to(classifier_stopping_distance(hs(0.85, CLASSIFIER_EQUIVALENT), 2e-5, 2700.0, 1.2, 1.81e-5, 39.0),
+             0.05328142606074977, 1e-13); /* R28 */
     near(classifier_stopping_distance_mercer(2e-5, 2700.0, 1.2, 1.81e-5, 39.0), 0.0586, 5e-5);
     near(classifier_stopping_distance(classifier_stokes(), 2e-5, 2700.0, 1.2, 1.81e-5, 39.0) / 0.007, 18.5,
          0.05); /* errata 5: the paper says >= 20 */
-    near(1e3 * classifier_stopping_distance(classifier_stokes(), 5.8e-6, 50.0, 1.2, 1.81e-5, 39.0), 0.20, 0.005); /* tracer, printed 0.17 */
+    /* Tracer, printed 0.17. */
+    near(1e3 * classifier_stopping_distance(classifier_stokes(), 5.8e-6, 50.0, 1.2, 1.81e-5, 39.0), 0.20, 0.005);
     /* Stokes limit of the closed form over twelve decades of Re, without loss of digits */
     for (double v = 1e-14; v < 1e-2; v *= 7.0) {
         double slow = 1.2 * v * 1e-6 / 1.81e-5,
@@ -198,9 +216,11 @@ static void settling(void **state) {
     for (int k = 0; k < 3; k++)
         for (double x = 1e-8; x < 5e-4; x *= 3.0) { /* drag = weight - lift */
             double v = classifier_terminal_velocity(drags[k], x, 2500.0, 1.2, 1.81e-5, 9.81);
-            close_to(classifier_drag_force(drags[k], x, v, 1.2, 1.81e-5), RIDDLE_PI / 6.0 * x * x * x * (2500.0 - 1.2) * 9.81, 1e-12);
+            close_to(classifier_drag_force(drags[k], x, v, 1.2, 1.81e-5),
+                     RIDDLE_PI / 6.0 * x * x * x * (2500.0 - 1.2) * 9.81, 1e-12);
             close_to(classifier_terminal_velocity(drags[k], x, 1.2, 2500.0, 1.81e-5, 9.81) * -1.0,
-                     classifier_terminal_velocity(drags[k], x, 4998.8, 2500.0, 1.81e-5, 9.81), 1e-12); /* a bubble rises as a drop sinks */
+                     /* a bubble rises as a drop sinks */
+                     classifier_terminal_velocity(drags[k], x, 4998.8, 2500.0, 1.81e-5, 9.81), 1e-12);
         }
     assert_true(classifier_terminal_velocity(drags[0], 1e-3, 7.0, 7.0, 1.0, 9.81) == 0.0);
 }
@@ -208,7 +228,8 @@ static void settling(void **state) {
 static void rebounds(void **state) {
     (void)state;
     /* degenerate check of 1.6: own velocities 0, cos 1, e 0.29, in units of the wheel */
-    double v_a = classifier_rebound_paddle(1.0, 0.29, 1.0, 1.0), slowed = classifier_rebound_slowed(v_a, 0.0, 0.29, 1.0);
+    double v_a = classifier_rebound_paddle(1.0, 0.29, 1.0, 1.0),
+           slowed = classifier_rebound_slowed(v_a, 0.0, 0.29, 1.0);
     close_to(v_a, 1.29, 1e-15);
     close_to(classifier_rebound_normal(1.0, 0.29, 0.0), 1.29, 1e-15);
     close_to(classifier_rebound_normal(10.0, 0.5, 2.0), 16.0, 1e-15); /* v_w + e (v_w + v_i) */
@@ -216,7 +237,8 @@ static void rebounds(void **state) {
     close_to(slowed, 0.45795, 1e-14);
     close_to(classifier_rebound_paddle(1.0, 0.29, 1.0 - slowed, 1.0), 1.1571945, 1e-14);
     /* momentum of the pair, for the shares that belong together */
-    close_to(classifier_rebound_thrown(1.3, 0.2, 0.4, 0.7) + classifier_rebound_slowed(1.3, 0.2, 0.4, 0.7), 1.3 - 0.2, 1e-14);
+    close_to(classifier_rebound_thrown(1.3, 0.2, 0.4, 0.7) + classifier_rebound_slowed(1.3, 0.2, 0.4, 0.7), 1.3 - 0.2,
+             1e-14);
     double cone = degrees(65.0), sum = 0.0, squares = 0.0;
     for (int i = 0; i < 20000; i++) {
         double c = riddle_cos(cone * ((2.0 * i + 1.0) / 20000.0 - 1.0));
@@ -237,7 +259,8 @@ static void rebounds(void **state) {
     close_to(classifier_thornton_ning(1.6e9, 1.0) / classifier_thornton_ning(1e8, 1.0), 0.5, 1e-6);
     double modulus = classifier_reduced_modulus(70e9, 0.22, 210e9, 0.3);
     close_to(1.0 / modulus, (1.0 - 0.0484) / 70e9 + (1.0 - 0.09) / 210e9, 1e-15);
-    close_to(classifier_yield_velocity(2e9, 2500.0, modulus), 1.5605 * sqrt(pow(2e9, 5.0) / (2500.0 * pow(modulus, 4.0))), 1e-14);
+    close_to(classifier_yield_velocity(2e9, 2500.0, modulus),
+             1.5605 * sqrt(pow(2e9, 5.0) / (2500.0 * pow(modulus, 4.0))), 1e-14);
 }
 
 static void case_weights(void **state) {
@@ -261,7 +284,8 @@ static void case_weights(void **state) {
     assert_true(many.clean == 0.0 && many.thrown == 0.25 && many.again == 0.75);
     assert_true(isnan(classifier_weights_of(-1).clean) && isnan(classifier_weights_poisson(-1.0).clean) &&
                 isnan(classifier_weights_geometric(nan_).clean));
-    assert_true(isnan(classifier_weights_markov(1, 0.0, 0.0).clean) && isnan(classifier_weights_markov(1, 1.1, 0.5).clean));
+    assert_true(isnan(classifier_weights_markov(1, 0.0, 0.0).clean) &&
+                isnan(classifier_weights_markov(1, 1.1, 0.5).clean));
     classifier_weights endless = classifier_weights_poisson(1e9), geometric_end = classifier_weights_geometric(1e308);
     near(endless.clean, 0.0, 1e-15);
     near(geometric_end.again, 0.75, 1e-15);
@@ -289,7 +313,8 @@ static void one_variable_curve(void **state) {
     (void)state;
     const double t[2][5] = {{.0732236680258812, .504825466427569, .859221435651274, .983473785157072, 1.0},
                             {.0104894027617419, .232387152771933, .64826350721898, .896272974795693, .987073211907425}};
-    const double cut[2][3] = {{44.8280839657306, 49.9004160073465, 55.9496204787082}, {50.4394705694028, 56.236037122537, 63.160548096937}};
+    const double cut[2][3] = {{44.8280839657306, 49.9004160073465, 55.9496204787082},
+                              {50.4394705694028, 56.236037122537, 63.160548096937}};
     const double threshold[2] = {10.1570378277237, 11.0168543302475};
     for (int basis = 0; basis < 2; basis++) {
         classifier_def def = one_variable_def(basis ? CLASSIFIER_PROJECTED : CLASSIFIER_EQUIVALENT);
@@ -330,8 +355,9 @@ static classifier_def paper_def(classifier_material material, double rpm) {
 
 static void prototype_table(void **state) {
     (void)state;
-    const double table[2][3][5] = {{{49.39, 57.79, 67.84, .728, 74}, {17.77, 20.14, 22.88, .777, 39}, {9.52, 10.69, 12.02, .792, 22}},
-                                   {{56.60, 66.85, 79.69, .710, 86}, {20.15, 23.04, 26.57, .759, 45}, {10.71, 12.11, 13.79, .776, 25}}};
+    const double table[2][3][5] = {
+        {{49.39, 57.79, 67.84, .728, 74}, {17.77, 20.14, 22.88, .777, 39}, {9.52, 10.69, 12.02, .792, 22}},
+        {{56.60, 66.85, 79.69, .710, 86}, {20.15, 23.04, 26.57, .759, 45}, {10.71, 12.11, 13.79, .776, 25}}};
     double worst = 0.0;
     for (int basis = 0; basis < 2; basis++)
         for (int k = 0; k < 3; k++) {
@@ -353,7 +379,8 @@ static void prototype_table(void **state) {
             classifier_free(&model);
         }
     print_message("    18 cut sizes of the table: worst %.3f %%\n", 100.0 * worst);
-    classifier_model model = model_of(paper_def(CLASSIFIER_LIMESTONE, 3000.0)); /* cases and fixed numbers of contacts */
+    /* cases and fixed numbers of contacts */
+    classifier_model model = model_of(paper_def(CLASSIFIER_LIMESTONE, 3000.0));
     const double cases[3][3] = {{53.0, 61.4, 71.2}, {152.7, 213.9, 371.8}, {64.6, 71.9, 79.6}},
                  fixed[] = {61.40, 71.48, 74.51, 75.83, 76.75};
     for (int k = 0; k < 3; k++) {
@@ -383,22 +410,23 @@ static void sensitivities(void **state) {
         const classifier_def base = paper_def(CLASSIFIER_LIMESTONE, rpms[k]);
         double x = x50_of(base);
         classifier_def d = base, u = base;
-#define CHANGE(wanted, tolerance, change)                                                                                                  \
-    do {                                                                                                                                   \
-        d = base;                                                                                                                          \
-        change;                                                                                                                            \
-        near(100.0 * (x50_of(d) / x - 1.0), wanted, tolerance);                                                                            \
+#define CHANGE(wanted, tolerance, change)                                                                              \
+    do {                                                                                                               \
+        d = base;                                                                                                      \
+        change;                                                                                                        \
+        near(100.0 * (x50_of(d) / x - 1.0), wanted, tolerance);                                                        \
     } while (0)
-#define BOTH(wanted, tolerance, up, down)                                                                                                  \
-    do {                                                                                                                                   \
-        d = u = base;                                                                                                                      \
-        up;                                                                                                                                \
-        down;                                                                                                                              \
-        near(50.0 * (x50_of(u) - x50_of(d)) / x, wanted, tolerance);                                                                       \
+#define BOTH(wanted, tolerance, up, down)                                                                              \
+    do {                                                                                                               \
+        d = u = base;                                                                                                  \
+        up;                                                                                                            \
+        down;                                                                                                          \
+        near(50.0 * (x50_of(u) - x50_of(d)) / x, wanted, tolerance);                                                   \
     } while (0)
-        const double v_r[] = {2.5, 2.5, 2.1}, v_t[] = {5.1, 0.0, 0.0}, e[] = {-4.9, -3.9, -3.6}, sd[] = {-4.0, -3.2, -3.0},
-                     psi[] = {-6.5, -5.7, -5.0};
-        const double few[] = {-6.1, -4.9, -4.6}, many[] = {4.3, 3.5, 3.2}, jet[] = {13.0, 11.0, 9.7}, warm[] = {-1.1, -0.5, 0.1};
+        const double v_r[] = {2.5, 2.5, 2.1}, v_t[] = {5.1, 0.0, 0.0}, e[] = {-4.9, -3.9, -3.6},
+                     sd[] = {-4.0, -3.2, -3.0}, psi[] = {-6.5, -5.7, -5.0};
+        const double few[] = {-6.1, -4.9, -4.6}, many[] = {4.3, 3.5, 3.2}, jet[] = {13.0, 11.0, 9.7},
+                     warm[] = {-1.1, -0.5, 0.1};
         CHANGE(v_r[k], 0.15, d.radial_velocity.mean *= 2.0; d.radial_velocity.sd *= 2.0);
         CHANGE(v_t[k], 0.15, d.tangential_velocity.mean = 0.0);
         BOTH(e[k], 0.15, (u.restitution.mean += 0.05, u.particle_restitution += 0.05),
@@ -409,8 +437,10 @@ static void sensitivities(void **state) {
         CHANGE(many[k], 0.15, d.contacts.mean = 2.0);
         BOTH(jet[k], 0.6, u.radial_factor *= 1.1, d.radial_factor *= 0.9);
         CHANGE(warm[k], 0.35,
-               (d.fluid_density = 1.164, d.viscosity = 1.86e-5)); /* air at 30 C; the specification does not say which values */
-        CHANGE(k == 1 ? 0.47 : 0.42, 0.06, (d.wheel.thickness = 0.0, d.wheel.inner_radius = 0.01492, d.wheel.height = 0.01868));
+               /* Air at 30 C; the specification does not say which values. */
+               (d.fluid_density = 1.164, d.viscosity = 1.86e-5));
+        CHANGE(k == 1 ? 0.47 : 0.42, 0.06,
+               (d.wheel.thickness = 0.0, d.wheel.inner_radius = 0.01492, d.wheel.height = 0.01868));
     }
     const double sds[] = {0.10, 0.15, 0.20}, kappa[] = {0.743, 0.710, 0.683};
     for (int i = 0; i < 3; i++) {
@@ -437,26 +467,31 @@ static void snapshot_against_path(void **state) {
         classifier_def def = paper_def(CLASSIFIER_LIMESTONE, rpms[k]);
         classifier_drag drag = hs(classifier_rorato(0.83), CLASSIFIER_PROJECTED);
         double r = 0.02475, v = 1.29 * rpms[k] * RIDDLE_PI / 30.0 * r;
-        classifier_balance at = {1.2, 1.81e-5, 2700.0, r, def.radial_factor * classifier_radial_velocity(&def.wheel, def.air_flow, r),
-                                 v,   false};
+        classifier_balance at = {
+            1.2, 1.81e-5, 2700.0, r, def.radial_factor * classifier_radial_velocity(&def.wheel, def.air_flow, r),
+            v,   false};
         double cut = classifier_cut_size(&at, drag, NULL);
         near(classifier_trajectory_cut(&def, drag, r, v, CLASSIFIER_RADIAL_SLIP) / cut, radial[k], 6e-4);
         near(classifier_trajectory_cut(&def, drag, r, v, CLASSIFIER_FULL_SLIP) / cut, full[k], 0.005);
         /* at the rim the first instant decides: path and balance are the same question */
         at.radius = 0.025;
         at.radial_velocity = def.radial_factor * classifier_radial_velocity(&def.wheel, def.air_flow, 0.025);
-        close_to(classifier_trajectory_cut(&def, drag, 0.025, v, CLASSIFIER_RADIAL_SLIP), classifier_cut_size(&at, drag, NULL), 1e-4);
+        close_to(classifier_trajectory_cut(&def, drag, 0.025, v, CLASSIFIER_RADIAL_SLIP),
+                 classifier_cut_size(&at, drag, NULL), 1e-4);
     }
-    /* a heavy particle flies straight: with v_phi it leaves the wheel, falling inward it ends inside; a light one follows the gas */
+    /* a heavy particle flies straight: with v_phi it leaves the wheel, falling inward it ends inside; a light one
+       follows the gas */
     classifier_def def = paper_def(CLASSIFIER_LIMESTONE, 3000.0);
     assert_int_equal(classifier_trajectory(&def, classifier_stokes(), 5e-3, 0.02, 0.0, 5.0, CLASSIFIER_FULL_SLIP), 1);
     assert_int_equal(classifier_trajectory(&def, classifier_stokes(), 5e-3, 0.02, -5.0, 0.01, CLASSIFIER_FULL_SLIP), 0);
     assert_int_equal(classifier_trajectory(&def, classifier_stokes(), 1e-7, 0.024, 0.0, 10.0, CLASSIFIER_FULL_SLIP), 0);
-    /* the whole curve along paths: radial slip gives the model's T within its noise and the 0.5 % shift in size, full slip a coarser cut */
+    /* the whole curve along paths: radial slip gives the model's T within its noise and the 0.5 % shift in size, full
+       slip a coarser cut */
     def.points = 128;
     classifier_model model = model_of(def);
     double t_radial, t_full, error;
-    assert_int_equal(classifier_trajectory_tromp(&def, 66.85e-6, CLASSIFIER_RADIAL_SLIP, &t_radial, &error), CLASSIFIER_OK);
+    assert_int_equal(classifier_trajectory_tromp(&def, 66.85e-6, CLASSIFIER_RADIAL_SLIP, &t_radial, &error),
+                     CLASSIFIER_OK);
     assert_true(error < 0.04);
     near(t_radial, classifier_tromp(&model, 66.85e-6 / 1.005, NULL), error + 0.01);
     assert_int_equal(classifier_trajectory_tromp(&def, 66.85e-6, CLASSIFIER_FULL_SLIP, &t_full, &error), CLASSIFIER_OK);
@@ -467,7 +502,8 @@ static void snapshot_against_path(void **state) {
 
 static void impacts(void **state) {
     (void)state;
-    /* section 3: radii 23.6 .. 25 mm, mean 24.73 .. 24.75, angle -4 .. -5 +- 3 degrees, relative speed 1.19 / 1.00 / 1.00 wheel's */
+    /* section 3: radii 23.6 .. 25 mm, mean 24.73 .. 24.75, angle -4 .. -5 +- 3 degrees, relative
+       speed 1.19 / 1.00 / 1.00 wheel's */
     const double relative[] = {1.19, 1.00, 1.00};
     for (int k = 0; k < 3; k++) {
         classifier_def def = classifier_paper_def(CLASSIFIER_LIMESTONE, rpms[k], NULL);
@@ -477,9 +513,10 @@ static void impacts(void **state) {
             for (int j = 0; j < 20; j++)
                 for (int l = 0; l < 20; l++, n++) {
                     double ahead = edge + (i + 0.5) / 20.0 * (2.0 * RIDDLE_PI / 24.0 - 2.0 * edge);
-                    classifier_impact hit = classifier_approach(&def.wheel, omega, ahead,
-                                                                classifier_distribution_at(&def.tangential_velocity, (j + 0.5) / 20.0),
-                                                                classifier_distribution_at(&def.radial_velocity, (l + 0.5) / 20.0));
+                    classifier_impact hit =
+                        classifier_approach(&def.wheel, omega, ahead,
+                                            classifier_distribution_at(&def.tangential_velocity, (j + 0.5) / 20.0),
+                                            classifier_distribution_at(&def.radial_velocity, (l + 0.5) / 20.0));
                     assert_true(hit.hit && hit.iterations <= 8);
                     sum[0] += hit.radius;
                     sum[1] += hit.angle;
@@ -504,7 +541,8 @@ static void impacts(void **state) {
     assert_false(classifier_approach(&wheel, 300.0, 0.2, -8.0, 0.0).hit); /* it runs ahead of the paddle */
     assert_false(classifier_approach(&wheel, 300.0, 0.2, 0.0, 50.0).hit); /* it is inside before the paddle comes */
     assert_false(classifier_approach(&wheel, nan_, 0.2, 0.0, 0.0).hit);
-    /* hardly inward: over the rim again, counted at the edge; across the hollow inside and out to the face: not a hit */
+    /* hardly inward: over the rim again, counted at the edge; across the hollow inside and out to the
+       face: not a hit */
     classifier_wheel hollow = wheel;
     hollow.paddles = 2;
     classifier_impact edge_hit = classifier_approach(&hollow, 300.0, 1.4, 15.0, 0.0);
@@ -520,7 +558,8 @@ static void impacts(void **state) {
 
 static void error_bars_cover(void **state) {
     (void)state;
-    const double student[] = {12.7062, 4.30265, 3.18245, 2.77645, 2.57058, 2.44691, 2.36462, 2.30600, 2.26216}; /* tables */
+    /* tables */
+    const double student[] = {12.7062, 4.30265, 3.18245, 2.77645, 2.57058, 2.44691, 2.36462, 2.30600, 2.26216};
     for (int n = 2; n <= 10; n++) close_to(riddle_student(0.95, n - 1), student[n - 2], 5e-6);
     close_to(riddle_student(0.95, 63), 1.9983405425, 1e-10);
     classifier_def def = paper_def(CLASSIFIER_LIMESTONE, 3000.0);
@@ -551,8 +590,8 @@ static void error_bars_cover(void **state) {
         }
         classifier_free(&model);
     }
-    print_message("    default lattice: rms error of T %.1e; 95 %% bars cover %d, %d, %d of 100\n", sqrt(squares), covered[0], covered[1],
-                  covered[2]);
+    print_message("    default lattice: rms error of T %.1e; 95 %% bars cover %d, %d, %d of 100\n", sqrt(squares),
+                  covered[0], covered[1], covered[2]);
     assert_true(sqrt(squares) < 1e-4);
     for (int k = 0; k < 3; k++) assert_true(covered[k] >= 90);
 }
@@ -569,13 +608,15 @@ static void samplers_agree(void **state) {
         classifier_free(&model);
         near(t[i], t[0], 1.5 * (error[i] + error[0]));
     }
-    assert_true(error[0] < 0.25 * error[5] && error[0] < 0.3 * error[2]); /* that is what lattice and preintegration are for */
+    /* That is what lattice and preintegration are for. */
+    assert_true(error[0] < 0.25 * error[5] && error[0] < 0.3 * error[2]);
     /* a histogram of the same restitution: the same curve to the width of its bins */
     double edge[65], share[64];
     def = classifier_default_def();
     for (int i = 0; i <= 64; i++) edge[i] = i / 64.0;
     for (int i = 0; i < 64; i++)
-        share[i] = classifier_distribution_above(&def.restitution, edge[i]) - classifier_distribution_above(&def.restitution, edge[i + 1]);
+        share[i] = classifier_distribution_above(&def.restitution, edge[i]) -
+                   classifier_distribution_above(&def.restitution, edge[i + 1]);
     assert_int_equal(classifier_histogram(edge, share, 64, &def.restitution), CLASSIFIER_OK);
     classifier_model model = model_of(def);
     near(classifier_tromp(&model, 60e-6, NULL), t[0], 2e-4);
@@ -604,7 +645,8 @@ static void curve_is_monotone_and_repeatable(void **state) {
     for (double t = 0.02; t < 0.97; t += 0.06) near(classifier_tromp(&a, classifier_quantile(&a, t), NULL), t, 1e-11);
     double cases[3];
     classifier_tromp_cases(&a, 60e-6, cases);
-    near(a.weights.clean * cases[0] + a.weights.thrown * cases[1] + a.weights.again * cases[2], classifier_tromp(&a, 60e-6, NULL), 1e-14);
+    near(a.weights.clean * cases[0] + a.weights.thrown * cases[1] + a.weights.again * cases[2],
+         classifier_tromp(&a, 60e-6, NULL), 1e-14);
     /* the bits, on every machine without fused products: a change here is a change of the model */
     uint64_t hash = 14695981039346656037u;
     for (double x = 2e-5; x < 1.5e-4; x *= 1.1) {
@@ -625,15 +667,16 @@ static void laws_of_the_model(void **state) {
         classifier_def def = one_variable_def(CLASSIFIER_EQUIVALENT);
         def.law = (classifier_drag_law)law;
         def.buoyancy = law == 1;
-        classifier_drag drags[] = {hs(classifier_rorato(def.sphericity_2d.mean), CLASSIFIER_EQUIVALENT), classifier_schiller_naumann(),
-                                   classifier_stokes()};
+        classifier_drag drags[] = {hs(classifier_rorato(def.sphericity_2d.mean), CLASSIFIER_EQUIVALENT),
+                                   classifier_schiller_naumann(), classifier_stokes()};
         classifier_model model = model_of(def);
         classifier_balance at = paper_balance(3000.0);
         at.radial_velocity *= 2.7;
         at.buoyancy = def.buoyancy;
         for (double x = 2e-5; x < 8e-5; x *= 1.2) {
             double v = classifier_threshold_velocity(&at, drags[law], x), w = at.tangential_velocity;
-            near(classifier_tromp(&model, x, NULL), classifier_distribution_above(&def.restitution, (v - w) / w), 1e-11);
+            near(classifier_tromp(&model, x, NULL), classifier_distribution_above(&def.restitution, (v - w) / w),
+                 1e-11);
         }
         classifier_result r = {0};
         assert_int_equal(classifier_separate(&model, NULL, NULL, 0, &r), CLASSIFIER_OK);
@@ -689,7 +732,9 @@ static void calibration(void **state) {
 
 /* ---- curves ---- */
 
-static double by_curve(double x, const void *curve) { return classifier_curve_value((const classifier_curve *)curve, x); }
+static double by_curve(double x, const void *curve) {
+    return classifier_curve_value((const classifier_curve *)curve, x);
+}
 static double falling(double x, const void *user) {
     (void)user;
     return 2.0 - x;
@@ -707,8 +752,9 @@ static void curves_and_inverses(void **state) {
                          .57356856598227, .68958756923338 /* the specification prints ...956..., a slip */,
                          .83160975221987, .90471472196544};
     for (int i = 0; i < LENGTH(alpha); i++)
-        close_to(classifier_molerus_hoffmann_size(0.25, 1.0, alpha[i]) / classifier_molerus_hoffmann_size(0.75, 1.0, alpha[i]), mh[i],
-                 2e-14);
+        close_to(classifier_molerus_hoffmann_size(0.25, 1.0, alpha[i]) /
+                     classifier_molerus_hoffmann_size(0.75, 1.0, alpha[i]),
+                 mh[i], 2e-14);
     for (double small = 1e-20; small < 1e-8; small *= 7.0) { /* alpha x^2 counts where T is near 1 */
         double y = classifier_molerus_hoffmann_size(1.0 - ldexp(1.0, -45), 1.0, small);
         close_to(y * y / exp(small * (1.0 - y * y)), ldexp(1.0, 45) - 1.0, 1e-11);
@@ -781,7 +827,9 @@ static void fits_find_the_curve(void **state) {
             if (kind == 2) truth.hook_size = 1.1e-5;
             for (int i = 0; i < 25; i++) t[i] = classifier_curve_value(&truth, x[i]);
             classifier_fit_result fit = {0};
-            unsigned free = kind == 0 ? 0 : kind == 1 ? CLASSIFIER_FREE_BYPASS : CLASSIFIER_FREE_BYPASS | CLASSIFIER_FREE_HOOK;
+            unsigned free = kind == 0   ? 0
+                            : kind == 1 ? CLASSIFIER_FREE_BYPASS
+                                        : CLASSIFIER_FREE_BYPASS | CLASSIFIER_FREE_HOOK;
             assert_int_equal(classifier_fit((classifier_curve_law)law, free, x, t, NULL, 25, &fit), CLASSIFIER_OK);
             close_to(fit.curve.size, truth.size, 1e-6);
             close_to(fit.curve.slope, truth.slope, 1e-6);
@@ -823,7 +871,8 @@ static void fits_find_the_curve(void **state) {
     assert_int_equal(classifier_fit(CLASSIFIER_PLITT, 0, x, t, NULL, 0, &fit), CLASSIFIER_BAD_ARGUMENT);
     assert_int_equal(classifier_fit(CLASSIFIER_PLITT, 0, NULL, t, NULL, 5, &fit), CLASSIFIER_BAD_ARGUMENT);
     for (int i = 0; i < 25; i++) sd[i] = 0.7;
-    assert_int_equal(classifier_fit(CLASSIFIER_PLITT, 0, x, sd, NULL, 25, &fit), CLASSIFIER_OUTSIDE); /* all on one side */
+    /* all on one side */
+    assert_int_equal(classifier_fit(CLASSIFIER_PLITT, 0, x, sd, NULL, 25, &fit), CLASSIFIER_OUTSIDE);
     t[3] = nan_;
     assert_int_equal(classifier_fit(CLASSIFIER_PLITT, 0, x, t, NULL, 25, &fit), CLASSIFIER_BAD_ARGUMENT);
 }
@@ -831,7 +880,8 @@ static void fits_find_the_curve(void **state) {
 static void reconciliation(void **state) {
     (void)state;
     enum { N = 14 };
-    double f[N], g[N], h[N], t[N], sf[N], sg[N], sh[N], mf[N], mg[N], mh[N], got[N], got_sd[N], rf[N], rg[N], rh[N], c = 0.0;
+    double f[N], g[N], h[N], t[N], sf[N], sg[N], sh[N], mf[N], mg[N], mh[N], got[N], got_sd[N], rf[N], rg[N], rh[N],
+        c = 0.0;
     for (int i = 0; i < N; i++) {
         f[i] = exp(-0.5 * pow((i - 6.0) / 3.0, 2.0));
         t[i] = classifier_plitt(pow(1.4, i), pow(1.4, 6.3), 2.0);
@@ -848,11 +898,13 @@ static void reconciliation(void **state) {
     }
     classifier_balance_data data = {N, f, g, h, sf, sg, sh, nan_, nan_};
     classifier_balance_result result;
-    assert_int_equal(classifier_reconcile(&data, got, got_sd, rf, rg, rh, &result), CLASSIFIER_OK); /* exact data stay */
+    /* exact data stay */
+    assert_int_equal(classifier_reconcile(&data, got, got_sd, rf, rg, rh, &result), CLASSIFIER_OK);
     near(result.coarse_share, c, 1e-9);
     assert_true(result.chi_squared < 1e-12 && result.freedom == N - 2);
     for (int i = 0; i < N; i++) near(got[i], t[i], 1e-7);
-    /* noisy data: the balance closes, the sums stay 1, and split and T scatter as stated. The noise keeps the sums, as shares do */
+    /* noisy data: the balance closes, the sums stay 1, and split and T scatter as stated. The noise keeps the sums,
+       as shares do */
     data.feed = mf;
     data.coarse = mg;
     data.fine = mh;
@@ -927,7 +979,8 @@ static void circuits(void **state) {
         near(coarse, t / (1.0 - t * (1.0 - t)), 1e-14);
         near(load[0], 1.0 / (1.0 - t * (1.0 - t)), 1e-14);
         /* coarse cleaned three times without recycle */
-        classifier_circuit_def series = {3, {1, 2, CLASSIFIER_TO_COARSE}, {CLASSIFIER_TO_FINE, CLASSIFIER_TO_FINE, CLASSIFIER_TO_FINE}};
+        classifier_circuit_def series = {
+            3, {1, 2, CLASSIFIER_TO_COARSE}, {CLASSIFIER_TO_FINE, CLASSIFIER_TO_FINE, CLASSIFIER_TO_FINE}};
         assert_int_equal(classifier_circuit(&series, ts, &coarse, load), CLASSIFIER_OK);
         near(coarse, t * t * 0.3, 1e-15);
         /* part of its own coarse product comes back for another try: 1 / (1 - t) passes */
@@ -948,7 +1001,8 @@ static void circuits(void **state) {
     close_to(coarse, 1.0, 1e-15);
     close_to(load[1], 1e20, 1e-15);
     close_to(load[0], ldexp(1e20, 41), 1e-15);
-    classifier_circuit_def loop = {1, {0}, {CLASSIFIER_TO_FINE}}, wrong = {2, {1, 2}, {-2, -2}}, closed = {2, {1, 0}, {1, 0}};
+    classifier_circuit_def loop = {1, {0}, {CLASSIFIER_TO_FINE}}, wrong = {2, {1, 2}, {-2, -2}},
+                           closed = {2, {1, 0}, {1, 0}};
     assert_int_equal(classifier_circuit(&loop, all, &coarse, NULL), CLASSIFIER_NO_OUTLET);
     assert_int_equal(classifier_circuit(&closed, all, &coarse, NULL), CLASSIFIER_NO_OUTLET);
     assert_int_equal(classifier_circuit(&wrong, all, &coarse, NULL), CLASSIFIER_BAD_ARGUMENT);
@@ -961,16 +1015,19 @@ static void circuits(void **state) {
 static void distributions(void **state) {
     (void)state;
     classifier_distribution d = classifier_normal(0.29, 0.15, 0.0, 1.0), h;
-    for (double u = 0.01; u < 1.0; u += 0.03) near(classifier_distribution_above(&d, classifier_distribution_at(&d, u)), 1.0 - u, 1e-14);
+    for (double u = 0.01; u < 1.0; u += 0.03)
+        near(classifier_distribution_above(&d, classifier_distribution_at(&d, u)), 1.0 - u, 1e-14);
     double sum = 0.0;
     for (int i = 0; i < 100000; i++) sum += classifier_distribution_at(&d, (i + 0.5) / 100000.0) / 100000.0;
     near(classifier_distribution_mean(&d), sum, 1e-6);
     assert_true(classifier_distribution_above(&d, -1.0) == 1.0 && classifier_distribution_above(&d, 1.0) == 0.0);
     classifier_distribution far = classifier_normal(-5.0, 1.0, 0.0, HUGE_VAL); /* a tail: 3e-7 of its mass is left */
     near(classifier_distribution_mean(&far), 0.186503967125846, 1e-9);
-    for (double u = 0.01; u < 1.0; u += 0.03) near(classifier_distribution_above(&far, classifier_distribution_at(&far, u)), 1.0 - u, 1e-9);
+    for (double u = 0.01; u < 1.0; u += 0.03)
+        near(classifier_distribution_above(&far, classifier_distribution_at(&far, u)), 1.0 - u, 1e-9);
     for (double z = 3.0; z < 5.5; z += 0.6) { /* cut far below the mean: as good as its mirror image */
-        classifier_distribution low = classifier_normal(1.0 + z * 0.2, 0.2, 0.0, 1.0), up = classifier_normal(0.0 - z * 0.2, 0.2, 0.0, 1.0);
+        classifier_distribution low = classifier_normal(1.0 + z * 0.2, 0.2, 0.0, 1.0),
+                                up = classifier_normal(0.0 - z * 0.2, 0.2, 0.0, 1.0);
         near(classifier_distribution_mean(&low), 1.0 - classifier_distribution_mean(&up), 1e-14);
         for (double u = 0.01; u < 1.0; u += 0.03) {
             double at = classifier_distribution_at(&low, u);
@@ -984,8 +1041,8 @@ static void distributions(void **state) {
     near(classifier_distribution_above(&h, 0.2), 0.5, 1e-15);
     near(classifier_distribution_at(&h, 0.5), 0.2, 1e-15);
     near(h.mean, 0.225, 1e-15);
-    const double empty[] = {0.0, 0.0, 0.0}, more[] = {0.5, 0.5, 0.25}, negative[] = {1.5, -0.5, 0.0}, broken[] = {nan_, 0.5, 0.5},
-                 back[] = {0.0, 0.2, 0.1, 0.6};
+    const double empty[] = {0.0, 0.0, 0.0}, more[] = {0.5, 0.5, 0.25}, negative[] = {1.5, -0.5, 0.0},
+                 broken[] = {nan_, 0.5, 0.5}, back[] = {0.0, 0.2, 0.1, 0.6};
     const double gap[] = {0.5, 0.0, 0.5};
     assert_int_equal(classifier_histogram(edge, empty, 3, &h), CLASSIFIER_EMPTY);
     assert_int_equal(classifier_histogram(edge, share, 0, &h), CLASSIFIER_EMPTY);
@@ -998,9 +1055,11 @@ static void distributions(void **state) {
     assert_int_equal(classifier_histogram(edge, share, 3, NULL), CLASSIFIER_BAD_ARGUMENT);
     near(h.mean, 0.225, 1e-15); /* untouched by all that */
     assert_int_equal(classifier_histogram(edge, gap, 3, &h), CLASSIFIER_OK);
-    for (double u = 0.05; u < 1.0; u += 0.1) near(classifier_distribution_above(&h, classifier_distribution_at(&h, u)), 1.0 - u, 1e-14);
+    for (double u = 0.05; u < 1.0; u += 0.1)
+        near(classifier_distribution_above(&h, classifier_distribution_at(&h, u)), 1.0 - u, 1e-14);
     assert_true(isnan(classifier_distribution_at(&h, 0.0)) && isnan(classifier_distribution_at(&h, nan_)));
-    classifier_distribution none = classifier_normal(-50.0, 1.0, 0.0, 1.0), wild = classifier_normal(nan_, 1.0, 0.0, 1.0);
+    classifier_distribution none = classifier_normal(-50.0, 1.0, 0.0, 1.0),
+                            wild = classifier_normal(nan_, 1.0, 0.0, 1.0);
     assert_int_equal(classifier_check_distribution(&none), CLASSIFIER_EMPTY);
     assert_int_equal(classifier_check_distribution(&wild), CLASSIFIER_BAD_ARGUMENT);
 }
@@ -1038,9 +1097,10 @@ static void laws_outside_their_domain(void **state) {
     const double bad[] = {0.0, -1.0, -HUGE_VAL, nan_};
     for (int i = 0; i < LENGTH(bad); i++) {
         double b = bad[i];
-        assert_true(isnan(classifier_newton_factor(b)) && isnan(hs(b, CLASSIFIER_EQUIVALENT).c1) && isnan(hs(b, CLASSIFIER_PROJECTED).c3));
-        assert_true(isnan(classifier_drag_coefficient(hs(0.8, CLASSIFIER_EQUIVALENT), b)) && isnan(classifier_sphericity(b, 1.0)) &&
-                    isnan(classifier_sphericity_2d(1.0, b)));
+        assert_true(isnan(classifier_newton_factor(b)) && isnan(hs(b, CLASSIFIER_EQUIVALENT).c1) &&
+                    isnan(hs(b, CLASSIFIER_PROJECTED).c3));
+        assert_true(isnan(classifier_drag_coefficient(hs(0.8, CLASSIFIER_EQUIVALENT), b)) &&
+                    isnan(classifier_sphericity(b, 1.0)) && isnan(classifier_sphericity_2d(1.0, b)));
         assert_true(isnan(classifier_thornton_ning(b, 1.0)) && isnan(classifier_yield_velocity(b, 1.0, 1.0)) &&
                     isnan(classifier_reduced_modulus(b, 0.3, 1.0, 0.3)));
         assert_true(isnan(classifier_plitt(1.0, b, 1.0)) && isnan(classifier_rosin_rammler(1.0, 1.0, b)) &&
@@ -1050,10 +1110,12 @@ static void laws_outside_their_domain(void **state) {
         double *fields[6];
         for (int k = 0; k < 6; k++) {
             classifier_balance at = paper_balance(3000.0);
-            fields[0] = &at.fluid_density, fields[1] = &at.viscosity, fields[2] = &at.particle_density, fields[3] = &at.radius;
+            fields[0] = &at.fluid_density, fields[1] = &at.viscosity, fields[2] = &at.particle_density,
+            fields[3] = &at.radius;
             fields[4] = &at.radial_velocity, fields[5] = &at.tangential_velocity;
             *fields[k] = b;
-            assert_true(isnan(classifier_cut_size(&at, classifier_stokes(), NULL)) && isnan(classifier_cut_size_stokes(&at)));
+            assert_true(isnan(classifier_cut_size(&at, classifier_stokes(), NULL)) &&
+                        isnan(classifier_cut_size_stokes(&at)));
             if (k != 5) assert_true(isnan(classifier_threshold_velocity(&at, classifier_stokes(), 1e-5)));
             if (k != 4) assert_true(isnan(classifier_cut_radial_velocity(&at, classifier_stokes(), 1e-5)));
         }
@@ -1065,11 +1127,13 @@ static void laws_outside_their_domain(void **state) {
                 isnan(classifier_cut_size(&at, hs(nan_, CLASSIFIER_EQUIVALENT), NULL)));
     assert_true(isnan(classifier_plitt_size(1.0, 1.0, 1.0)) && isnan(classifier_plitt_size(-0.1, 1.0, 1.0)) &&
                 isnan(classifier_molerus_hoffmann_size(nan_, 1.0, 1.0)));
-    assert_true(isnan(classifier_rebound_paddle(1.0, 1.1, 1.0, 1.0)) && isnan(classifier_rebound_thrown(1.0, 1.0, -0.1, 1.0)));
+    assert_true(isnan(classifier_rebound_paddle(1.0, 1.1, 1.0, 1.0)) &&
+                isnan(classifier_rebound_thrown(1.0, 1.0, -0.1, 1.0)));
     assert_true(classifier_plitt(0.0, 1.0, 2.0) == 0.0 && classifier_molerus_hoffmann(0.0, 1.0, 2.0) == 0.0 &&
                 classifier_molerus_hoffmann(1e300, 1.0, 0.0) == 1.0);
     assert_true(classifier_plitt(1e-300, 1.0, 1.0) > 0.0 && classifier_molerus_hoffmann(1e-200, 1.0, 600.0) == 0.0);
-    for (int s = 0; s < CLASSIFIER__STATUS_COUNT; s++) assert_true(strlen(classifier_status_text((classifier_status)s)) > 1);
+    for (int s = 0; s < CLASSIFIER__STATUS_COUNT; s++)
+        assert_true(strlen(classifier_status_text((classifier_status)s)) > 1);
     assert_string_equal(classifier_status_text(CLASSIFIER_OK), "ok");
     assert_string_equal(classifier_status_text((classifier_status)99), "unknown status");
 }
@@ -1082,15 +1146,15 @@ static void bad_definitions(void **state) {
     assert_null(field);
     assert_int_equal(classifier_check_def(NULL, &field), CLASSIFIER_BAD_ARGUMENT);
     assert_string_equal(field, "def");
-#define BAD(name, status, change)                                                                                                          \
-    do {                                                                                                                                   \
-        d = good;                                                                                                                          \
-        change;                                                                                                                            \
-        assert_int_equal(classifier_check_def(&d, &field), status);                                                                        \
-        assert_string_equal(field, name);                                                                                                  \
-        classifier_model model;                                                                                                            \
-        assert_int_equal(classifier_init(&model, &d, NULL), status);                                                                       \
-        classifier_free(&model);                                                                                                           \
+#define BAD(name, status, change)                                                                                      \
+    do {                                                                                                               \
+        d = good;                                                                                                      \
+        change;                                                                                                        \
+        assert_int_equal(classifier_check_def(&d, &field), status);                                                    \
+        assert_string_equal(field, name);                                                                              \
+        classifier_model model;                                                                                        \
+        assert_int_equal(classifier_init(&model, &d, NULL), status);                                                   \
+        classifier_free(&model);                                                                                       \
     } while (0)
     const double bad[] = {0.0, -1.0, HUGE_VAL, nan_};
     for (int i = 0; i < LENGTH(bad); i++) {
@@ -1121,8 +1185,10 @@ static void bad_definitions(void **state) {
     BAD("points", CLASSIFIER_BAD_DEFINITION, d.points = -16);
     BAD("shifts", CLASSIFIER_BAD_DEFINITION, d.shifts = 1);
     BAD("sphericity_2d", CLASSIFIER_BAD_ARGUMENT, d.sphericity_2d.mean = nan_);
-    BAD("sphericity_2d", CLASSIFIER_BAD_DEFINITION, d.sphericity_2d = classifier_normal(0.0, 0.0, 0.0, 0.0)); /* sphericity 0 */
-    BAD("sphericity_2d", CLASSIFIER_BAD_DEFINITION, d.sphericity_2d = classifier_normal(1.2, 0.0, 0.0, 2.0)); /* above 1 */
+    /* Sphericity 0. */
+    BAD("sphericity_2d", CLASSIFIER_BAD_DEFINITION, d.sphericity_2d = classifier_normal(0.0, 0.0, 0.0, 0.0));
+    /* above 1 */
+    BAD("sphericity_2d", CLASSIFIER_BAD_DEFINITION, d.sphericity_2d = classifier_normal(1.2, 0.0, 0.0, 2.0));
     BAD("sphericity_2d", CLASSIFIER_EMPTY, d.sphericity_2d.mean = 1e6);
     BAD("restitution", CLASSIFIER_BAD_DEFINITION, d.restitution.high = 1.5);
     BAD("imperfection", CLASSIFIER_BAD_DEFINITION,
@@ -1137,14 +1203,15 @@ static void bad_definitions(void **state) {
     d.size_low = 1e-7;
     classifier_model model = model_of(d);
     assert_int_equal(classifier_separate(&model, x, t, 3, &r), CLASSIFIER_OK);
-    assert_true((r.flags & CLASSIFIER_CUT_OUTSIDE) && isnan(r.x50) && isnan(r.sharpness) && t[0] == 0.0 && t[2] > 0.999);
+    assert_true((r.flags & CLASSIFIER_CUT_OUTSIDE) && isnan(r.x50) && isnan(r.sharpness) && t[0] == 0.0 &&
+                t[2] > 0.999);
     x[1] = nan_;
     assert_int_equal(classifier_separate(&model, x, t, 3, &r), CLASSIFIER_BAD_ARGUMENT);
     assert_int_equal(classifier_separate(&model, NULL, NULL, 3, &r), CLASSIFIER_BAD_ARGUMENT);
     assert_int_equal(classifier_separate(NULL, NULL, NULL, 0, &r), CLASSIFIER_BAD_ARGUMENT);
     double error;
-    assert_true(isnan(classifier_tromp(&model, 0.0, &error)) && isnan(error) && isnan(classifier_tromp(NULL, 1e-5, NULL)) &&
-                isnan(classifier_tromp(&model, HUGE_VAL, NULL)));
+    assert_true(isnan(classifier_tromp(&model, 0.0, &error)) && isnan(error) &&
+                isnan(classifier_tromp(NULL, 1e-5, NULL)) && isnan(classifier_tromp(&model, HUGE_VAL, NULL)));
     assert_true(isnan(classifier_quantile(&model, 0.0)) && isnan(classifier_quantile(&model, 1.0)) &&
                 isnan(classifier_quantile(&model, nan_)));
     double cases[3];
@@ -1180,12 +1247,14 @@ static void bad_definitions(void **state) {
     d = classifier_paper_def(CLASSIFIER_BEADS, nan_, &flags);
     assert_int_equal(classifier_check_def(&d, &field), CLASSIFIER_BAD_DEFINITION);
     d = good;
-    assert_int_equal(classifier_trajectory(&d, hs(nan_, CLASSIFIER_EQUIVALENT), 1e-5, 0.02, 0.0, 1.0, CLASSIFIER_FULL_SLIP), -1);
+    assert_int_equal(
+        classifier_trajectory(&d, hs(nan_, CLASSIFIER_EQUIVALENT), 1e-5, 0.02, 0.0, 1.0, CLASSIFIER_FULL_SLIP), -1);
     assert_int_equal(classifier_trajectory(&d, classifier_stokes(), 1e-5, 0.03, 0.0, 1.0, CLASSIFIER_FULL_SLIP), -1);
     assert_true(isnan(classifier_trajectory_cut(&d, classifier_stokes(), 0.02, nan_, CLASSIFIER_FULL_SLIP)));
     assert_int_equal(classifier_trajectory_tromp(&d, 0.0, CLASSIFIER_FULL_SLIP, &error, NULL), CLASSIFIER_BAD_ARGUMENT);
     d.rpm = 0.0;
-    assert_int_equal(classifier_trajectory_tromp(&d, 1e-5, CLASSIFIER_FULL_SLIP, &error, NULL), CLASSIFIER_BAD_DEFINITION);
+    assert_int_equal(classifier_trajectory_tromp(&d, 1e-5, CLASSIFIER_FULL_SLIP, &error, NULL),
+                     CLASSIFIER_BAD_DEFINITION);
     assert_int_equal(classifier_init(NULL, &good, NULL), CLASSIFIER_BAD_ARGUMENT);
 }
 
@@ -1199,8 +1268,10 @@ static void a_failed_call_leaves_nan(void **state) {
     double x[] = {1e-6, nan_, 1e-4}, t[] = {7.0, 7.0, 7.0}, flow = 7.0, rpm = 7.0, one = 7.0, error = 7.0;
     assert_int_equal(classifier_separate(&model, x, t, 3, &r), CLASSIFIER_BAD_ARGUMENT);
     for (int i = 0; i < 3; i++) assert_true(isnan(t[i]));
-    assert_true(isnan(r.x25) && isnan(r.x50) && isnan(r.x75) && isnan(r.sharpness) && isnan(r.ecart_probable) && isnan(r.x50_error));
-    assert_true(isnan(r.t_error) && isnan(r.re25) && isnan(r.re50) && isnan(r.re75) && isnan(r.weights.clean) && isnan(r.weights.again));
+    assert_true(isnan(r.x25) && isnan(r.x50) && isnan(r.x75) && isnan(r.sharpness) && isnan(r.ecart_probable) &&
+                isnan(r.x50_error));
+    assert_true(isnan(r.t_error) && isnan(r.re25) && isnan(r.re50) && isnan(r.re75) && isnan(r.weights.clean) &&
+                isnan(r.weights.again));
     assert_true(isnan(r.clamped) && isnan(r.missed) && r.flags == 0);
     classifier_free(&model);
 
@@ -1217,7 +1288,8 @@ static void a_failed_call_leaves_nan(void **state) {
     assert_int_equal(classifier_air_flow_for(&def, nan_, NULL, &flow), CLASSIFIER_BAD_ARGUMENT);
     assert_int_equal(classifier_rpm_for(&def, nan_, NULL, &rpm), CLASSIFIER_BAD_ARGUMENT);
     assert_true(isnan(flow) && isnan(rpm));
-    assert_int_equal(classifier_trajectory_tromp(&def, nan_, CLASSIFIER_FULL_SLIP, &one, &error), CLASSIFIER_BAD_ARGUMENT);
+    assert_int_equal(classifier_trajectory_tromp(&def, nan_, CLASSIFIER_FULL_SLIP, &one, &error),
+                     CLASSIFIER_BAD_ARGUMENT);
     classifier_def light = def;
     light.particle_density = 1e-300; /* the gas takes it along at once: steps too short to follow */
     assert_int_equal(classifier_trajectory_tromp(&light, 1e-3, CLASSIFIER_FULL_SLIP, &one, &error), CLASSIFIER_OUTSIDE);
@@ -1233,9 +1305,12 @@ static void a_failed_call_leaves_nan(void **state) {
     const double low[] = {0.1, 0.2, 0.3}, sizes[] = {1e-6, 2e-6, 3e-6};
     memset(&fit, 1, sizeof fit);
     assert_int_equal(classifier_fit(CLASSIFIER_PLITT, 0, sizes, low, NULL, 3, &fit), CLASSIFIER_OUTSIDE);
-    assert_true(isnan(fit.curve.size) && isnan(fit.curve.slope) && isnan(fit.curve.bypass) && isnan(fit.curve.hook_size));
-    assert_true(isnan(fit.size_sd) && isnan(fit.slope_sd) && isnan(fit.bypass_sd) && isnan(fit.hook_sd) && isnan(fit.rms));
-    assert_true(fit.iterations == 0 && isnan(classifier_curve_value(&fit.curve, 1e-6)) && isnan(classifier_curve_size(&fit.curve, 0.5)));
+    assert_true(isnan(fit.curve.size) && isnan(fit.curve.slope) && isnan(fit.curve.bypass) &&
+                isnan(fit.curve.hook_size));
+    assert_true(isnan(fit.size_sd) && isnan(fit.slope_sd) && isnan(fit.bypass_sd) && isnan(fit.hook_sd) &&
+                isnan(fit.rms));
+    assert_true(fit.iterations == 0 && isnan(classifier_curve_value(&fit.curve, 1e-6)) &&
+                isnan(classifier_curve_size(&fit.curve, 0.5)));
 
     const double share[] = {0.5, 0.5}, sd[] = {0.01, 0.01};
     double out[5][2] = {{7.0, 7.0}, {7.0, 7.0}, {7.0, 7.0}, {7.0, 7.0}, {7.0, 7.0}};
@@ -1244,7 +1319,8 @@ static void a_failed_call_leaves_nan(void **state) {
     memset(&balance, 1, sizeof balance);
     assert_int_equal(classifier_reconcile(&data, out[0], out[1], out[2], out[3], out[4], &balance), CLASSIFIER_OUTSIDE);
     for (int k = 0; k < 5; k++) assert_true(isnan(out[k][0]) && isnan(out[k][1]));
-    assert_true(isnan(balance.coarse_share) && isnan(balance.coarse_share_sd) && isnan(balance.chi_squared) && balance.freedom == 0);
+    assert_true(isnan(balance.coarse_share) && isnan(balance.coarse_share_sd) && isnan(balance.chi_squared) &&
+                balance.freedom == 0);
 
     const double all[] = {1.0, 1.0};
     double coarse = 7.0, load[] = {7.0, 7.0, 7.0};
@@ -1305,7 +1381,8 @@ static void test_a_failure_is_not_hidden_by_a_later_success(void **state) {
     assert_true(tried > 5);
 }
 
-/* Speed and air for a wanted fine product: a setting's own product is found back, and its sensitivities are differences of it. */
+/* Speed and air for a wanted fine product: a setting's own product is found back, and its sensitivities are
+   differences of it. */
 static void settings_by_wish(void **state) {
     (void)state;
     enum { N = 12 };
@@ -1328,7 +1405,8 @@ static void settings_by_wish(void **state) {
     for (int i = 0; i < N; i++)
         for (int k = 0; k < 40; k++) {
             const double low = i ? edge[i] : 1e-9, x = low * pow(edge[i + 1] / low, (k + 0.5) / 40.0),
-                         mass = feed[i] / 40.0 * (1.0 - classifier_tromp(&model, i ? x : edge[1] * (k + 0.5) / 40.0, NULL));
+                         mass = feed[i] / 40.0 *
+                                (1.0 - classifier_tromp(&model, i ? x : edge[1] * (k + 0.5) / 40.0, NULL));
             all += mass, below += (i ? x : 0.0) < 25e-6 ? mass : 0.0;
         }
     classifier_free(&model);
@@ -1377,7 +1455,8 @@ static void settings_by_wish(void **state) {
     }
 }
 
-/* Noisy curves of a machine without a bypass, fitted with a free bypass and with a free hook: never refused, never worse than without. */
+/* Noisy curves of a machine without a bypass, fitted with a free bypass and with a free hook: never refused, never
+   worse than without. */
 static void test_fits_whose_best_value_lies_on_a_border(void **state) {
     uint64_t random = 12345;
     int at_border = 0;
@@ -1388,7 +1467,8 @@ static void test_fits_whose_best_value_lies_on_a_border(void **state) {
         const double slope = 1.2 + 1.8 * uniform[0], scatter = 0.01 + 0.02 * uniform[1];
         const int n = 6 + (int)(14.0 * uniform[2]);
         for (int i = 0; i < n; i++) {
-            const double normal = sqrt(-2.0 * log(uniform[3 + 2 * i] + 1e-300)) * cos(2.0 * RIDDLE_PI * uniform[4 + 2 * i]);
+            const double normal =
+                sqrt(-2.0 * log(uniform[3 + 2 * i] + 1e-300)) * cos(2.0 * RIDDLE_PI * uniform[4 + 2 * i]);
             x[i] = 2e-6 * pow(25.0, i / (n - 1.0));
             t[i] = 1.0 - exp(-log(2.0) * pow(x[i] / 1e-5, slope)) + scatter * normal;
         }
@@ -1401,7 +1481,8 @@ static void test_fits_whose_best_value_lies_on_a_border(void **state) {
         assert_true(isfinite(bypass.size_sd) && isfinite(bypass.student));
         if (!(bypass.at_border & CLASSIFIER_FREE_BYPASS)) continue;
         at_border++;
-        assert_true(bypass.curve.bypass == 0.0 && bypass.bypass_sd == 0.0 && bypass.dof == n - 2 && bypass.rms == clean.rms);
+        assert_true(bypass.curve.bypass == 0.0 && bypass.bypass_sd == 0.0 && bypass.dof == n - 2 &&
+                    bypass.rms == clean.rms);
     }
     assert_true(at_border > 25 && at_border < 75);
     /* without noise, and with points twice */
@@ -1409,12 +1490,15 @@ static void test_fits_whose_best_value_lies_on_a_border(void **state) {
     double exact[6];
     classifier_fit_result fit;
     for (int i = 0; i < 6; i++) exact[i] = classifier_plitt(sizes[i], 1e-5, 1.5);
-    assert_int_equal(classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_HOOK, sizes, exact, NULL, 6, &fit), CLASSIFIER_OK);
+    assert_int_equal(classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_HOOK, sizes, exact, NULL, 6, &fit),
+                     CLASSIFIER_OK);
     assert_true(fabs(fit.curve.size / 1e-5 - 1.0) < 1e-9 && fit.rms < 1e-9);
-    assert_int_equal(classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_HOOK, sizes, exact, NULL, 5, &fit), CLASSIFIER_TOO_FEW);
+    assert_int_equal(classifier_fit(CLASSIFIER_PLITT, CLASSIFIER_FREE_HOOK, sizes, exact, NULL, 5, &fit),
+                     CLASSIFIER_TOO_FEW);
 }
 
-/* A wet classifier sends more than half of the finest to the coarse product with the water. The cut size belongs to the curve without. */
+/* A wet classifier sends more than half of the finest to the coarse product with the water. The cut size belongs to the
+   curve without. */
 static void test_bypasses_of_wet_classifiers(void **state) {
     (void)state;
     const double shares[4] = {0.05, 0.49, 0.51, 0.8};
@@ -1429,21 +1513,24 @@ static void test_bypasses_of_wet_classifiers(void **state) {
             close_to(fit.curve.size, 250e-6, 1e-6);
             close_to(fit.curve.slope, 2.0, 1e-5);
             near(fit.curve.bypass, shares[k], 1e-6);
-            assert_true(fit.bypass_low <= fit.curve.bypass && fit.curve.bypass <= fit.bypass_high && fit.hook_low == HUGE_VAL);
-            const classifier_status without = classifier_fit(truth.law, 0, x, t, NULL, 12, &fit); /* all above one half: no cut size */
+            assert_true(fit.bypass_low <= fit.curve.bypass && fit.curve.bypass <= fit.bypass_high &&
+                        fit.hook_low == HUGE_VAL);
+            /* all above one half: no cut size */
+            const classifier_status without = classifier_fit(truth.law, 0, x, t, NULL, 12, &fit);
             assert_true(without == (shares[k] > 0.5 ? CLASSIFIER_OUTSIDE : CLASSIFIER_OK));
             truth.hook_size = 100e-6;
             for (int i = 0; i < 12; i++) t[i] = classifier_curve_value(&truth, x[i]);
             assert_int_equal(classifier_fit(truth.law, CLASSIFIER_FREE_HOOK, x, t, NULL, 12, &fit), CLASSIFIER_OK);
             close_to(fit.curve.size, 250e-6, 1e-5);
             close_to(fit.curve.hook_size, 100e-6, 1e-4);
-            assert_true(isnan(fit.student) && fit.hook_low <= fit.curve.hook_size && fit.curve.hook_size <= fit.hook_high);
+            assert_true(isnan(fit.student) && fit.hook_low <= fit.curve.hook_size &&
+                        fit.curve.hook_size <= fit.hook_high);
         }
     }
 }
 
-/* Ranges: 95 of 100 hold what they state, with a hook, without one and near a bypass of 0, in any unit (thousands: scripts/verify
-   classifier_ranges). Deviations from the curvature held 66 of 100. */
+/* Ranges: 95 of 100 hold what they state, with a hook, without one and near a bypass of 0, in any unit (thousands:
+   scripts/verify classifier_ranges). Deviations from the curvature held 66 of 100. */
 static void test_ranges_of_curves(void **state) {
     (void)state;
     enum { SETS = 40 };
@@ -1457,15 +1544,18 @@ static void test_ranges_of_curves(void **state) {
             classifier_curve truth = classifier_curve_of(CLASSIFIER_PLITT, 20e-6, 2.0);
             classifier_fit_result r;
             truth.bypass = bypass[kind], truth.hook_size = hook[kind];
-            for (int i = 0; i < 9; i++) x[i] = 2e-6 * pow(1.63, i), t[i] = classifier_curve_value(&truth, x[i]) + 0.02 * gauss();
+            for (int i = 0; i < 9; i++)
+                x[i] = 2e-6 * pow(1.63, i), t[i] = classifier_curve_value(&truth, x[i]) + 0.02 * gauss();
             const unsigned bits = kind == 2 ? CLASSIFIER_FREE_BYPASS : CLASSIFIER_FREE_HOOK;
             assert_int_equal(classifier_fit(CLASSIFIER_PLITT, bits, x, t, NULL, 9, &r), CLASSIFIER_OK);
-            held[0] += r.size_low <= 20e-6 && 20e-6 <= r.size_high, held[1] += r.slope_low <= 2.0 && 2.0 <= r.slope_high;
+            held[0] += r.size_low <= 20e-6 && 20e-6 <= r.size_high,
+                held[1] += r.slope_low <= 2.0 && 2.0 <= r.slope_high;
             held[2] += r.bypass_low <= truth.bypass && truth.bypass <= r.bypass_high;
             held[3] += r.hook_low <= truth.hook_size && truth.hook_size <= r.hook_high;
             without += r.hook_high == HUGE_VAL;
             assert_true(r.size_low <= r.curve.size && r.curve.size <= r.size_high && r.slope_low <= r.curve.slope);
-            assert_true(r.slope_high >= r.curve.slope && r.bypass_low <= r.curve.bypass && r.bypass_high >= r.curve.bypass);
+            assert_true(r.slope_high >= r.curve.slope && r.bypass_low <= r.curve.bypass &&
+                        r.bypass_high >= r.curve.bypass);
             if (trial > 2) continue;
             classifier_fit_result mm; /* sizes in thousandths */
             for (int i = 0; i < 9; i++) x[i] *= 1e3;
@@ -1475,13 +1565,14 @@ static void test_ranges_of_curves(void **state) {
         }
         for (int k = 0; k < 4; k++)
             if (held[k] < 0.87 * SETS) fail_msg("kind %d, range %d: %d of %d hold", kind, k, held[k], SETS);
-        assert_true(kind == 1 ? without < SETS / 2 : without >= 0.9 * SETS); /* hook_high says whether there is a hook */
+        /* hook_high says whether there is a hook */
+        assert_true(kind == 1 ? without < SETS / 2 : without >= 0.9 * SETS);
     }
     random_state = before;
 }
 
-/* A class without fine product (a wet classifier's coarsest): no share below 0, no T outside 0 to 1, and no feasible balance beside it is
-   nearer to the measured shares. */
+/* A class without fine product (a wet classifier's coarsest): no share below 0, no T outside 0 to 1, and no feasible
+   balance beside it is nearer to the measured shares. */
 static void test_reconciled_shares_are_shares(void **state) {
     (void)state;
     int at_bound = 0;
@@ -1489,7 +1580,8 @@ static void test_reconciled_shares_are_shares(void **state) {
     random_state = 88172645463325252u;
     for (int trial = 0; trial < 200; trial++) {
         enum { N = 6 };
-        double m[3][N], sd[3][N], out[5][N], total[3] = {0.0, 0.0, 0.0}, truth[2][N], c = 0.2 + 0.6 * uniform(), sums[3] = {0.0, 0.0, 0.0};
+        double m[3][N], sd[3][N], out[5][N], total[3] = {0.0, 0.0, 0.0}, truth[2][N], c = 0.2 + 0.6 * uniform(),
+                                             sums[3] = {0.0, 0.0, 0.0};
         classifier_balance_result result;
         for (int i = 0; i < N; i++) {
             truth[0][i] = i == 0 ? 0.0 : uniform(), truth[1][i] = i >= N - 2 ? 0.0 : uniform();
@@ -1498,7 +1590,8 @@ static void test_reconciled_shares_are_shares(void **state) {
         for (int i = 0; i < N; i++) {
             truth[0][i] /= total[0], truth[1][i] /= total[1];
             const double v[3] = {c * truth[0][i] + (1.0 - c) * truth[1][i], truth[0][i], truth[1][i]};
-            for (int k = 0; k < 3; k++) sd[k][i] = 0.002 + 0.02 * uniform(), sums[k] += m[k][i] = fmax(0.0, v[k] + sd[k][i] * gauss());
+            for (int k = 0; k < 3; k++)
+                sd[k][i] = 0.002 + 0.02 * uniform(), sums[k] += m[k][i] = fmax(0.0, v[k] + sd[k][i] * gauss());
         }
         for (int i = 0; i < N; i++)
             for (int k = 0; k < 3; k++) m[k][i] /= sums[k];
@@ -1513,15 +1606,16 @@ static void test_reconciled_shares_are_shares(void **state) {
             sum_g += out[3][i], sum_h += out[4][i];
         }
         near(sum_g, 1.0, 1e-12), near(sum_h, 1.0, 1e-12);
-        for (int k = 0; k < 300; k++) { /* others that are balances, too: from one class to another, and another split */
+        /* Others that are balances, too: from one class to another, and another split. */
+        for (int k = 0; k < 300; k++) {
             const int from = (int)(N * uniform()), to = (int)(N * uniform()), product = 3 + (uniform() < 0.5);
             double g[2][N], chi = 0.0, e = result.coarse_share + (k % 3 ? 0.0 : 1e-3 * gauss());
             memcpy(g[0], out[3], sizeof g[0]), memcpy(g[1], out[4], sizeof g[1]);
             const double way = fmin(g[product - 3][from], 1e-2 * pow(uniform(), 3.0));
             g[product - 3][from] -= way, g[product - 3][to] += way;
             for (int i = 0; i < N; i++)
-                chi += pow((e * g[0][i] + (1.0 - e) * g[1][i] - m[0][i]) / sd[0][i], 2.0) + pow((g[0][i] - m[1][i]) / sd[1][i], 2.0) +
-                       pow((g[1][i] - m[2][i]) / sd[2][i], 2.0);
+                chi += pow((e * g[0][i] + (1.0 - e) * g[1][i] - m[0][i]) / sd[0][i], 2.0) +
+                       pow((g[0][i] - m[1][i]) / sd[1][i], 2.0) + pow((g[1][i] - m[2][i]) / sd[2][i], 2.0);
             assert_true(chi >= result.chi_squared * (1.0 - 1e-9));
         }
     }
@@ -1529,8 +1623,8 @@ static void test_reconciled_shares_are_shares(void **state) {
     random_state = before;
 }
 
-/* A step of T between two sizes is fitted as one, by every law; points that rise no more than by chance leave the size open. Many such sets:
-   scripts/verify fits. */
+/* A step of T between two sizes is fitted as one, by every law; points that rise no more than by chance leave the size
+   open. Many such sets: scripts/verify fits. */
 static void test_fits_of_steps_and_of_flat_points(void **state) {
     (void)state;
     double x[9], step[9], flat[9], low[9];
@@ -1555,15 +1649,17 @@ static void test_fits_of_steps_and_of_flat_points(void **state) {
 /* What the points leave open has an infinite deviation, what stands at its border none. */
 static void test_fits_say_what_is_open(void **state) {
     (void)state;
-    const double x[6] = {1e-6, 2e-6, 4e-6, 8e-6, 1.6e-5, 3.2e-5}, step[6] = {0, 0, 0, 1, 1, 1}, pinned[6] = {0, 0, 0.5, 1, 1, 1},
-                 fall[6] = {0.9, 0.8, 0.6, 0.4, 0.2, 0.1}, gentle[6] = {0.4, 0.4, 0.5, 0.8, 0.95, 1.0};
+    const double x[6] = {1e-6, 2e-6, 4e-6, 8e-6, 1.6e-5, 3.2e-5}, step[6] = {0, 0, 0, 1, 1, 1},
+                 pinned[6] = {0, 0, 0.5, 1, 1, 1}, fall[6] = {0.9, 0.8, 0.6, 0.4, 0.2, 0.1},
+                 gentle[6] = {0.4, 0.4, 0.5, 0.8, 0.95, 1.0};
     classifier_fit_result fit;
     for (int law = 0; law < 3; law++) {
         const classifier_curve_law of = (classifier_curve_law)law;
         assert_int_equal(classifier_fit(of, 0, x, step, NULL, 6, &fit), CLASSIFIER_OK);
         assert_true(isinf(fit.slope_sd) && isinf(fit.size_sd)); /* any slope above 50, any size between two points */
         assert_int_equal(classifier_fit(of, 0, x, pinned, NULL, 6, &fit), CLASSIFIER_OK);
-        assert_true(isinf(fit.slope_sd) && fit.size_sd < 1e-7 && fabs(classifier_curve_size(&fit.curve, 0.5) - 4e-6) < 1e-11);
+        assert_true(isinf(fit.slope_sd) && fit.size_sd < 1e-7 &&
+                    fabs(classifier_curve_size(&fit.curve, 0.5) - 4e-6) < 1e-11);
         assert_int_equal(classifier_fit(of, 0, x, fall, NULL, 6, &fit), CLASSIFIER_OUTSIDE);
     }
     assert_int_equal(classifier_fit(CLASSIFIER_MOLERUS_HOFFMANN, 0, x, gentle, NULL, 6, &fit), CLASSIFIER_OK);
@@ -1571,8 +1667,8 @@ static void test_fits_say_what_is_open(void **state) {
     assert_true(isfinite(fit.size_sd) && fit.size_sd > 0.0);
 }
 
-/* One point that is far better known than the others pins the curve: the least sum of squares is found all the same, by both laws that are
-   the same curves. */
+/* One point that is far better known than the others pins the curve: the least sum of squares is found all the same, by
+   both laws that are the same curves. */
 static void test_fits_with_uneven_deviations(void **state) {
     (void)state;
     const double x[6] = {1e-6, 2e-6, 4e-6, 8e-6, 1.6e-5, 3.2e-5}, t[6] = {0.05, 0.1, 0.3, 0.6, 0.9, 0.98};
@@ -1607,7 +1703,8 @@ static void test_fits_with_uneven_deviations(void **state) {
     }
 }
 
-/* Drag before the hit (specification 9 e): without gas the straight line, with it slower and flatter hits and a coarser cut. */
+/* Drag before the hit (specification 9 e): without gas the straight line, with it slower and flatter hits and a
+   coarser cut. */
 static void approach_in_gas(void **state) {
     (void)state;
     const double speed[3] = {1.155, 0.91, 0.84}, angle[3] = {-9.6, -13.5, -14.7}, gain[3] = {3.0, 4.8, 6.8};
@@ -1634,7 +1731,8 @@ static void approach_in_gas(void **state) {
             thin.fluid_density = 1e-12, thin.viscosity = 1e-17;
             const classifier_impact a = classifier_approach(&def.wheel, omega, ahead, against, in),
                                     b = classifier_approach_in_gas(&thin, drag, with, ahead, against, in);
-            near(b.radius, a.radius, 1e-9 * a.radius), near(b.speed, a.speed, 1e-8 * a.speed), near(b.time, a.time, 1e-9 * a.time);
+            near(b.radius, a.radius, 1e-9 * a.radius), near(b.speed, a.speed, 1e-8 * a.speed),
+                near(b.time, a.time, 1e-9 * a.time);
             near(b.angle, a.angle, 1e-8);
         }
         near(sum, speed[k], 0.015), near(tilt, angle[k], 0.8);

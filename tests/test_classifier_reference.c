@@ -1,5 +1,6 @@
-/* classifier.h against slow and independent ways to the same numbers: 40-digit laws (tests/reference/classifier/laws.csv), enumeration of
-   collision sequences, bisection, plain Monte Carlo written down as in the paper, step-by-step flight, brute-force averages. */
+/* classifier.h against slow and independent ways to the same numbers: 40-digit laws
+   (tests/reference/classifier/laws.csv), enumeration of collision sequences, bisection, plain Monte Carlo written down
+   as in the paper, step-by-step flight, brute-force averages. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -37,7 +38,8 @@ static double law(const char *name, double a, double b, double c) {
     if (!strcmp(name, "di_felice")) return classifier_di_felice_exponent(a);
     if (!strcmp(name, "cut_size")) return classifier_cut_size(&at, hs_c, NULL);
     if (!strcmp(name, "terminal_velocity")) return classifier_terminal_velocity(hs, a, 2700.0, 1.2, 1.81e-5, 9.81);
-    if (!strcmp(name, "terminal_schiller_naumann")) return classifier_terminal_velocity(sn, a, 2700.0, 1.2, 1.81e-5, 9.81);
+    if (!strcmp(name, "terminal_schiller_naumann"))
+        return classifier_terminal_velocity(sn, a, 2700.0, 1.2, 1.81e-5, 9.81);
     if (!strcmp(name, "stopping_distance")) return classifier_stopping_distance(hs_c, a, 2700.0, 1.2, 1.81e-5, b);
     if (!strcmp(name, "stopping_schiller_naumann")) return classifier_stopping_distance(sn, a, 2700.0, 1.2, 1.81e-5, b);
     if (!strcmp(name, "normal_above")) return classifier__normal_above(a);
@@ -55,7 +57,8 @@ static void laws_to_forty_digits(void **state) {
     for (int i = 0; i < data.rows; i++) {
         const char *name = data.cells[i * data.columns + csv_column(&data, "law")];
         double value = csv_value(&data, i, "value");
-        near_relative(law(name, csv_value(&data, i, "a"), csv_value(&data, i, "b"), csv_value(&data, i, "c")), value, 1e-12, name);
+        near_relative(law(name, csv_value(&data, i, "a"), csv_value(&data, i, "b"), csv_value(&data, i, "c")), value,
+                      1e-12, name);
     }
     csv_free(&data);
 }
@@ -71,7 +74,8 @@ static void normal_law_both_ways(void **state) {
 
 /* ---- collision sequences ---- */
 
-/* Slots W0 P1 W1 ... Pn Wn, each reverses the direction (-1) or not. Which of the 2^(2n+1) can happen and leave the wheel outward? */
+/* Slots W0 P1 W1 ... Pn Wn, each reverses the direction (-1) or not. Which of the 2^(2n+1) can happen and leave the
+   wheel outward? */
 static void count_sequences(int n, double counts[3]) {
     counts[0] = counts[1] = counts[2] = 0.0;
     for (unsigned long bits = 0; bits < 1ul << (2 * n + 1); bits++) {
@@ -104,7 +108,8 @@ static void case_weights_by_enumeration(void **state) {
 }
 
 /* The chain by enumeration of every branch with its probability */
-static void walk(int slot, int slots, int inbound, int turned, int last_wall, double p, double counter, double wall, double sums[3]) {
+static void walk(int slot, int slots, int inbound, int turned, int last_wall, double p, double counter, double wall,
+                 double sums[3]) {
     if (p == 0.0) return;
     if (slot == slots) {
         if (!inbound) sums[!turned ? 0 : last_wall ? 2 : 1] += p;
@@ -138,7 +143,8 @@ static void mixtures_by_summation(void **state) {
     (void)state;
     const double means[] = {0.0, 0.05, 0.2, 1.0, 2.0, 7.5};
     for (int i = 0; i < LENGTH(means); i++) {
-        double m = means[i], q = m / (1.0 + m), poisson = exp(-m), geometric = 1.0 - q, a[2] = {0.0, 0.0}, b[2] = {0.0, 0.0};
+        double m = means[i], q = m / (1.0 + m), poisson = exp(-m), geometric = 1.0 - q, a[2] = {0.0, 0.0},
+               b[2] = {0.0, 0.0};
         for (int n = 0; n < 400; n++) {
             classifier_weights w = classifier_weights_of(n);
             a[0] += poisson * w.clean;
@@ -149,8 +155,10 @@ static void mixtures_by_summation(void **state) {
             geometric *= q;
         }
         classifier_weights p = classifier_weights_poisson(m), g = classifier_weights_geometric(m);
-        assert_true(fabs(p.clean - a[0]) < 1e-14 && fabs(p.thrown - b[0]) < 1e-14 && fabs(p.clean + p.thrown + p.again - 1.0) < 1e-15);
-        assert_true(fabs(g.clean - a[1]) < 1e-14 && fabs(g.thrown - b[1]) < 1e-14 && fabs(g.clean + g.thrown + g.again - 1.0) < 1e-15);
+        assert_true(fabs(p.clean - a[0]) < 1e-14 && fabs(p.thrown - b[0]) < 1e-14 &&
+                    fabs(p.clean + p.thrown + p.again - 1.0) < 1e-15);
+        assert_true(fabs(g.clean - a[1]) < 1e-14 && fabs(g.thrown - b[1]) < 1e-14 &&
+                    fabs(g.clean + g.thrown + g.again - 1.0) < 1e-15);
     }
 }
 
@@ -175,10 +183,12 @@ static void solver_never_fails(void **state) {
         double psi = i % 3 == 0 ? uniform() : i % 3 == 1 ? spread(1e-12, 1.0) : 1.0 - spread(1e-16, 0.5);
         classifier_drag drag = classifier_hoelzer_sommerfeld(psi, i & 1 ? CLASSIFIER_EQUIVALENT : CLASSIFIER_PROJECTED);
         /* a wanted Re gives the balance that has it, so that every Re from 1e-8 to 1e6 occurs */
-        double wanted = spread(1e-8, 1e6), v_r = spread(1e-3, 1e3), radius = spread(1e-3, 10.0), rho_p = spread(10.0, 2e4);
+        double wanted = spread(1e-8, 1e6), v_r = spread(1e-3, 1e3), radius = spread(1e-3, 10.0),
+               rho_p = spread(10.0, 2e4);
         double x = wanted * 1.81e-5 / (1.2 * v_r);
         classifier_balance at = {1.2, 1.81e-5, rho_p, radius, v_r, 1.0, false};
-        at.tangential_velocity = v_r * sqrt(0.75 * 1.2 / rho_p * radius * classifier_drag_coefficient(drag, wanted) / x);
+        at.tangential_velocity =
+            v_r * sqrt(0.75 * 1.2 / rho_p * radius * classifier_drag_coefficient(drag, wanted) / x);
         int iterations;
         double got = classifier_cut_size(&at, drag, &iterations), off = fabs(got / x - 1.0);
         if (!(off < 1e-13)) bad++;
@@ -188,7 +198,8 @@ static void solver_never_fails(void **state) {
         if (re < lowest) lowest = re;
         if (re > highest) highest = re;
     }
-    print_message("    1e7 inputs, Re %.1e .. %.1e: at most %d iterations, worst relative error %.1e\n", lowest, highest, most, worst);
+    print_message("    1e7 inputs, Re %.1e .. %.1e: at most %d iterations, worst relative error %.1e\n", lowest,
+                  highest, most, worst);
     assert_int_equal(bad, 0);
     assert_true(most <= 6);
 }
@@ -196,8 +207,8 @@ static void solver_never_fails(void **state) {
 static void solver_against_bisection(void **state) {
     (void)state;
     for (int i = 0; i < 4000; i++) {
-        classifier_drag drags[] = {classifier_hoelzer_sommerfeld(spread(1e-3, 1.0), CLASSIFIER_EQUIVALENT), classifier_schiller_naumann(),
-                                   classifier_stokes()};
+        classifier_drag drags[] = {classifier_hoelzer_sommerfeld(spread(1e-3, 1.0), CLASSIFIER_EQUIVALENT),
+                                   classifier_schiller_naumann(), classifier_stokes()};
         classifier_drag drag = drags[i % 3];
         classifier_balance at = {spread(0.1, 1000.0),
                                  spread(1e-6, 1e-2),
@@ -213,7 +224,8 @@ static void solver_against_bisection(void **state) {
             else high = middle;
         }
         double re = at.fluid_density * at.radial_velocity * x / at.viscosity;
-        close_to(x, exp(low), drag.law == CLASSIFIER_SCHILLER_NAUMANN && fabs(re / 1000.0 - 1.0) < 0.01 ? 0.005 : 1e-12);
+        close_to(x, exp(low),
+                 drag.law == CLASSIFIER_SCHILLER_NAUMANN && fabs(re / 1000.0 - 1.0) < 0.01 ? 0.005 : 1e-12);
         /* the other unknowns take it back */
         if (drag.law == CLASSIFIER_SCHILLER_NAUMANN && fabs(re / 1000.0 - 1.0) < 0.01) continue;
         close_to(classifier_threshold_velocity(&at, drag, x), at.tangential_velocity, 1e-12);
@@ -221,7 +233,8 @@ static void solver_against_bisection(void **state) {
         /* d ln x / d ln K by a small change of the radius */
         classifier_balance more = at;
         more.radius *= 1.0001;
-        close_to(log(classifier_cut_size(&more, drag, NULL) / x) / log(1.0001), classifier_cut_sensitivity(drag, re), 1e-4);
+        close_to(log(classifier_cut_size(&more, drag, NULL) / x) / log(1.0001), classifier_cut_sensitivity(drag, re),
+                 1e-4);
     }
 }
 
@@ -229,8 +242,9 @@ static void solver_against_bisection(void **state) {
 
 static void stopping_step_by_step(void **state) {
     (void)state;
-    classifier_drag drags[] = {classifier_hoelzer_sommerfeld(0.85, CLASSIFIER_EQUIVALENT), classifier_schiller_naumann(),
-                               classifier_stokes(), classifier_hoelzer_sommerfeld(0.02, CLASSIFIER_PROJECTED)};
+    classifier_drag drags[] = {classifier_hoelzer_sommerfeld(0.85, CLASSIFIER_EQUIVALENT),
+                               classifier_schiller_naumann(), classifier_stokes(),
+                               classifier_hoelzer_sommerfeld(0.02, CLASSIFIER_PROJECTED)};
     for (int k = 0; k < LENGTH(drags); k++) {
         double x = 2e-5, v = 39.0, mass = RIDDLE_PI / 6.0 * x * x * x * 2700.0, path = 0.0;
         /* midpoint rule in ln v: ds = m v dv / F */
@@ -250,14 +264,17 @@ static void approach_step_by_step(void **state) {
     (void)state;
     classifier_def def = classifier_default_def();
     for (int i = 0; i < 200; i++) {
-        double omega = spread(300.0, 2000.0), ahead = 0.04 + 0.18 * uniform(), v_t = gauss() + 1.0, v_r = fabs(gauss()) * 2.0 + 0.3;
+        double omega = spread(300.0, 2000.0), ahead = 0.04 + 0.18 * uniform(), v_t = gauss() + 1.0,
+               v_r = fabs(gauss()) * 2.0 + 0.3;
         classifier_impact hit = classifier_approach(&def.wheel, omega, ahead, v_t, v_r);
         assert_true(hit.hit && hit.iterations <= 8);
         double x = 0.025 * cos(ahead), y = 0.025 * sin(ahead), vx = -v_r * cos(ahead) + v_t * sin(ahead),
                vy = -v_r * sin(ahead) - v_t * cos(ahead);
         double t = 0.0, step = 1e-3 / omega;
         for (int k = 0; k < 34; k++) { /* ever smaller steps up to the first crossing of the face */
-            while (cos(omega * (t + step)) * (y + vy * (t + step)) - sin(omega * (t + step)) * (x + vx * (t + step)) > 0.001) t += step;
+            while (cos(omega * (t + step)) * (y + vy * (t + step)) - sin(omega * (t + step)) * (x + vx * (t + step)) >
+                   0.001)
+                t += step;
             step *= 0.5;
         }
         close_to(hit.time, t, 1e-9);
@@ -289,7 +306,8 @@ static void approach_plainly(double omega, double v_t_mean, double v_r_mean, dou
         if (cos(omega * t) * (y + vy * t) - sin(omega * t) * (x + vx * t) > 0.001) low = t;
         else high = t;
     }
-    double px = x + vx * low, py = y + vy * low, wx = vx + omega * py, wy = vy - omega * px, c = cos(omega * low), s = sin(omega * low);
+    double px = x + vx * low, py = y + vy * low, wx = vx + omega * py, wy = vy - omega * px, c = cos(omega * low),
+           s = sin(omega * low);
     *r = fmin(hypot(px, py), 0.025);
     *speed = hypot(wx, wy);
     *angle = atan2(c * wx + s * wy, s * wx - c * wy);
@@ -303,7 +321,8 @@ static void model_by_plain_monte_carlo(void **state) {
     for (int k = 0; k < 2; k++) {
         double omega = rpm[k] * PI / 30.0, wanted[2] = {0.0, 0.0}, q = 0.5; /* geometric, mean 1 */
         for (int i = 0; i < n; i++) {
-            double r, speed, angle, r2, speed2, angle2, theta, e = truncated(0.29, 0.15, 0.0, 1.0), e2 = truncated(0.29, 0.15, 0.0, 1.0);
+            double r, speed, angle, r2, speed2, angle2, theta, e = truncated(0.29, 0.15, 0.0, 1.0),
+                                                               e2 = truncated(0.29, 0.15, 0.0, 1.0);
             approach_plainly(omega, v_t[k], v_r[k], &r, &speed, &angle);
             approach_plainly(omega, v_t[k], v_r[k], &r2, &speed2, &angle2);
             do theta = angle + 37.0 * PI / 180.0 * gauss();
@@ -316,7 +335,8 @@ static void model_by_plain_monte_carlo(void **state) {
             if (choose > w.clean + w.thrown) { /* C */
                 double slowed = v - 0.645 * (v + other);
                 place = r2;
-                v = omega * r2 + e2 * (omega * r2 - slowed) * cos(truncated(0.0, 37.0 * PI / 180.0, -0.5 * PI, 0.5 * PI));
+                v = omega * r2 +
+                    e2 * (omega * r2 - slowed) * cos(truncated(0.0, 37.0 * PI / 180.0, -0.5 * PI, 0.5 * PI));
             } else if (choose > w.clean) {
                 v = -other + 0.645 * cos((2.0 * uniform() - 1.0) * 65.0 * PI / 180.0) * (v + other);
             }
@@ -325,9 +345,10 @@ static void model_by_plain_monte_carlo(void **state) {
             psi = fmin(fmax(psi, 0.5075), 0.9998);
             for (int j = 0; j < 2; j++) { /* outward if the centrifugal force wins */
                 double x = sizes[k][j], re = 1.2 * gas * x / 1.81e-5;
-                double cd =
-                    24.0 / (re * sqrt(psi)) + 3.0 / (sqrt(re) * pow(psi, 0.75)) + 0.42 * pow(10.0, 0.4 * pow(-log10(psi), 0.2)) / psi;
-                double out = 2700.0 * PI / 6.0 * x * x * x * v * v / place, in = cd * PI / 4.0 * x * x * 0.6 * gas * gas;
+                double cd = 24.0 / (re * sqrt(psi)) + 3.0 / (sqrt(re) * pow(psi, 0.75)) +
+                            0.42 * pow(10.0, 0.4 * pow(-log10(psi), 0.2)) / psi;
+                double out = 2700.0 * PI / 6.0 * x * x * x * v * v / place,
+                       in = cd * PI / 4.0 * x * x * 0.6 * gas * gas;
                 wanted[j] += (v > 0.0 && out >= in) / (double)n;
             }
         }
@@ -335,7 +356,8 @@ static void model_by_plain_monte_carlo(void **state) {
         classifier_model model;
         assert_int_equal(classifier_init(&model, &def, NULL), CLASSIFIER_OK);
         for (int j = 0; j < 2; j++) {
-            double error, t = classifier_tromp(&model, sizes[k][j], &error), noise = sqrt(wanted[j] * (1.0 - wanted[j]) / n);
+            double error, t = classifier_tromp(&model, sizes[k][j], &error),
+                          noise = sqrt(wanted[j] * (1.0 - wanted[j]) / n);
             assert_true(error < 5e-4 && wanted[j] > 0.1 && wanted[j] < 0.9);
             if (!(fabs(t - wanted[j]) < 4.0 * noise + error))
                 fail_msg("%g rpm, %g um: T %.5f, plain %.5f +- %.5f", rpm[k], 1e6 * sizes[k][j], t, wanted[j], noise);

@@ -1,4 +1,5 @@
-/* dem_make_clump_from_mesh: mass properties are those of the surface, spheres stay inside it, and concave bodies rest and hook. */
+/* dem_make_clump_from_mesh: mass properties are those of the surface, spheres stay inside it, and concave bodies
+   rest and hook. */
 #include "dem.h"
 
 #include <setjmp.h>
@@ -22,22 +23,26 @@ static dem_mesh mesh_of(ptrdiff_t vertices, ptrdiff_t triangles) {
 }
 static void put(int k, int a, int b, int c) { triangle[3 * k] = a, triangle[3 * k + 1] = b, triangle[3 * k + 2] = c; }
 
-/* A prism over an L: arms `along` and `up` long and 1 wide, 1 thick; `up` = 1: a bar. The origin is the outer corner. */
+/* A prism over an L: arms `along` and `up` long and 1 wide, 1 thick; `up` = 1: a bar. The origin is the
+   outer corner. */
 static dem_mesh prism(double along, double up) {
     const double x[6][2] = {{0, 0}, {along, 0}, {along, 1}, {1, 1}, {1, up}, {0, up}};
     static const int cap[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}};
-    for (int k = 0; k < 12; k++) vertex[3 * k] = x[k % 6][0], vertex[3 * k + 1] = k / 6, vertex[3 * k + 2] = x[k % 6][1];
+    for (int k = 0; k < 12; k++)
+        vertex[3 * k] = x[k % 6][0], vertex[3 * k + 1] = k / 6, vertex[3 * k + 2] = x[k % 6][1];
     for (int k = 0; k < 4; k++) {
         put(k, cap[k][0], cap[k][1], cap[k][2]);
         put(4 + k, 6 + cap[k][0], 6 + cap[k][2], 6 + cap[k][1]);
     }
-    for (int k = 0; k < 6; k++) put(8 + 2 * k, k, k + 6, (k + 1) % 6), put(9 + 2 * k, (k + 1) % 6, k + 6, (k + 1) % 6 + 6);
+    for (int k = 0; k < 6; k++)
+        put(8 + 2 * k, k, k + 6, (k + 1) % 6), put(9 + 2 * k, (k + 1) % 6, k + 6, (k + 1) % 6 + 6);
     return mesh_of(12, 20);
 }
 static dem_mesh box(double a, double b, double c) {
     static const int side[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-    for (int k = 0; k < 8; k++) vertex[3 * k] = a * (k & 1), vertex[3 * k + 1] = b * (k >> 1 & 1), vertex[3 * k + 2] = c * (k >> 2);
+    for (int k = 0; k < 8; k++)
+        vertex[3 * k] = a * (k & 1), vertex[3 * k + 1] = b * (k >> 1 & 1), vertex[3 * k + 2] = c * (k >> 2);
     for (int k = 0; k < 12; k++) put(k, side[k][0], side[k][1], side[k][2]);
     return mesh_of(8, 12);
 }
@@ -103,7 +108,8 @@ static void test_ell(void **state) {
     for (int k = 0; k < 36; k++) vertex[k] = 1e-3 * vertex[k] + 7e-3;
     assert_int_equal(dem_make_clump_from_mesh(&m, 30, NULL, &other, &same), DEM_OK);
     assert_int_equal(other.spheres, c.spheres);
-    near(other.volume, 6e-9, 1e-20), near(other.moments.x, 1e-15 * c.moments.x, 1e-25), near(same.volume, fit.volume, 1e-6);
+    near(other.volume, 6e-9, 1e-20), near(other.moments.x, 1e-15 * c.moments.x, 1e-25),
+        near(same.volume, fit.volume, 1e-6);
 }
 
 /* A torus: the hole stays open. A surface with a hole is refused, and so are other bad arguments. */
@@ -116,7 +122,8 @@ static void test_torus(void **state) {
     near(c.volume / (2 * 9.8696044010894 * 3e-9), 1, 0.03);
     near(c.moments.x / c.moments.y, 1, 1e-9);
     near(fit.volume, -0.083, 0.003), assert_true(fit.centre < 0.01);
-    printf("torus, %d spheres: volume %+.3f, moments %.3f, centre %.4f\n", c.spheres, fit.volume, fit.moments, fit.centre);
+    printf("torus, %d spheres: volume %+.3f, moments %.3f, centre %.4f\n", c.spheres, fit.volume, fit.moments,
+           fit.centre);
     for (int k = 0; k < c.spheres; k++) assert_true(dem__length(c.centre[k]) - c.radius[k] > 1.95e-3);
     assert_int_equal(dem_make_clump_from_mesh(&m, 0, NULL, &c, &fit), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_make_clump_from_mesh(&m, DEM_CLUMP_MAX + 1, NULL, &c, NULL), DEM_TOO_MANY);
@@ -147,7 +154,8 @@ static void test_memory(void **state) {
     assert_true(failures >= 4);
 }
 
-/* An L comes to rest flat on a floor without a spin. Another one hangs on a bar by its short arm and is pulled against it; a bar slides off. */
+/* An L comes to rest flat on a floor without a spin. Another one hangs on a bar by its short arm and is pulled against
+   it; a bar slides off. */
 static void test_hook(void **state) {
     (void)state;
     dem_mesh m = prism(4, 3);
@@ -191,7 +199,8 @@ static void test_hook(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_cube), cmocka_unit_test(test_ell), cmocka_unit_test(test_torus),
-                                       cmocka_unit_test(test_memory), cmocka_unit_test(test_hook)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_cube), cmocka_unit_test(test_ell),
+                                       cmocka_unit_test(test_torus), cmocka_unit_test(test_memory),
+                                       cmocka_unit_test(test_hook)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -140,6 +140,27 @@ static void test_options_good(void **state) {
     assert_int_equal(parse(&l, "-h"), 1);
 }
 
+static void test_option_of_a_size(void **state) {
+    (void)state;
+    int size[2] = {960, 640};
+    char message[300];
+    program self = {"prog", "out/prog", NULL, 2, 1, false, false, false, 0.0, NULL, 0};
+    static const char *const bad[] = {"1920",    "1920x",   "x1280", "63x640", "640x63",
+                                      "4097x64", "64x4097", "64X64", "64x64x", "64x64.0",
+                                      "64x-64",  "+64x64",  "64x",   "",       "99999999999999999999x64",
+                                      "64x 64"};
+    option o = option_size("size", size, "of the picture");
+    char *argv[] = {(char *)"prog", (char *)"--size", (char *)"1920x1280"};
+    assert_int_equal(options_parse(&self, &o, 1, 3, argv, message, (int)sizeof message), 0);
+    assert_true(size[0] == 1920 && size[1] == 1280 && o.given);
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        argv[2] = (char *)bad[k];
+        if (options_parse(&self, &o, 1, 3, argv, message, (int)sizeof message) != 2) fail_msg("'%s' was taken", bad[k]);
+        assert_non_null(strstr(message, "allowed: width x height, such as 1920x1280, each from 64 to 4096"));
+        assert_true(size[0] == 1920 && size[1] == 1280);
+    }
+}
+
 static void test_options_bad(void **state) {
     (void)state;
     static const char *const bad[][2] = {
@@ -260,6 +281,22 @@ static void test_output_refused(void **state) {
 }
 
 /* /dev/full takes nothing: the failure shows at close at the latest, whatever the size. */
+/* A figure that a run has nothing for takes an older one with it. */
+static void test_a_figure_left_out(void **state) {
+    (void)state;
+    char folder[300], path[400];
+    snprintf(folder, sizeof folder, "%s", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp");
+    snprintf(path, sizeof path, "%s/riddle-left-out.svg", folder);
+    FILE *f = fopen(path, "w");
+    assert_non_null(f);
+    fclose(f);
+    common_set_quiet(true);
+    for (int k = 0; k < 2; k++) figure_left_out(folder, "riddle-left-out.svg", "nothing has happened");
+    common_set_quiet(false);
+    f = fopen(path, "r");
+    assert_null(f);
+}
+
 static void test_output_full_disk(void **state) {
     (void)state;
     if (access("/dev/full", W_OK) != 0) skip();
@@ -436,7 +473,8 @@ static void test_particles_as_others_write_them(void **state) {
     }
 }
 
-/* Arrays of a .vtp file under other names and types: read as they are meant, or refused; never left out without a word. */
+/* Arrays of a .vtp file under other names and types: read as they are meant, or refused; never left out
+   without a word. */
 static void test_vtp_arrays_as_others_write_them(void **state) {
     (void)state;
     double x[] = {0.1, 0.2}, y[] = {0.25, 0.25}, z[] = {0.5, 0.5}, size[] = {5000.0, 5000.0}, radius[] = {2.5, 2.5},
@@ -775,10 +813,12 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_seeds_of_runs),
         cmocka_unit_test(test_options_good),
+        cmocka_unit_test(test_option_of_a_size),
         cmocka_unit_test(test_options_bad),
         cmocka_unit_test_setup_teardown(test_output_whole_or_absent, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_output_through_a_link, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_output_refused, make_folder, remove_folder),
+        cmocka_unit_test(test_a_figure_left_out),
         cmocka_unit_test(test_output_full_disk),
         cmocka_unit_test_setup_teardown(test_json, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_json_absent, make_folder, remove_folder),

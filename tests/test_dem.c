@@ -33,11 +33,16 @@ static dem_def one_material(double e, double friction, double rolling) {
     return def;
 }
 static void start(dem_world *w, const dem_def *def) { assert_int_equal(dem_init(w, def, NULL), DEM_OK); }
-static void add(dem_world *w, dem_vec at, double d) { assert_int_equal(dem_add_spheres(w, 1, &at.x, &d, 0, 0), DEM_OK); }
-static void move(dem_world *w, ptrdiff_t i, dem_vec v, dem_vec spin) { assert_int_equal(dem_set_motion(w, i, v, spin), DEM_OK); }
+static void add(dem_world *w, dem_vec at, double d) {
+    assert_int_equal(dem_add_spheres(w, 1, &at.x, &d, 0, 0), DEM_OK);
+}
+static void move(dem_world *w, ptrdiff_t i, dem_vec v, dem_vec spin) {
+    assert_int_equal(dem_set_motion(w, i, v, spin), DEM_OK);
+}
 static void run(dem_world *w, double t, int features) {
     dem_status status = dem_run(w, t, features);
-    if (status != DEM_OK) fail_msg("%s, particle %lu, step %ld", dem_status_text(status), (unsigned long)w->failed_id, (long)w->step);
+    if (status != DEM_OK)
+        fail_msg("%s, particle %lu, step %ld", dem_status_text(status), (unsigned long)w->failed_id, (long)w->step);
 }
 
 /* ---- laws ---- */
@@ -47,10 +52,13 @@ static void test_restitution_laws(void **state) {
     const double m = 8.18e-5, k = 1e5;
     near_relative(dem_damping_ratio(0.7808, DEM_NAIVE), 7.8518240750470514e-2, 1e-12, "zeta N1, 0.7808");
     near_relative(dem_damping_ratio(0.7808, DEM_CLIPPED), 8.2867177921014822e-2, 1e-12, "zeta N2, 0.7808");
-    near_relative(dem_contact_time(k, m, dem_damping_ratio(0.7808, DEM_CLIPPED), DEM_CLIPPED), 8.5399910831154636e-5, 1e-12, "t_c, 0.7808");
+    near_relative(dem_contact_time(k, m, dem_damping_ratio(0.7808, DEM_CLIPPED), DEM_CLIPPED), 8.5399910831154636e-5,
+                  1e-12, "t_c, 0.7808");
     near_relative(dem_damping_ratio(0.4351, DEM_NAIVE), 0.25605971869412566, 1e-12, "zeta N1, 0.4351");
-    near_relative(2.0 * dem_damping_ratio(0.4351, DEM_CLIPPED) * sqrt(k * m), 1.8075348743475626, 1e-12, "gamma N2, 0.4351");
-    near_relative(dem_contact_time(k, m, dem_damping_ratio(0.4351, DEM_CLIPPED), DEM_CLIPPED), 7.5320565049314573e-5, 1e-12, "t_c, 0.4351");
+    near_relative(2.0 * dem_damping_ratio(0.4351, DEM_CLIPPED) * sqrt(k * m), 1.8075348743475626, 1e-12,
+                  "gamma N2, 0.4351");
+    near_relative(dem_contact_time(k, m, dem_damping_ratio(0.4351, DEM_CLIPPED), DEM_CLIPPED), 7.5320565049314573e-5,
+                  1e-12, "t_c, 0.4351");
     static const double table[5][4] = {{0.9, 0.0335184491, 0.0342652041, 0.902026},
                                        {0.7808, 0.0785182408, 0.0828671779, 0.790527},
                                        {0.5, 0.2154537620, 0.2552756376, 0.550283},
@@ -62,9 +70,10 @@ static void test_restitution_laws(void **state) {
         near_absolute(dem_restitution_of(table[n][1], DEM_CLIPPED), table[n][3], 5.1e-7, "e of N1 with a clipped law");
     }
     for (double e = 1e-9; e <= 1.0; e = e < 0.9 ? e * 1.07 : e + 1e-3) {
-        near_relative(dem_restitution_of(dem_damping_ratio(e, DEM_NAIVE), DEM_NAIVE), e, 1e-13 * (1.0 - log(e) * log(e) * log(e)) + 2e-12,
-                      "naive there and back");
-        near_relative(dem_restitution_of(dem_damping_ratio(e, DEM_CLIPPED), DEM_CLIPPED), e, 1e-12, "clipped there and back");
+        near_relative(dem_restitution_of(dem_damping_ratio(e, DEM_NAIVE), DEM_NAIVE), e,
+                      1e-13 * (1.0 - log(e) * log(e) * log(e)) + 2e-12, "naive there and back");
+        near_relative(dem_restitution_of(dem_damping_ratio(e, DEM_CLIPPED), DEM_CLIPPED), e, 1e-12,
+                      "clipped there and back");
     }
     assert_true(dem_damping_ratio(1.0, DEM_NAIVE) == 0.0 && dem_damping_ratio(1.0, DEM_CLIPPED) == 0.0);
     near_relative(dem_restitution_of(1.0, DEM_CLIPPED), exp(-2.0), 1e-14, "e(1)");
@@ -78,7 +87,8 @@ static void test_restitution_laws(void **state) {
     near_relative(dem_contact_time(k, m, 0.0, DEM_NAIVE), RIDDLE_PI * sqrt(m / k), 1e-15, "elastic t_c");
     /* Hertz: 2 sqrt(pi) Gamma(2/5)/(5 Gamma(9/10)) (15 m/(16 E sqrt(R)))^(2/5) v^(-1/5) * 2 */
     near_relative(dem_hertz_contact_time(2e9, 3e-3, 1e-4, 0.7),
-                  2.9432751753955 * pow(15.0 * 1e-4 / (16.0 * 2e9 * sqrt(3e-3)), 0.4) * pow(0.7, -0.2), 1e-12, "Hertz t_c");
+                  2.9432751753955 * pow(15.0 * 1e-4 / (16.0 * 2e9 * sqrt(3e-3)), 0.4) * pow(0.7, -0.2), 1e-12,
+                  "Hertz t_c");
 }
 
 static void test_laws_outside_their_domain(void **state) {
@@ -90,13 +100,15 @@ static void test_laws_outside_their_domain(void **state) {
     }
     static const double bad_zeta[] = {-1e-9, (double)NAN, (double)INFINITY};
     for (size_t k = 0; k < sizeof bad_zeta / sizeof *bad_zeta; k++) {
-        assert_true(isnan(dem_restitution_of(bad_zeta[k], DEM_NAIVE)) && isnan(dem_restitution_of(bad_zeta[k], DEM_CLIPPED)));
+        assert_true(isnan(dem_restitution_of(bad_zeta[k], DEM_NAIVE)) &&
+                    isnan(dem_restitution_of(bad_zeta[k], DEM_CLIPPED)));
         assert_true(isnan(dem_contact_time(1.0, 1.0, bad_zeta[k], DEM_CLIPPED)));
     }
     assert_true(isnan(dem_restitution_of(1.0, DEM_NAIVE)) && isnan(dem_contact_time(1.0, 1.0, 1.0, DEM_NAIVE)));
     static const double bad[] = {0.0, -1.0, (double)NAN};
     for (int k = 0; k < 3; k++) {
-        assert_true(isnan(dem_contact_time(bad[k], 1.0, 0.1, DEM_NAIVE)) && isnan(dem_contact_time(1.0, bad[k], 0.1, DEM_CLIPPED)));
+        assert_true(isnan(dem_contact_time(bad[k], 1.0, 0.1, DEM_NAIVE)) &&
+                    isnan(dem_contact_time(1.0, bad[k], 0.1, DEM_CLIPPED)));
         assert_true(isnan(dem_hertz_contact_time(bad[k], 1, 1, 1)) && isnan(dem_hertz_contact_time(1, bad[k], 1, 1)));
         assert_true(isnan(dem_hertz_contact_time(1, 1, bad[k], 1)) && isnan(dem_hertz_contact_time(1, 1, 1, bad[k])));
     }
@@ -113,17 +125,21 @@ static void test_advice(void **state) {
     add(&w, zero, 10e-3), add(&w, v3(1, 0, 0), 5e-3), add(&w, v3(2, 0, 0), 7e-3);
     dem_advice pair = dem_advise(&w, DEM_LINEAR, 1.0);
     double m = mass_of(5e-3);
-    near_relative(pair.contact, dem_contact_time(1e5, 0.5 * m, dem_damping_ratio(0.7808, DEM_CLIPPED), DEM_CLIPPED), 1e-13,
-                  "the smallest pair's t_c");
-    near_relative(pair.dashpot, 0.5 * m / (2.0 * dem_damping_ratio(0.7808, DEM_CLIPPED) * sqrt(1e5 * 0.5 * m)), 1e-13, "its dashpot");
-    near_relative(pair.rayleigh, RIDDLE_PI * 2.5e-3 * sqrt(2534.1 / (5e7 / 2.4)) / (0.1631 * 0.2 + 0.8766), 1e-13, "Rayleigh");
+    near_relative(pair.contact, dem_contact_time(1e5, 0.5 * m, dem_damping_ratio(0.7808, DEM_CLIPPED), DEM_CLIPPED),
+                  1e-13, "the smallest pair's t_c");
+    near_relative(pair.dashpot, 0.5 * m / (2.0 * dem_damping_ratio(0.7808, DEM_CLIPPED) * sqrt(1e5 * 0.5 * m)), 1e-13,
+                  "its dashpot");
+    near_relative(pair.rayleigh, RIDDLE_PI * 2.5e-3 * sqrt(2534.1 / (5e7 / 2.4)) / (0.1631 * 0.2 + 0.8766), 1e-13,
+                  "Rayleigh");
     near_relative(pair.advised, pair.contact / 20.0, 1e-13, "advised");
     assert_true(dem_add_plane(&w, 1, zero, up) == 0);
     dem_advice wall = dem_advise(&w, DEM_LINEAR, 1.0);
     near_relative(wall.contact, pair.contact, 1e-13, "the wall's contact is longer");
-    near_relative(wall.dashpot, m / (2.0 * dem_damping_ratio(0.4351, DEM_NAIVE) * sqrt(1e5 * m)), 1e-13, "but its dashpot is stronger");
+    near_relative(wall.dashpot, m / (2.0 * dem_damping_ratio(0.4351, DEM_NAIVE) * sqrt(1e5 * m)), 1e-13,
+                  "but its dashpot is stronger");
     dem_advice slow = dem_advise(&w, DEM_HERTZ, 0.1), fast = dem_advise(&w, DEM_HERTZ, 10.0);
-    assert_true(slow.contact > fast.contact && fast.advised <= fast.contact / 20.0 && slow.advised <= 0.2 * slow.rayleigh * (1 + 1e-12));
+    assert_true(slow.contact > fast.contact && fast.advised <= fast.contact / 20.0 &&
+                slow.advised <= 0.2 * slow.rayleigh * (1 + 1e-12));
     near_relative(slow.contact / fast.contact, pow(100.0, 0.2), 1e-12, "t_c ~ v^(-1/5)");
     assert_true(isnan(dem_advise(&w, DEM_HERTZ, nan_).advised) && isnan(dem_advise(&w, DEM_HERTZ, 0.0).advised) &&
                 isnan(dem_advise(NULL, DEM_LINEAR, 1.0).advised));
@@ -137,21 +153,25 @@ static void test_free_flight(void **state) {
     dem_def def = one_material(0.8, 0.3, 0.0);
     for (int loaded = 0; loaded < 2; loaded++) {
         dem_world w;
-        dem_vec x = v3(0.1, -0.2, 3.0), v = v3(0.3, 0.7, 2.0), s = v3(1, 2, 3), force = v3(1e-3, -2e-3, 5e-4), torque = v3(1e-6, 0, -2e-6);
+        dem_vec x = v3(0.1, -0.2, 3.0), v = v3(0.3, 0.7, 2.0), s = v3(1, 2, 3), force = v3(1e-3, -2e-3, 5e-4),
+                torque = v3(1e-6, 0, -2e-6);
         start(&w, &def);
         add(&w, x, diameter);
         move(&w, 0, v, s);
         if (loaded) assert_int_equal(dem_set_load(&w, 0, force, torque), DEM_OK);
-        double m = loaded ? 1.0 / dem_mass(&w, 0) : 0.0, turn = loaded ? 2.5 / (dem_mass(&w, 0) * radius * radius) : 0.0;
+        double m = loaded ? 1.0 / dem_mass(&w, 0) : 0.0,
+               turn = loaded ? 2.5 / (dem_mass(&w, 0) * radius * radius) : 0.0;
         dem_vec a = v3(m * force.x, m * force.y, m * force.z - 9.81);
         for (int k = 1; k <= 25; k++) {
             run(&w, 0.01, DEM_LINEAR);
             double t = w.time;
             near_relative(t, 0.01 * k, 1e-12, "time");
-            near_vec(dem_position(&w, 0),
-                     v3(x.x + t * (v.x + 0.5 * t * a.x), x.y + t * (v.y + 0.5 * t * a.y), x.z + t * (v.z + 0.5 * t * a.z)),
-                     loaded ? 1e-11 : 2e-15, "parabola");
-            near_vec(dem_velocity(&w, 0), v3(v.x + t * a.x, v.y + t * a.y, v.z + t * a.z), loaded ? 1e-11 : 2e-15, "velocity");
+            near_vec(
+                dem_position(&w, 0),
+                v3(x.x + t * (v.x + 0.5 * t * a.x), x.y + t * (v.y + 0.5 * t * a.y), x.z + t * (v.z + 0.5 * t * a.z)),
+                loaded ? 1e-11 : 2e-15, "parabola");
+            near_vec(dem_velocity(&w, 0), v3(v.x + t * a.x, v.y + t * a.y, v.z + t * a.z), loaded ? 1e-11 : 2e-15,
+                     "velocity");
             near_relative(dem_spin(&w, 0).x, s.x + t * turn * torque.x, 1e-11, "spin"),
                 near_relative(dem_spin(&w, 0).z, s.z + t * turn * torque.z, 1e-11, "spin");
         }
@@ -160,7 +180,8 @@ static void test_free_flight(void **state) {
     }
 }
 
-/* A sphere on a plane, in static equilibrium with gravity (angle of the plane against the horizontal by tilting gravity). */
+/* A sphere on a plane, in static equilibrium with gravity (angle of the plane against the horizontal by
+   tilting gravity). */
 static void on_plane(dem_world *w, const dem_def *def, double angle) {
     dem_def d = *def;
     d.gravity = v3(9.81 * sin(angle), 0, -9.81 * cos(angle));
@@ -232,9 +253,10 @@ static void test_rolling_resistance(void **state) {
     dem_free(&w);
 }
 
-/* The plane turns about an axis through the sphere's centre, and the load with it: a stuck contact, pulled sideways, goes round with
-   its tangential spring, whose length stays and whose direction follows. */
-/* A hit that slides and sticks: what the dashpot does to the spring does not depend on the number of steps. Limits from t_c/5120. */
+/* The plane turns about an axis through the sphere's centre, and the load with it: a stuck contact, pulled sideways,
+   goes round with its tangential spring, whose length stays and whose direction follows. */
+/* A hit that slides and sticks: what the dashpot does to the spring does not depend on the number of steps. Limits
+   from t_c/5120. */
 static void test_tangential_dashpot(void **state) {
     (void)state;
     const double limit[2] = {1.053, 1.039}, sliding[2] = {0.2252, 0.2079}, steps[2] = {20.0, 80.0};
@@ -248,7 +270,8 @@ static void test_tangential_dashpot(void **state) {
         const double contact = hertz ? dem_hertz_contact_time(1e8 / 1.82, radius, mass, 1.0)
                                      : dem_contact_time(1e5, mass, dem_damping_ratio(0.5, DEM_CLIPPED), DEM_CLIPPED);
         def.gravity = zero, def.dt = contact / steps[k % 2];
-        for (int phase = 0; phase < 20; phase++) { /* of the first step: what they scatter by is half of what they err */
+        /* of the first step: what they scatter by is half of what they err */
+        for (int phase = 0; phase < 20; phase++) {
             dem_world w;
             start(&w, &def);
             dem_add_plane(&w, 0, zero, up);
@@ -315,20 +338,26 @@ static void test_history_turns_with_the_contact(void **state) {
         move(&w, 0, zero, v3(0, spin, 0));
         int turns = 0, n = (int)(2.0 * RIDDLE_PI / spin / def.dt);
         for (int k = 0; k < 4 * n; k++) {
-            double angle = spin * (w.time + 0.5 * def.dt), c = cos(angle), s = sin(angle), ramp = k < n / 2 ? k / (0.5 * n) : 1.0;
+            double angle = spin * (w.time + 0.5 * def.dt), c = cos(angle), s = sin(angle),
+                   ramp = k < n / 2 ? k / (0.5 * n) : 1.0;
             double arm = radius + (dem_contact_count(&w) ? dem_get_contact(&w, 0).gap : 0.0);
-            /* axes of the plane: e1 = (c, 0, -s), n = (s, 0, c); a soft spring along e1, or it would roll off by centrifugal force */
+            /* axes of the plane: e1 = (c, 0, -s), n = (s, 0, c); a soft spring along e1, or it would roll off by
+               centrifugal force */
             dem_vec x = dem_position(&w, 0), v = dem_velocity(&w, 0);
             double side = ramp * pull - 20.0 * (x.x * c - x.z * s) - 0.1 * (v.x * c - v.z * s);
-            assert_int_equal(dem_set_load(&w, 0, v3(side * c - push * s, 0, -side * s - push * c), v3(0, -ramp * pull * arm, 0)), DEM_OK);
+            assert_int_equal(
+                dem_set_load(&w, 0, v3(side * c - push * s, 0, -side * s - push * c), v3(0, -ramp * pull * arm, 0)),
+                DEM_OK);
             run(&w, def.dt, features);
             if (k < 2 * n || k % 100) continue;
             assert_int_equal(dem_contact_count(&w), 1);
             dem_contact_info q = dem_get_contact(&w, 0);
-            double at = spin * w.time, e1 = q.state[0] * cos(at) - q.state[2] * sin(at), out = q.state[0] * sin(at) + q.state[2] * cos(at);
+            double at = spin * w.time, e1 = q.state[0] * cos(at) - q.state[2] * sin(at),
+                   out = q.state[0] * sin(at) + q.state[2] * cos(at);
             double length = sqrt(q.state[0] * q.state[0] + q.state[1] * q.state[1] + q.state[2] * q.state[2]);
             if (length0 == 0.0) length0 = length;
-            worst = fmax(worst, fabs(length / length0 - 1.0)), off = fmax(off, sqrt(out * out + q.state[1] * q.state[1]) / length);
+            worst = fmax(worst, fabs(length / length0 - 1.0)),
+            off = fmax(off, sqrt(out * out + q.state[1] * q.state[1]) / length);
             near_relative(e1, length, 1e-3, "along the pull");
             turns++;
         }
@@ -345,7 +374,8 @@ static double prepare_sticky(const dem_birth *b, double *constants) {
 }
 DEM_INLINE void force_sticky(const dem_contact *c, double *state, dem_response *r) {
     dem_force_linear_friction(c, state, r);
-    r->normal -= c->constants[DEM_LINEAR_CONSTANTS]; /* the pull holds the pair together; friction counts the contact's part alone */
+    /* the pull holds the pair together; friction counts the contact's part alone */
+    r->normal -= c->constants[DEM_LINEAR_CONSTANTS];
 }
 static const dem_law law_sticky = {"linear with attraction", 1, 3, 3, 1, 9, prepare_sticky, force_sticky, NULL, NULL};
 DEM_KERNEL(kernel_sticky, law_sticky, DEM_LINEAR | DEM_FRICTION)
@@ -357,11 +387,14 @@ static void test_rigid_rotation_is_no_slip(void **state) {
     double spin = 20.0;
     def.gravity = zero;
     start(&w, &def);
-    add(&w, v3(0.5 * diameter, 0, 0), diameter), add(&w, v3(-0.5 * diameter + 2e-7, 0, 0), diameter); /* rests at 0.02 N / 1e5 N/m */
+    /* Rests at 0.02 N / 1e5 N/m. */
+    add(&w, v3(0.5 * diameter, 0, 0), diameter), add(&w, v3(-0.5 * diameter + 2e-7, 0, 0), diameter);
     dem_vec axis = v3(0, 0.6, 0.8);
     for (ptrdiff_t i = 0; i < 2; i++) {
         dem_vec x = dem_position(&w, i);
-        move(&w, i, v3(spin * (axis.y * x.z - axis.z * x.y), spin * (axis.z * x.x - axis.x * x.z), spin * (axis.x * x.y - axis.y * x.x)),
+        move(&w, i,
+             v3(spin * (axis.y * x.z - axis.z * x.y), spin * (axis.z * x.x - axis.x * x.z),
+                spin * (axis.x * x.y - axis.y * x.x)),
              v3(0, spin * axis.y, spin * axis.z));
     }
     double t = 3.0 * 2.0 * RIDDLE_PI / spin; /* three turns */
@@ -387,7 +420,8 @@ static void test_binary_collisions_keep_momentum(void **state) {
         def.gravity = zero;
         start(&w, &def);
         add(&w, zero, 5e-3), add(&w, v3(scene_between(&r, -4e-3, 4e-3), 0, 7e-3), 7e-3);
-        move(&w, 1, v3(0.2, 0.1, -1), scene_vector(&r, 50.0)), move(&w, 0, scene_vector(&r, 0.3), scene_vector(&r, 50.0));
+        move(&w, 1, v3(0.2, 0.1, -1), scene_vector(&r, 50.0)),
+            move(&w, 0, scene_vector(&r, 0.3), scene_vector(&r, 50.0));
         for (int n = 0; n < 2; n++) {
             double *l = n ? after : before;
             l[0] = l[1] = l[2] = 0.0;
@@ -403,7 +437,8 @@ static void test_binary_collisions_keep_momentum(void **state) {
         }
         assert_int_equal(dem_contact_count(&w), 0);
         hits += w.contact_steps > 3;
-        for (int a = 0; a < 3; a++) near_absolute(after[a], before[a], (k % 3 ? 1e-7 : 1e-14) * scale, "angular momentum");
+        for (int a = 0; a < 3; a++)
+            near_absolute(after[a], before[a], (k % 3 ? 1e-7 : 1e-14) * scale, "angular momentum");
         dem_free(&w);
     }
     assert_true(hits > 30);
@@ -442,13 +477,15 @@ static void test_wall_is_an_infinite_mass(void **state) {
 static void test_cylinder(void **state) {
     (void)state;
     const double big = 0.05, g = 9.81;
-    for (int friction = 0; friction < 2; friction++) { /* a sphere swings in the trough; axis along y, slightly off its length 1 */
+    /* a sphere swings in the trough; axis along y, slightly off its length 1 */
+    for (int friction = 0; friction < 2; friction++) {
         dem_world w;
         dem_def def = one_material(0.4, 0.8, 0.0);
         dem_pair(&def, 0, 0)->tangential_damping = 0.5;
         start(&w, &def);
         assert_int_equal(dem_add_cylinder(&w, 0, v3(0, 3, 0), v3(0, 2.5, 0), big, 1), 0);
-        double angle = 0.05, out = big - radius, period = 2.0 * RIDDLE_PI * sqrt((friction ? 1.4 : 1.0) * out / g), last = 0.0, crossed[3];
+        double angle = 0.05, out = big - radius, period = 2.0 * RIDDLE_PI * sqrt((friction ? 1.4 : 1.0) * out / g),
+               last = 0.0, crossed[3];
         int crossings = 0;
         add(&w, v3(out * sin(angle), 0, -out * cos(angle)), diameter);
         for (int k = 0; k < 100000 && crossings < 3; k++) {
@@ -457,7 +494,8 @@ static void test_cylinder(void **state) {
             if (k > 0 && last > 0.0 && x <= 0.0) crossed[crossings++] = w.time - 10.0 * def.dt * x / (x - last);
             last = x;
         }
-        near_relative(0.5 * (crossed[2] - crossed[0]), period * (1.0 + angle * angle / 16.0), 3e-3, "period in the trough");
+        near_relative(0.5 * (crossed[2] - crossed[0]), period * (1.0 + angle * angle / 16.0), 3e-3,
+                      "period in the trough");
         dem_free(&w);
     }
     dem_world w; /* outside: falls on the top, and rests there for a moment at its static overlap */
@@ -478,12 +516,14 @@ static void test_wall_carries_weight(void **state) {
     double weight = 0.0;
     start(&w, &def);
     int plane = dem_add_plane(&w, 0, v3(0.2, 0.1, 0), v3(0, 0, 7)), deck;
-    for (int k = 0; k < 5; k++) add(&w, v3(0.01 * k, 0, (4 + k) * 0.5e-3), (4 + k) * 1e-3), weight += mass_of((4 + k) * 1e-3) * 9.81;
+    for (int k = 0; k < 5; k++)
+        add(&w, v3(0.01 * k, 0, (4 + k) * 0.5e-3), (4 + k) * 1e-3), weight += mass_of((4 + k) * 1e-3) * 9.81;
     run(&w, 0.15, DEM_LINEAR | DEM_FRICTION);
     near_relative(-w.wall[plane].force.z, weight, 1e-6, "weight on a plane");
     near_absolute(w.wall[plane].impulse.z, -weight * w.time, 2e-3 * weight * w.time, "its impulse");
     double torque = 0.0;
-    for (int k = 0; k < 5; k++) torque += mass_of((4 + k) * 1e-3) * 9.81 * (dem_position(&w, k).x - 0.2); /* y-part of r x F, F down */
+    /* y-part of r x F, F down */
+    for (int k = 0; k < 5; k++) torque += mass_of((4 + k) * 1e-3) * 9.81 * (dem_position(&w, k).x - 0.2);
     near_relative(w.wall[plane].torque.y, torque, 1e-6, "torque about its origin");
     dem_free(&w);
     for (int profile = 0; profile < 2; profile++) { /* on four bars */
@@ -519,9 +559,10 @@ static void test_wall_motions(void **state) {
     for (int k = 0; k < 40; k++) {
         run(&w, 0.0137, DEM_LINEAR);
         double t = w.time, c = cos(7.0 * t), s = sin(7.0 * t);
-        const dem_vec shift =
-            v3(a.x * (sin(rate * t + p.x) - sin(p.x)), a.y * (sin(rate * t + p.y) - sin(p.y)), a.z * (sin(rate * t + p.z) - sin(p.z)));
-        const dem_vec speed = v3(a.x * rate * cos(rate * t + p.x), a.y * rate * cos(rate * t + p.y), a.z * rate * cos(rate * t + p.z));
+        const dem_vec shift = v3(a.x * (sin(rate * t + p.x) - sin(p.x)), a.y * (sin(rate * t + p.y) - sin(p.y)),
+                                 a.z * (sin(rate * t + p.z) - sin(p.z)));
+        const dem_vec speed =
+            v3(a.x * rate * cos(rate * t + p.x), a.y * rate * cos(rate * t + p.y), a.z * rate * cos(rate * t + p.z));
         near_vec(w.wall[vibrates].position, v3(at.x + shift.x, at.y + shift.y, at.z + shift.z), 1e-14, "vibration");
         near_vec(w.wall[vibrates].velocity, speed, 1e-11, "its velocity");
         near_vec(w.wall[vibrates].acceleration,
@@ -529,14 +570,17 @@ static void test_wall_motions(void **state) {
                     -rate * rate * (shift.z + a.z * sin(p.z))),
                  1e-8, "its acceleration");
         near_vec(w.wall[vibrates].axis[2], v3(1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0), 1e-15, "its normal");
-        near_vec(w.wall[drifts].position, v3(at.x + t * drift.x, at.y + t * drift.y, at.z + t * drift.z), 1e-14, "drift");
+        near_vec(w.wall[drifts].position, v3(at.x + t * drift.x, at.y + t * drift.y, at.z + t * drift.z), 1e-14,
+                 "drift");
         near_vec(w.wall[drifts].velocity, drift, 0.0, "its velocity");
         /* about +y: (x, z) -> (x c + z s, z c - x s) */
         near_vec(w.wall[turns].position, v3(at.x * c + at.z * s, at.y, at.z * c - at.x * s), 1e-13, "rotation");
         near_vec(w.wall[turns].axis[2], v3(s, 0, c), 1e-14, "its axis");
-        near_vec(w.wall[turns].velocity, v3(7.0 * w.wall[turns].position.z, 0, -7.0 * w.wall[turns].position.x), 1e-12, "its velocity");
+        near_vec(w.wall[turns].velocity, v3(7.0 * w.wall[turns].position.z, 0, -7.0 * w.wall[turns].position.x), 1e-12,
+                 "its velocity");
         near_vec(w.wall[all].position,
-                 v3(at.x * c - at.y * s + shift.x + t * drift.x, at.x * s + at.y * c + shift.y + t * drift.y, at.z + shift.z + t * drift.z),
+                 v3(at.x * c - at.y * s + shift.x + t * drift.x, at.x * s + at.y * c + shift.y + t * drift.y,
+                    at.z + shift.z + t * drift.z),
                  1e-13, "all three");
     }
     /* a new motion begins where the wall is */
@@ -545,7 +589,8 @@ static void test_wall_motions(void **state) {
     assert_int_equal(dem_vibrate(&w, vibrates, v3(1e-3, 0, 0), zero, 10.0), DEM_OK);
     near_vec(w.wall[vibrates].position, here, 0.0, "no jump");
     run(&w, 0.01, DEM_LINEAR);
-    near_absolute(w.wall[vibrates].position.x, here.x + 1e-3 * sin(20.0 * RIDDLE_PI * (w.time - began)), 1e-14, "and goes on from there");
+    near_absolute(w.wall[vibrates].position.x, here.x + 1e-3 * sin(20.0 * RIDDLE_PI * (w.time - began)), 1e-14,
+                  "and goes on from there");
     dem_free(&w);
 }
 
@@ -602,8 +647,8 @@ static void test_screen_geometry(void **state) {
         s.centre = v3(0.01, 0.02, -0.03);
         start(&w, &def);
         assert_int_equal(dem_add_screen(&w, 0, &s), 0);
-        double n = sqrt(s.normal.x * s.normal.x + s.normal.y * s.normal.y + s.normal.z * s.normal.z), pitch = s.aperture + s.wire,
-               half = 0.5 * s.wire;
+        double n = sqrt(s.normal.x * s.normal.x + s.normal.y * s.normal.y + s.normal.z * s.normal.z),
+               pitch = s.aperture + s.wire, half = 0.5 * s.wire;
         dem_vec z = v3(s.normal.x / n, s.normal.y / n, s.normal.z / n);
         double dot = z.x * s.direction.x + z.y * s.direction.y + z.z * s.direction.z;
         dem_vec x = v3(s.direction.x - dot * z.x, s.direction.y - dot * z.y, s.direction.z - dot * z.z);
@@ -616,7 +661,8 @@ static void test_screen_geometry(void **state) {
             local[k][0] = scene_between(&r, -size, size), local[k][1] = scene_between(&r, -size, size),
             local[k][2] = scene_between(&r, -5e-3, 5e-3);
             d[k] = scene_between(&r, 2e-3, 10e-3);
-            if (s.circular && local[k][0] * local[k][0] + local[k][1] * local[k][1] > (size - 0.012) * (size - 0.012)) k--;
+            if (s.circular && local[k][0] * local[k][0] + local[k][1] * local[k][1] > (size - 0.012) * (size - 0.012))
+                k--;
             else
                 add(&w,
                     v3(s.centre.x + local[k][0] * x.x + local[k][1] * y.x + local[k][2] * z.x,
@@ -628,7 +674,8 @@ static void test_screen_geometry(void **state) {
         for (int k = 0; k < 60; k++) {
             double least_inside = HUGE_VAL;
             int wanted = 0, got = 0;
-            for (int family = 0; family < 2; family++) { /* centres inside a bar have no outline distance of their sign */
+            /* Centres inside a bar have no outline distance of their sign. */
+            for (int family = 0; family < 2; family++) {
                 double across = local[k][1 - family], off = across / pitch - 0.5, near = 0.5 + floor(off + 0.5);
                 double dx = across - near * pitch;
                 least_inside = fmin(least_inside, sqrt(dx * dx + local[k][2] * local[k][2]) - half);
@@ -641,7 +688,8 @@ static void test_screen_geometry(void **state) {
                     if (fabs(across) > 0.009) continue;
                     if (s.circular ? fabs(at) >= s.half_x : fabs(at) > (family ? s.half_x : s.half_y)) continue;
                     if (s.circular) end = sqrt(s.half_x * s.half_x - at * at);
-                    double gap = sampled_bar((int)s.profile, half, end, along, across, local[k][2]) - 0.5 * d[k], found = nan_;
+                    double gap = sampled_bar((int)s.profile, half, end, along, across, local[k][2]) - 0.5 * d[k],
+                           found = nan_;
                     if (fabs(along) > end) continue; /* bars end as one likes */
                     for (ptrdiff_t c = 0; c < dem_contact_count(&w); c++) {
                         dem_contact_info q = dem_get_contact(&w, c);
@@ -658,8 +706,8 @@ static void test_screen_geometry(void **state) {
                 dem_contact_info q = dem_get_contact(&w, c);
                 got += q.i == k && q.j == -1;
                 if (q.i == k && q.j == -1)
-                    near_absolute(sqrt(q.force.x * q.force.x + q.force.y * q.force.y + q.force.z * q.force.z), 1e5 * -q.gap, 1e-6,
-                                  "force of a bar");
+                    near_absolute(sqrt(q.force.x * q.force.x + q.force.y * q.force.y + q.force.z * q.force.z),
+                                  1e5 * -q.gap, 1e-6, "force of a bar");
             }
             assert_true(got >= wanted);
             with_two += wanted > 1;
@@ -670,8 +718,8 @@ static void test_screen_geometry(void **state) {
     assert_true(compared > 150 && with_two > 30);
 }
 
-/* A gap is a distance: no way to anywhere, outside of the bars, changes it by more than its length; round their ends as well, where a
-   sphere that floats from the flat side to the round one gets no energy. */
+/* A gap is a distance: no way to anywhere, outside of the bars, changes it by more than its length; round their ends as
+   well, where a sphere that floats from the flat side to the round one gets no energy. */
 static void test_ends_of_bars(void **state) {
     (void)state;
     const double grain = 1e-3;
@@ -688,8 +736,8 @@ static void test_ends_of_bars(void **state) {
         start(&w, &def);
         const int deck = dem_add_screen(&w, 0, &s);
         for (int k = 0; k < 100000; k++) {
-            const dem_vec x =
-                v3(0.02 + scene_between(&r, -2e-3, 3e-3), 0.005 + scene_between(&r, -3e-3, 3e-3), scene_between(&r, -2e-3, 2e-3));
+            const dem_vec x = v3(0.02 + scene_between(&r, -2e-3, 3e-3), 0.005 + scene_between(&r, -3e-3, 3e-3),
+                                 scene_between(&r, -2e-3, 2e-3));
             const dem_vec way = scene_vector(&r, k & 1 ? 1e-3 : 1e-6);
             dem__touch_element(&w.wall[deck], x, grain, 2, &touch[0]);
             dem__touch_element(&w.wall[deck], dem__add(x, way), grain, 2, &touch[1]);
@@ -697,12 +745,14 @@ static void test_ends_of_bars(void **state) {
             near_absolute(touch[1].gap - touch[0].gap, 0.0, dem__length(way) + 1e-15, "change of a gap");
             near_absolute(dem__length(touch[0].normal), 1.0, 1e-12, "length of a normal");
             if (!(k & 1) && touch[0].gap > -0.9 * grain)
-                near_absolute(touch[1].gap - touch[0].gap, dem__dot(way, touch[0].normal), 1e-7, "change along the normal");
+                near_absolute(touch[1].gap - touch[0].gap, dem__dot(way, touch[0].normal), 1e-7,
+                              "change along the normal");
             compared++;
         }
         assert_true(compared > 50000);
         for (int k = 0; k < 100; k++) { /* through the plane of the deck */
-            const dem_vec x = v3(0.02 + 1.2 * grain + scene_between(&r, 0.0, 0.9e-3), 0.005 + scene_between(&r, -1e-3, 1e-3), 0.0);
+            const dem_vec x =
+                v3(0.02 + 1.2 * grain + scene_between(&r, 0.0, 0.9e-3), 0.005 + scene_between(&r, -1e-3, 1e-3), 0.0);
             dem__touch_element(&w.wall[deck], x, grain, 2, &touch[0]);
             dem__touch_element(&w.wall[deck], dem__add(x, v3(0, 0, -1e-12)), grain, 2, &touch[1]);
             near_absolute(touch[1].gap, touch[0].gap, 1e-11, "gap on either side of the plane");
@@ -716,7 +766,8 @@ static void test_ends_of_bars(void **state) {
     }
 }
 
-/* Over, under and beside a deck the nearest bar is among those that are looked at, for spheres wider than its pitch as well. */
+/* Over, under and beside a deck the nearest bar is among those that are looked at, for spheres wider than its
+   pitch as well. */
 static void test_edge_of_a_deck(void **state) {
     (void)state;
     scene_random r = {11};
@@ -729,7 +780,8 @@ static void test_edge_of_a_deck(void **state) {
     const dem_wall *deck = &w.wall[dem_add_screen(&w, 0, &s)];
     for (int k = 0; k < 100000; k++) {
         const double size = scene_between(&r, 1e-3, 6e-3);
-        const dem_vec x = v3(scene_between(&r, -0.025, 0.025), scene_between(&r, -0.02, 0.02), scene_between(&r, -8e-3, 8e-3));
+        const dem_vec x =
+            v3(scene_between(&r, -0.025, 0.025), scene_between(&r, -0.02, 0.02), scene_between(&r, -8e-3, 8e-3));
         dem__touch touch[DEM__TOUCHES];
         double least = HUGE_VAL, bound, found = HUGE_VAL;
         for (int bar = -8; bar < 20; bar++) {
@@ -794,7 +846,8 @@ static void test_apertures(void **state) {
 static void test_periodic(void **state) {
     (void)state;
     dem_vec out[2][2], spin[2];
-    for (int across = 0; across < 2; across++) { /* the same collision, in the middle and across the edge, several boxes on */
+    /* the same collision, in the middle and across the edge, several boxes on */
+    for (int across = 0; across < 2; across++) {
         dem_world w;
         dem_def def = one_material(0.7, 0.3, 0.0);
         def.gravity = zero;
@@ -808,7 +861,8 @@ static void test_periodic(void **state) {
         for (int i = 0; i < 2; i++) {
             out[across][i] = dem_velocity(&w, i);
             dem_vec x = dem_position(&w, i);
-            assert_true(x.x >= -0.0625 && x.x <= 0.0625 && x.y >= -0.0625 && x.y <= 0.0625 && x.z >= -0.0625 && x.z <= 0.0625);
+            assert_true(x.x >= -0.0625 && x.x <= 0.0625 && x.y >= -0.0625 && x.y <= 0.0625 && x.z >= -0.0625 &&
+                        x.z <= 0.0625);
         }
         spin[across] = v3(dem_spin(&w, 0).x, dem_spin(&w, 0).y, dem_spin(&w, 0).z);
         assert_true(w.contact_steps > 5);
@@ -824,7 +878,8 @@ static void test_periodic(void **state) {
     add(&w, v3(0.05, 0, 0), diameter);
     move(&w, 0, v3(3, 0, 0), zero);
     run(&w, 1.0, DEM_LINEAR);
-    near_absolute(dem_position(&w, 0).x, 0.05 + 3.0 * w.time - 0.1 * floor((0.05 + 3.0 * w.time) / 0.1), 1e-9, "thirty boxes on");
+    near_absolute(dem_position(&w, 0).x, 0.05 + 3.0 * w.time - 0.1 * floor((0.05 + 3.0 * w.time) / 0.1), 1e-9,
+                  "thirty boxes on");
     dem_free(&w);
     def.high.x = 2.19 * diameter; /* too narrow for its spheres */
     start(&w, &def);
@@ -833,8 +888,8 @@ static void test_periodic(void **state) {
     dem_free(&w);
 }
 
-/* Walls are not repeated: who leaves the box by one face may meet a wall at the other. When that is noticed does not depend on what is
-   skipped. Down a slope without end each box gives its height, and the ledger adds up. */
+/* Walls are not repeated: who leaves the box by one face may meet a wall at the other. When that is noticed does not
+   depend on what is skipped. Down a slope without end each box gives its height, and the ledger adds up. */
 static void test_walls_of_a_periodic_box(void **state) {
     (void)state;
     const int skip[] = {DEM_SKIP_ALL, 0, DEM_SKIP_SPACE, DEM_SKIP_PAIRS};
@@ -879,8 +934,9 @@ static void test_walls_of_a_periodic_box(void **state) {
         const double mass = 100.0 * dem_mass(&w, 0);
         assert_true(l.kinetic > 2.0 * mass * 5.0 * 0.1); /* several boxes on */
         near_absolute(l.error, 0.0, 1e-3 * l.kinetic, "a slope's ledger");
-        near_absolute(l.released, l.kinetic + l.rotational + l.elastic + l.normal_loss + l.sliding_loss + l.rolling_loss, 1e-3 * l.kinetic,
-                      "what the slope gave");
+        near_absolute(l.released,
+                      l.kinetic + l.rotational + l.elastic + l.normal_loss + l.sliding_loss + l.rolling_loss,
+                      1e-3 * l.kinetic, "what the slope gave");
         dem_free(&w);
     }
 }
@@ -899,7 +955,8 @@ static void test_narrow_box(void **state) {
         def.low = zero, def.high = v3(width, width, 1.02 * width);
         start(&w, &def);
         for (int i = 0; i < 8; i++) {
-            add(&w, v3(0.5 * width * (i & 1), 0.5 * width * (i >> 1 & 1), 0.5 * width * (i >> 2)), i == 5 ? 0.5 * diameter : diameter);
+            add(&w, v3(0.5 * width * (i & 1), 0.5 * width * (i >> 1 & 1), 0.5 * width * (i >> 2)),
+                i == 5 ? 0.5 * diameter : diameter);
             move(&w, i, v3(i == 3 ? 2.0 : 0.1 * i, i == 6 ? -3.0 : 0.0, i == 1 ? 1.0 : -0.1 * i), zero);
         }
         run(&w, 0.05, DEM_LINEAR | DEM_FRICTION);
@@ -910,8 +967,8 @@ static void test_narrow_box(void **state) {
     assert_true(hash[0] == hash[1] && hash[1] == hash[2]);
 }
 
-/* Where spheres are fast, the margin of the list is wider, up to three times, so that lists last 100 steps; how fast all of them are
-   together, and that they fall together, is no reason for a new one. */
+/* Where spheres are fast, the margin of the list is wider, up to three times, so that lists last 100 steps; how fast
+   all of them are together, and that they fall together, is no reason for a new one. */
 /* Wherever a sphere is put, it is in the box: so far out that nothing else is known of its place. */
 static void test_far_outside_a_box(void **state) {
     (void)state;
@@ -940,8 +997,9 @@ static void test_lists_last(void **state) {
         double speed, apart; /* diameters a step; places of a lattice, in diameters */
         double lasts;        /* steps, to 30 %; 0: as long as the run, -1: less, with the widest margin */
         double drift, fall;  /* of all, in diameters a step and [m/s2] */
-    } of[] = {{1e-5, 3.0, 0.0, 0.0, 0.0},  {5e-4, 3.0, 400.0, 0.0, 0.0}, {2e-3, 1.3, 100.0, 0.0, 0.0},  {0.02, 3.0, -1.0, 0.0, 0.0},
-              {1e-5, 3.0, 0.0, 0.02, 0.0}, {1e-5, 3.0, 0.0, 0.02, 9.81}, {5e-4, 3.0, 400.0, 0.02, 9.81}};
+    } of[] = {{1e-5, 3.0, 0.0, 0.0, 0.0},    {5e-4, 3.0, 400.0, 0.0, 0.0}, {2e-3, 1.3, 100.0, 0.0, 0.0},
+              {0.02, 3.0, -1.0, 0.0, 0.0},   {1e-5, 3.0, 0.0, 0.02, 0.0},  {1e-5, 3.0, 0.0, 0.02, 9.81},
+              {5e-4, 3.0, 400.0, 0.02, 9.81}};
     for (size_t k = 0; k < sizeof of / sizeof *of; k++) {
         const double box = 6.0 * of[k].apart * diameter;
         dem_world w;
@@ -1000,7 +1058,8 @@ static void test_exits(void **state) {
     dem_add_exit(&w, v3(0, 0, 0), up), dem_add_exit(&w, v3(0, 0, 0), up);
     add(&w, v3(0, 0, 1e-3), diameter), add(&w, v3(0, 0.1, 1e-3), diameter);
     run(&w, 0.03, DEM_LINEAR);
-    assert_true(w.passed_count == 2 && w.passed[0].exit == 0 && w.passed[1].exit == 0 && w.passed[0].id == 0 && w.passed[1].id == 1);
+    assert_true(w.passed_count == 2 && w.passed[0].exit == 0 && w.passed[1].exit == 0 && w.passed[0].id == 0 &&
+                w.passed[1].id == 1);
     dem_free(&w);
 }
 
@@ -1012,7 +1071,8 @@ static void test_exit_in_contact(void **state) {
     start(&w, &def);
     dem_add_plane(&w, 0, zero, up);
     dem_add_exit(&w, v3(0.03, 0, 0), v3(-1, 0, 0));
-    for (int k = 0; k < 4; k++) add(&w, v3(-0.005 * k, 0, radius), diameter); /* a train that touches the floor and each other */
+    /* a train that touches the floor and each other */
+    for (int k = 0; k < 4; k++) add(&w, v3(-0.005 * k, 0, radius), diameter);
     run(&w, 1.0, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY);
     assert_int_equal(w.passed_count, 4);
     assert_int_equal(dem_contact_count(&w), 0);
@@ -1030,7 +1090,8 @@ static void test_exit_in_contact(void **state) {
     const dem_vec v = dem_velocity(&w, w.count - 1);
     const double since = w.time;
     run(&w, 1e-3, DEM_LINEAR | DEM_FRICTION);
-    near_absolute(dem_velocity(&w, w.count - 1).z, v.z + 0.3 * (w.time - since), 1e-12, "flight after a partner's leaving");
+    near_absolute(dem_velocity(&w, w.count - 1).z, v.z + 0.3 * (w.time - since), 1e-12,
+                  "flight after a partner's leaving");
     dem_free(&w);
 }
 
@@ -1105,7 +1166,8 @@ static void test_ledger_changes_no_bit(void **state) {
         run(&w, 0.5 * scene_duration(scene), scene_features(scene)),
             run(&l, 0.5 * scene_duration(scene), scene_features(scene) | DEM_ENERGY);
         assert_int_equal(w.count, l.count);
-        for (ptrdiff_t i = 0; i < w.count; i++) near_vec(dem_position(&w, i), dem_position(&l, i), 0.0, scene_name(scene));
+        for (ptrdiff_t i = 0; i < w.count; i++)
+            near_vec(dem_position(&w, i), dem_position(&l, i), 0.0, scene_name(scene));
         dem_energy_ledger e = dem_energy(&l);
         double scale = fabs(e.wall_work) + e.released + fabs(e.start - e.start_potential);
         print_message("%s: ledger open by %.1e\n", scene_name(scene), fabs(e.error) / scale);
@@ -1133,7 +1195,9 @@ static void test_no_contact_is_missed(void **state) {
         start(&w, &def);
         scene_box(&w, 0.05, -0.05, 0.05);
         for (; n < 60; n++) { /* sizes 1:10, some very fast, some slow and grazing */
-            double d = pow(10.0, scene_between(&r, -3.0, -2.0)), speed = n % 5 == 0 ? 0.2 * 1e-3 / def.dt : n % 5 == 1 ? 0.01 : 3.0;
+            double d = pow(10.0, scene_between(&r, -3.0, -2.0)), speed = n % 5 == 0   ? 0.2 * 1e-3 / def.dt
+                                                                         : n % 5 == 1 ? 0.01
+                                                                                      : 3.0;
             dem_vec at = scene_vector(&r, 0.044);
             for (int i = 0; i < n; i++) { /* no overlap yet: try elsewhere */
                 dem_vec x = dem_position(&w, i);
@@ -1156,7 +1220,8 @@ static void test_no_contact_is_missed(void **state) {
                 for (int j = i + 1; j < n; j++) {
                     dem_vec a = dem_position(&w, i), b = dem_position(&w, j), d = v3(a.x - b.x, a.y - b.y, a.z - b.z);
                     if (def.periodic[0]) d.x -= 0.1 * floor(d.x / 0.1 + 0.5), d.z -= 0.1 * floor(d.z / 0.1 + 0.5);
-                    now[i][j] = sqrt(d.x * d.x + d.y * d.y + d.z * d.z) < (dem_radius(&w, i) + dem_radius(&w, j)) * (1.0 - 1e-12);
+                    now[i][j] = sqrt(d.x * d.x + d.y * d.y + d.z * d.z) <
+                                (dem_radius(&w, i) + dem_radius(&w, j)) * (1.0 - 1e-12);
                     overlaps += now[i][j];
                 }
             }
@@ -1191,7 +1256,8 @@ static unsigned char *saved(const dem_world *w, size_t *size) {
     return bytes;
 }
 
-/* A thread adds first to sums of particles whose contacts are all in its sections or later ones: none may be in one before its own. */
+/* A thread adds first to sums of particles whose contacts are all in its sections or later ones: none may be in one
+   before its own. */
 static void check_sections(const dem_world *w) {
     DEM__EACH_CONTACT(w, c) {
         const int section = (int)(in_c - w->engine->contacts.chunk);
@@ -1215,7 +1281,8 @@ static dem_status make_block(dem_world *w, int layers, int stride, int threads, 
     const double size = 5e-3, apart = 4.99e-3;
     def.dt = 4e-6, def.threads = threads, def.parallel = run_last_first, def.parallel_user = most;
     dem_status status = dem_init(w, &def, NULL);
-    if (status == DEM_OK && dem_add_plane(w, glass, dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0)) < 0) status = DEM_TOO_MANY;
+    if (status == DEM_OK && dem_add_plane(w, glass, dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0)) < 0)
+        status = DEM_TOO_MANY;
     for (int m = 0; m < n && status == DEM_OK; m++) {
         const int k = (int)((long long)m * stride % n);
         const double centre[3] = {k % 16 * apart, k / 16 % 16 * apart, (k / 256 + 0.5) * apart};
@@ -1223,7 +1290,8 @@ static dem_status make_block(dem_world *w, int layers, int stride, int threads, 
     }
     return status;
 }
-/* Contacts lie by place, whatever the order in which spheres were added; numbers stay. Threads and saves change nothing. */
+/* Contacts lie by place, whatever the order in which spheres were added; numbers stay. Threads and saves
+   change nothing. */
 static void test_order_by_place(void **state) {
     (void)state;
     uint64_t hash[4] = {0};
@@ -1231,16 +1299,19 @@ static void test_order_by_place(void **state) {
         const int threads[] = {1, 1, 7, 64};
         int most = 0;
         dem_world w, copy;
-        assert_int_equal(make_block(&w, 60, k ? 1237 : 1, threads[k], &most), DEM_OK); /* 1237 and 15360 have no common divisor */
+        /* 1237 and 15360 have no common divisor */
+        assert_int_equal(make_block(&w, 60, k ? 1237 : 1, threads[k], &most), DEM_OK);
         run(&w, 40 * w.def.dt, DEM_LINEAR | DEM_FRICTION);
         assert_true(w.engine->contacts.chunk_count > 16 && (k < 2 || most > (k == 2 ? 6 : 16)));
         double apart = 0.0; /* of particles that follow each other in the order [m] */
         for (ptrdiff_t r = 1; r < w.count; r++) {
-            const dem_vec a = dem_position(&w, w.engine->bodies.by_rank[r - 1]), b = dem_position(&w, w.engine->bodies.by_rank[r]);
+            const dem_vec a = dem_position(&w, w.engine->bodies.by_rank[r - 1]),
+                          b = dem_position(&w, w.engine->bodies.by_rank[r]);
             apart += sqrt(pow(a.x - b.x, 2) + pow(a.y - b.y, 2) + pow(a.z - b.z, 2)) / (double)(w.count - 1);
         }
         assert_true(apart < 8e-3); /* neighbours are 4.99e-3 m apart */
-        for (ptrdiff_t i = 0; i < w.count; i++) assert_true(w.id[i] == (uint64_t)i && w.group[i] == (k ? i * 1237 % w.count : i));
+        for (ptrdiff_t i = 0; i < w.count; i++)
+            assert_true(w.id[i] == (uint64_t)i && w.group[i] == (k ? i * 1237 % w.count : i));
         for (ptrdiff_t i = 0; i < w.count; i += 5) assert_int_equal(dem_remove(&w, i), DEM_OK);
         check_sections(&w);
         size_t size;
@@ -1265,8 +1336,8 @@ static void run_and_look(void *user, int tasks, void (*task)(void *context, int 
     for (int k = 0; k < tasks; k++) task(context, k);
     *(int *)w->user |= w->engine->bodies.by_place;
 }
-/* In a long run particles lie by place, in a short one by their numbers: the same bits, records and numbers, while some leave, lists are made
-   anew and ranks, too. */
+/* In a long run particles lie by place, in a short one by their numbers: the same bits, records and numbers, while some
+   leave, lists are made anew and ranks, too. */
 static void test_order_in_memory(void **state) {
     (void)state;
     int most = 0;
@@ -1276,7 +1347,9 @@ static void test_order_in_memory(void **state) {
     run(&start, 2000 * start.def.dt, DEM_LINEAR | DEM_FRICTION);
     for (ptrdiff_t i = 0; i < start.count; i++) {
         if (start.alive[i] && dem_position(&start, i).x > 13.5 * 4.99e-3 && i % 4)
-            assert_int_equal(dem_set_motion(&start, i, dem_vec3(6.0 + 1e-3 * (double)(i % 7), 0.0, 0.0), dem_vec3(0.0, 0.0, 0.0)), DEM_OK);
+            assert_int_equal(
+                dem_set_motion(&start, i, dem_vec3(6.0 + 1e-3 * (double)(i % 7), 0.0, 0.0), dem_vec3(0.0, 0.0, 0.0)),
+                DEM_OK);
     }
     size_t size;
     unsigned char *bytes = saved(&start, &size);
@@ -1286,26 +1359,31 @@ static void test_order_in_memory(void **state) {
         assert_int_equal(dem_load(&w[k], bytes, size, NULL), DEM_OK);
         w[k].def.threads = 4, w[k].def.parallel = run_and_look, w[k].def.parallel_user = &w[k], w[k].user = &by_place;
         for (int done = 0; done < 280; done += steps) run(&w[k], steps * w[k].def.dt, DEM_LINEAR | DEM_FRICTION);
-        assert_true(by_place == !k && w[k].step > 2048 && w[k].rebuilds > start.rebuilds && !w[k].engine->bodies.by_place);
+        assert_true(by_place == !k && w[k].step > 2048 && w[k].rebuilds > start.rebuilds &&
+                    !w[k].engine->bodies.by_place);
         assert_true(w[k].count < start.count && w[k].passed_count > start.count / 16);
     }
-    assert_true(w[0].passed_count == w[1].passed_count && w[0].count == w[1].count && dem_hash(&w[0]) == dem_hash(&w[1]));
+    assert_true(w[0].passed_count == w[1].passed_count && w[0].count == w[1].count &&
+                dem_hash(&w[0]) == dem_hash(&w[1]));
     assert_memory_equal(w[0].passed, w[1].passed, (size_t)w[0].passed_count * sizeof *w[0].passed);
     for (ptrdiff_t i = 0; i < w[0].count; i++) {
-        assert_true(w[0].id[i] == w[1].id[i] && w[0].group[i] == w[1].group[i] && (i == 0 || w[0].id[i] > w[0].id[i - 1]));
+        assert_true(w[0].id[i] == w[1].id[i] && w[0].group[i] == w[1].group[i] &&
+                    (i == 0 || w[0].id[i] > w[0].id[i - 1]));
         assert_memory_equal(&w[0].particle[i].x, &w[1].particle[i].x, sizeof(dem_vec));
     }
     free(bytes);
     dem_free(&w[0]), dem_free(&w[1]), dem_free(&start);
 }
 
-/* Many contacts lie in sections, for threads: nothing outside shows where, and particles taken out in between do not change it. */
+/* Many contacts lie in sections, for threads: nothing outside shows where, and particles taken out in between do
+   not change it. */
 static void test_sections_of_contacts(void **state) {
     (void)state;
     uint64_t hash[4];
     dem_vec pushed[4][3];
     for (int k = 0; k < 4; k++) {
-        static const int skip[] = {DEM_SKIP_ALL, DEM_SKIP_ALL, DEM_SKIP_PAIRS, DEM_SKIP_SPACE}, threads[] = {1, 3, 1, 2};
+        static const int skip[] = {DEM_SKIP_ALL, DEM_SKIP_ALL, DEM_SKIP_PAIRS, DEM_SKIP_SPACE},
+                         threads[] = {1, 3, 1, 2};
         const double part = 0.3 * scene_duration(SCENE_DEEP);
         dem_world w;
         assert_int_equal(scene_make(&w, SCENE_DEEP, skip[k], threads[k], NULL), DEM_OK);
@@ -1322,7 +1400,8 @@ static void test_sections_of_contacts(void **state) {
         }
         if (k == 2) w.def.threads = 2;
         for (int q = 0; q < w.engine->contacts.chunk_count; q += 3)
-            w.engine->contacts.chunk[q].capacity = w.engine->contacts.chunk[q].count; /* full: new ones go into the last */
+            /* Full: new ones go into the last. */
+            w.engine->contacts.chunk[q].capacity = w.engine->contacts.chunk[q].count;
         run(&w, part, scene_features(SCENE_DEEP));
         assert_int_equal(w.engine->contacts.chunk_count, sections);
         size_t size;
@@ -1357,7 +1436,8 @@ static void add_unlike_pair(dem_world *w, int k) {
     for (int side = 0; side < 2; side++) {
         const double size = 4e-3 + 3e-5 * (2 * k + side), at[3] = {0.02 * k, side ? 5e-3 : 0.0, 0.5 * size};
         assert_int_equal(dem_add_spheres(w, 1, at, &size, 0, 0), DEM_OK);
-        assert_int_equal(dem_set_motion(w, w->count - 1, dem_vec3(0.1, side ? -0.5 : 0.5, -0.1), dem_vec3(1, 2, 3)), DEM_OK);
+        assert_int_equal(dem_set_motion(w, w->count - 1, dem_vec3(0.1, side ? -0.5 : 0.5, -0.1), dem_vec3(1, 2, 3)),
+                         DEM_OK);
     }
 }
 
@@ -1392,8 +1472,8 @@ static void test_more_kinds_than_the_table_holds(void **state) {
     dem_free(&all);
 }
 
-/* Spheres that gravity and collisions make faster and slower, within shaken cylinders and against them, some near the axis: the same bits
-   as if each looked at each wall in every step. */
+/* Spheres that gravity and collisions make faster and slower, within shaken cylinders and against them, some near the
+   axis: the same bits as if each looked at each wall in every step. */
 static void test_round_walls_are_not_missed(void **state) {
     (void)state;
     for (int trial = 0; trial < 12; trial++) {
@@ -1407,17 +1487,21 @@ static void test_round_walls_are_not_missed(void **state) {
             def.gravity = scene_vector(&r, 60.0);
             start(&w, &def);
             const dem_vec axis = scene_vector(&r, 1.0);
-            const int shell = dem_add_cylinder(&w, 1, zero, axis, 0.04, 1), rod = dem_add_cylinder(&w, 1, zero, axis, 0.004, 0);
+            const int shell = dem_add_cylinder(&w, 1, zero, axis, 0.04, 1),
+                      rod = dem_add_cylinder(&w, 1, zero, axis, 0.004, 0);
             assert_int_equal(dem_vibrate(&w, shell, scene_vector(&r, 1e-3), scene_vector(&r, 3.0), 60.0), DEM_OK);
-            if (trial % 2) assert_int_equal(dem_vibrate(&w, rod, scene_vector(&r, 1e-3), scene_vector(&r, 3.0), 40.0), DEM_OK);
+            if (trial % 2)
+                assert_int_equal(dem_vibrate(&w, rod, scene_vector(&r, 1e-3), scene_vector(&r, 3.0), 40.0), DEM_OK);
             for (int i = 0; i < 60; i++) {
                 const dem_vec across = scene_vector(&r, 1.0), along = scene_vector(&r, 1.0);
                 const double length = sqrt(axis.x * axis.x + axis.y * axis.y + axis.z * axis.z);
                 const dem_vec n = v3(axis.x / length, axis.y / length, axis.z / length);
-                dem_vec side = v3(n.y * across.z - n.z * across.y, n.z * across.x - n.x * across.z, n.x * across.y - n.y * across.x);
-                const double scale = scene_between(&r, 0.007, 0.037) / sqrt(side.x * side.x + side.y * side.y + side.z * side.z);
-                const dem_vec at =
-                    v3(scale * side.x + 0.1 * along.x * n.x, scale * side.y + 0.1 * along.x * n.y, scale * side.z + 0.1 * along.x * n.z);
+                dem_vec side = v3(n.y * across.z - n.z * across.y, n.z * across.x - n.x * across.z,
+                                  n.x * across.y - n.y * across.x);
+                const double scale =
+                    scene_between(&r, 0.007, 0.037) / sqrt(side.x * side.x + side.y * side.y + side.z * side.z);
+                const dem_vec at = v3(scale * side.x + 0.1 * along.x * n.x, scale * side.y + 0.1 * along.x * n.y,
+                                      scale * side.z + 0.1 * along.x * n.z);
                 add(&w, at, 4e-3);
                 move(&w, i, scene_vector(&r, i % 3 ? 0.3 : 3.0), zero);
             }
@@ -1452,7 +1536,8 @@ static void test_save_and_load(void **state) {
             assert_memory_equal(bytes, again, size); /* the same bytes come out again */
             run(&w, 0.171 * t, scene_features(scene));
             run(&copy, 0.171 * t, scene_features(scene));
-            if (dem_hash(&copy) != dem_hash(&w)) fail_msg("scene %s, part %d: the loaded world goes another way", scene_name(scene), part);
+            if (dem_hash(&copy) != dem_hash(&w))
+                fail_msg("scene %s, part %d: the loaded world goes another way", scene_name(scene), part);
             assert_int_equal(copy.passed_count, w.passed_count);
             for (ptrdiff_t k = 0; k < w.passed_count; k++)
                 assert_true(copy.passed[k].id == w.passed[k].id && copy.passed[k].time == w.passed[k].time);
@@ -1499,7 +1584,8 @@ static void reseal(unsigned char *bytes, size_t size) {
 static size_t record_of(const unsigned char *bytes, size_t size, const char *name, size_t *length) {
     for (size_t at = 16; at + 8 < size; at += *length) {
         uint64_t entry = 0, count = 0;
-        for (int k = 7; k >= 0; k--) entry = entry << 8 | bytes[at + 24 + (size_t)k], count = count << 8 | bytes[at + 32 + (size_t)k];
+        for (int k = 7; k >= 0; k--)
+            entry = entry << 8 | bytes[at + 24 + (size_t)k], count = count << 8 | bytes[at + 32 + (size_t)k];
         *length = 40 + (size_t)(entry * count);
         if (strncmp((const char *)bytes + at, name, 24) == 0) return at;
     }
@@ -1563,12 +1649,14 @@ static void test_records_of_a_save(void **state) {
     dem_free(&w);
 }
 
-/* Copies a save in which materials and pairs have room for n materials, as older versions wrote it. Returns the new size. */
+/* Copies a save in which materials and pairs have room for n materials, as older versions wrote it. Returns
+   the new size. */
 static size_t with_room_for(const unsigned char *bytes, size_t size, int used, int n, unsigned char *to) {
     size_t length, written = 16;
     memcpy(to, bytes, 16);
     for (size_t at = 16; at + 8 < size; at += length) {
-        const int of_materials = memcmp(bytes + at, "material.", 9) == 0, of_pairs = memcmp(bytes + at, "pair.", 5) == 0;
+        const int of_materials = memcmp(bytes + at, "material.", 9) == 0,
+                  of_pairs = memcmp(bytes + at, "pair.", 5) == 0;
         const size_t entry = bytes[at + 24];
         assert_int_equal(record_of(bytes + at - 16, size - at + 16, (const char *)bytes + at, &length), 16);
         memcpy(to + written, bytes + at, length);
@@ -1578,7 +1666,8 @@ static size_t with_room_for(const unsigned char *bytes, size_t size, int used, i
             to[written + 32] = (unsigned char)count;
             memset(to + written + 40, 0x55, (size_t)count * entry);
             for (int a = 0; a < (of_pairs ? used : 1); a++)
-                memcpy(to + written + 40 + (size_t)(a * n) * entry, bytes + at + 40 + (size_t)(a * used) * entry, (size_t)used * entry);
+                memcpy(to + written + 40 + (size_t)(a * n) * entry, bytes + at + 40 + (size_t)(a * used) * entry,
+                       (size_t)used * entry);
             written += 40 + (size_t)count * entry;
         } else written += length;
     }
@@ -1598,7 +1687,9 @@ static void test_saved_materials(void **state) {
     unsigned char *bytes = saved(&w, &size), *other = malloc(size + 64 * 12 * 12 * 8), *again = malloc(size);
     run(&w, 1e-3, scene_features(SCENE_BED));
     for (int n = used - 1; n <= 14; n++) {
-        if (n < used) memcpy(other, bytes, size), other[record_of(bytes, size, "materials", &length) + 40] = (unsigned char)(used + 1);
+        if (n < used)
+            memcpy(other, bytes, size),
+                other[record_of(bytes, size, "materials", &length) + 40] = (unsigned char)(used + 1);
         const size_t other_size = n < used ? size : with_room_for(bytes, size, used, n, other);
         reseal(other, other_size);
         const dem_status status = dem_load(&copy, other, other_size, NULL);
@@ -1627,14 +1718,16 @@ static dem_status load_with(const dem_world *w, const char *name, const void *va
     assert_true(length >= 40 + bytes_of);
     const uint16_t order = 1;
     const int is_little = *(const unsigned char *)&order == 1;
-    for (size_t k = 0; k < bytes_of; k++) bytes[at + 40 + (is_little ? k : bytes_of - 1 - k)] = ((const unsigned char *)value)[k];
+    for (size_t k = 0; k < bytes_of; k++)
+        bytes[at + 40 + (is_little ? k : bytes_of - 1 - k)] = ((const unsigned char *)value)[k];
     reseal(bytes, size);
     const dem_status status = dem_load(copy, bytes, size, NULL);
     free(bytes);
     return status;
 }
 
-/* A flag that promises an array, and a loop as long as a number says. tests/fuzz/fuzz_dem.c forges every other record. */
+/* A flag that promises an array, and a loop as long as a number says. tests/fuzz/fuzz_dem.c forges every
+   other record. */
 static void test_saves_that_lie(void **state) {
     (void)state;
     static const unsigned char one = 1;
@@ -1685,12 +1778,14 @@ static void test_damaged_saves(void **state) {
     old.particle_steps = INT64_MAX;
     assert_int_equal(dem_save(&old, bad, size), size);
     assert_int_equal(dem_load(&copy, bad, size, NULL), DEM_BAD_DATA);
-    for (size_t cut = 0; cut < size; cut += cut < 4000 ? 1 : 97) assert_int_equal(dem_load(&copy, bytes, cut, NULL), DEM_BAD_DATA);
+    for (size_t cut = 0; cut < size; cut += cut < 4000 ? 1 : 97)
+        assert_int_equal(dem_load(&copy, bytes, cut, NULL), DEM_BAD_DATA);
     memcpy(bad, bytes, size), memset(bad + size, 0, 16);
     assert_int_equal(dem_load(&copy, bad, size + 8, NULL), DEM_BAD_DATA);
     for (size_t k = 0; k < 1500; k++) { /* one flipped bit */
         memcpy(bad, bytes, size);
-        bad[k < 700 ? k : (size_t)(scene_uniform(&r) * (double)size)] ^= (unsigned char)(1u << (unsigned)(8.0 * scene_uniform(&r)));
+        bad[k < 700 ? k : (size_t)(scene_uniform(&r) * (double)size)] ^=
+            (unsigned char)(1u << (unsigned)(8.0 * scene_uniform(&r)));
         assert_int_equal(dem_load(&copy, bad, size, NULL), DEM_BAD_DATA);
         dem_free(&copy); /* safe after a refusal */
     }
@@ -1750,29 +1845,35 @@ static void test_bad_definitions(void **state) {
     refused(d, "cookie");
     refused(dem_default_def(), "materials");
 #define TRY(member, value, name) d = good, d.member = value, refused(d, name)
-    TRY(materials, -1, "materials"), TRY(materials, DEM_MATERIALS_MAX + 1, "materials"), TRY(materials, 2, "material.density");
-    TRY(threads, 0, "threads"), TRY(threads, -5, "threads"), TRY(threads, 1000000, "threads"), TRY(skip, -1, "skip"), TRY(skip, 64, "skip");
+    TRY(materials, -1, "materials"), TRY(materials, DEM_MATERIALS_MAX + 1, "materials"),
+        TRY(materials, 2, "material.density");
+    TRY(threads, 0, "threads"), TRY(threads, -5, "threads"), TRY(threads, 1000000, "threads"), TRY(skip, -1, "skip"),
+        TRY(skip, 64, "skip");
     static const double bad[] = {0.0, -1.0, (double)NAN, (double)INFINITY, -(double)INFINITY};
     for (int k = 0; k < 5; k++) {
         TRY(dt, bad[k], "dt"), TRY(skin, bad[k], "skin"), TRY(material[0].density, bad[k], "material.density"),
             TRY(material[0].young_modulus, bad[k], "material.young_modulus");
         TRY(pair[0][0].stiffness, bad[k], "pair.stiffness"), TRY(pair[0][0].restitution, bad[k], "pair.restitution");
         if (k == 0) continue; /* zero is a number like any other below */
-        TRY(material[0].poisson_ratio, bad[k], "material.poisson_ratio"), TRY(pair[0][0].tangential_ratio, bad[k], "pair.tangential_ratio");
+        TRY(material[0].poisson_ratio, bad[k], "material.poisson_ratio"),
+            TRY(pair[0][0].tangential_ratio, bad[k], "pair.tangential_ratio");
         TRY(pair[0][0].friction, bad[k], "pair.friction"), TRY(pair[0][0].rolling, bad[k], "pair.rolling"),
             TRY(pair[0][0].tangential_damping, bad[k], "pair.tangential_damping");
         if (k > 1) TRY(gravity.y, bad[k], "gravity");
         d = good, d.periodic[1] = 1, d.high.y = bad[k], refused(d, "high");
     }
-    TRY(pair[0][0].restitution, 1.01, "pair.restitution"), TRY(material[0].poisson_ratio, 0.51, "material.poisson_ratio"),
+    TRY(pair[0][0].restitution, 1.01, "pair.restitution"),
+        TRY(material[0].poisson_ratio, 0.51, "material.poisson_ratio"),
         TRY(pair[0][0].tangential_ratio, 1.1, "pair.tangential_ratio");
-    TRY(periodic[2], 2, "periodic"), TRY(allocator.fn, NULL, "allocator.fn"), TRY(pair[0][0].mode, (dem_restitution)7, "pair.mode");
+    TRY(periodic[2], 2, "periodic"), TRY(allocator.fn, NULL, "allocator.fn"),
+        TRY(pair[0][0].mode, (dem_restitution)7, "pair.mode");
 #undef TRY
     d = dem_default_def();
     for (int k = 0; k < DEM_MATERIALS_MAX; k++) assert_int_equal(dem_add_material(&d, 1, 1, 0), k);
     assert_int_equal(dem_add_material(&d, 1, 1, 0), -1);
     assert_int_equal(dem_add_material(NULL, 1, 1, 0), -1);
-    assert_null(dem_pair(&d, -1, 0)), assert_null(dem_pair(&d, 0, DEM_MATERIALS_MAX)), assert_null(dem_pair(NULL, 0, 0));
+    assert_null(dem_pair(&d, -1, 0)), assert_null(dem_pair(&d, 0, DEM_MATERIALS_MAX)),
+        assert_null(dem_pair(NULL, 0, 0));
     assert_ptr_equal(dem_pair(&d, 2, 5), dem_pair(&d, 5, 2));
     assert_int_equal(dem_init(NULL, &good, NULL), DEM_BAD_ARGUMENT);
     for (int k = -2; k < DEM_STATUS_COUNT + 3; k++) assert_true(strlen(dem_status_text((dem_status)k)) > 1);
@@ -1806,7 +1907,8 @@ static void test_hostile_calls(void **state) {
             assert_int_equal(dem_set_time_step(none, 1e-6), DEM_BAD_ARGUMENT);
         assert_true(isnan(dem_position(none, 0).x) && isnan(dem_velocity(none, 0).z) && dem_momentum(none).x == 0.0 &&
                     dem_energy(none).kinetic == 0.0);
-        assert_true(dem_contact_count(none) == 0 && isnan(dem_get_contact(none, 0).gap) && dem_count_apertures(none, 0).total == 0);
+        assert_true(dem_contact_count(none) == 0 && isnan(dem_get_contact(none, 0).gap) &&
+                    dem_count_apertures(none, 0).total == 0);
         assert_true(dem_save(none, NULL, 0) == 0);
         dem_hash(none);
         assert_true(isnan(dem_advise(none, DEM_LINEAR, 1.0).advised));
@@ -1832,15 +1934,17 @@ static void test_hostile_calls(void **state) {
         dem_vec b = v3(0, bad[k], 0);
         assert_int_equal(dem_set_motion(&w, 0, b, zero), DEM_BAD_ARGUMENT),
             assert_int_equal(dem_set_motion(&w, 0, zero, b), DEM_BAD_ARGUMENT);
-        assert_int_equal(dem_set_load(&w, 0, b, zero), DEM_BAD_ARGUMENT), assert_int_equal(dem_set_load(&w, 0, zero, b), DEM_BAD_ARGUMENT);
-        assert_true(dem_add_plane(&w, 0, b, up) < 0 && dem_add_plane(&w, 0, zero, b) < 0 && dem_add_exit(&w, b, up) < 0 &&
-                    dem_add_exit(&w, zero, b) < 0);
+        assert_int_equal(dem_set_load(&w, 0, b, zero), DEM_BAD_ARGUMENT),
+            assert_int_equal(dem_set_load(&w, 0, zero, b), DEM_BAD_ARGUMENT);
+        assert_true(dem_add_plane(&w, 0, b, up) < 0 && dem_add_plane(&w, 0, zero, b) < 0 &&
+                    dem_add_exit(&w, b, up) < 0 && dem_add_exit(&w, zero, b) < 0);
         assert_true(dem_add_cylinder(&w, 0, b, up, 1, 1) < 0 && dem_add_cylinder(&w, 0, zero, b, 1, 1) < 0 &&
                     dem_add_cylinder(&w, 0, zero, up, bad[k], 1) < 0);
     }
     assert_int_equal(dem_set_motion(&w, 2, zero, zero), DEM_BAD_ARGUMENT),
         assert_int_equal(dem_set_motion(&w, -1, zero, zero), DEM_BAD_ARGUMENT);
-    assert_int_equal(dem_set_load(&w, 2, zero, zero), DEM_BAD_ARGUMENT), assert_int_equal(dem_remove(&w, 2), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_load(&w, 2, zero, zero), DEM_BAD_ARGUMENT),
+        assert_int_equal(dem_remove(&w, 2), DEM_BAD_ARGUMENT);
     assert_int_equal(-dem_add_plane(&w, 1, zero, up), DEM_BAD_ARGUMENT),
         assert_int_equal(-dem_add_plane(&w, -1, zero, up), DEM_BAD_ARGUMENT);
     assert_true(dem_add_plane(&w, 0, zero, zero) < 0 && dem_add_cylinder(&w, 0, zero, zero, 1, 1) < 0 &&
@@ -1856,7 +1960,8 @@ static void test_hostile_calls(void **state) {
         s = dem_default_screen(), s.circular = 0, s.half_y = bad[k];
         assert_true(dem_add_screen(&w, 0, &s) < 0);
     }
-    TRY(aperture, 0.0), TRY(wire, -1.0), TRY(half_x, 1e300), TRY(half_x, 200.0), TRY(profile, (dem_profile)5), TRY(normal, zero);
+    TRY(aperture, 0.0), TRY(wire, -1.0), TRY(half_x, 1e300), TRY(half_x, 200.0), TRY(profile, (dem_profile)5),
+        TRY(normal, zero);
 #undef TRY
     int p = dem_add_plane(&w, 0, zero, up), n = 0;
     assert_true(p == 0);
@@ -1871,23 +1976,28 @@ static void test_hostile_calls(void **state) {
         dem_vec b = v3(0, 0, bad[k]);
         assert_int_equal(dem_vibrate(&w, p, b, zero, 1), DEM_BAD_ARGUMENT),
             assert_int_equal(dem_vibrate(&w, p, zero, b, 1), DEM_BAD_ARGUMENT);
-        assert_int_equal(dem_vibrate(&w, p, zero, zero, bad[k]), DEM_BAD_ARGUMENT), assert_int_equal(dem_move(&w, p, b), DEM_BAD_ARGUMENT);
-        assert_int_equal(dem_rotate(&w, p, b, up, 1), DEM_BAD_ARGUMENT), assert_int_equal(dem_rotate(&w, p, zero, b, 1), DEM_BAD_ARGUMENT),
+        assert_int_equal(dem_vibrate(&w, p, zero, zero, bad[k]), DEM_BAD_ARGUMENT),
+            assert_int_equal(dem_move(&w, p, b), DEM_BAD_ARGUMENT);
+        assert_int_equal(dem_rotate(&w, p, b, up, 1), DEM_BAD_ARGUMENT),
+            assert_int_equal(dem_rotate(&w, p, zero, b, 1), DEM_BAD_ARGUMENT),
             assert_int_equal(dem_rotate(&w, p, zero, up, bad[k]), DEM_BAD_ARGUMENT);
         assert_int_equal(dem_run(&w, bad[k], DEM_LINEAR), DEM_BAD_ARGUMENT),
             assert_int_equal(dem_set_time_step(&w, bad[k]), DEM_BAD_ARGUMENT);
     }
     assert_int_equal(dem_rotate(&w, p, zero, zero, 1), DEM_BAD_ARGUMENT),
         assert_int_equal(dem_vibrate(&w, p, zero, zero, -1.0), DEM_BAD_ARGUMENT);
-    assert_int_equal(dem_set_time_step(&w, 0.0), DEM_BAD_ARGUMENT), assert_int_equal(dem_set_time_step(&w, -1.0), DEM_BAD_ARGUMENT);
-    assert_int_equal(dem_run(&w, -1e-9, DEM_LINEAR), DEM_BAD_ARGUMENT), assert_int_equal(dem_run(&w, 1e300, DEM_LINEAR), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_time_step(&w, 0.0), DEM_BAD_ARGUMENT),
+        assert_int_equal(dem_set_time_step(&w, -1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_run(&w, -1e-9, DEM_LINEAR), DEM_BAD_ARGUMENT),
+        assert_int_equal(dem_run(&w, 1e300, DEM_LINEAR), DEM_BAD_ARGUMENT);
     static const int odd[] = {0,       DEM_FRICTION, DEM_LINEAR | DEM_HERTZ, DEM_LINEAR | DEM_ROLLING, DEM_ENERGY, 64,
                               1 << 20, -1,           DEM_LINEAR | 128};
     for (size_t k = 0; k < sizeof odd / sizeof *odd; k++) assert_int_equal(dem_run(&w, 1e-5, odd[k]), DEM_BAD_ARGUMENT);
     dem_law law = law_sticky;
     dem_kernel kernel = kernel_sticky;
     kernel.law = NULL;
-    assert_int_equal(dem_run_law(&w, 1e-5, &kernel), DEM_BAD_ARGUMENT), assert_int_equal(dem_run_law(&w, 1e-5, NULL), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_run_law(&w, 1e-5, &kernel), DEM_BAD_ARGUMENT),
+        assert_int_equal(dem_run_law(&w, 1e-5, NULL), DEM_BAD_ARGUMENT);
     kernel = kernel_sticky, kernel.loop = NULL;
     assert_int_equal(dem_run_law(&w, 1e-5, &kernel), DEM_BAD_ARGUMENT);
     kernel = kernel_sticky, kernel.law = &law;
@@ -1943,13 +2053,15 @@ DEM_INLINE void force_luding(const dem_contact *c, double *state, dem_response *
     if (-c->gap > state[3]) state[3] = -c->gap;
     r->normal *= 1.0 + 100.0 * state[3];
 }
-static const dem_law law_luding = {"Luding", 1, 4, 4, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, force_luding, NULL, NULL};
+static const dem_law law_luding = {"Luding",     1,    4,   4, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+                                   force_luding, NULL, NULL};
 DEM_KERNEL(kernel_luding, law_luding, DEM_LINEAR | DEM_FRICTION)
 
 /* A law that keeps as many states as another one does not go on with them: not in a run, not after loading. */
 static void test_law_has_a_name(void **state) {
     (void)state;
-    static const char long_name[] = "a law with a name that is much longer than any record of a save would hold in its head";
+    static const char long_name[] =
+        "a law with a name that is much longer than any record of a save would hold in its head";
     char longer[sizeof long_name + 1] = "";
     const struct {
         const char *name;
@@ -1967,7 +2079,8 @@ static void test_law_has_a_name(void **state) {
     size_t size;
     unsigned char *bytes = saved(&w, &size), *old = malloc(size);
     const size_t old_size = without_record(bytes, size, "contact.law", old);
-    for (int loads = 0; loads < 3; loads++) { /* in the session, from a save, from a save that does not say whose it is */
+    /* in the session, from a save, from a save that does not say whose it is */
+    for (int loads = 0; loads < 3; loads++) {
         for (size_t k = 0; k <= sizeof other / sizeof *other; k++) {
             dem_kernel kernel = kernel_luding;
             dem_law law = law_luding;
@@ -1978,9 +2091,11 @@ static void test_law_has_a_name(void **state) {
             else assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
             if (loads == 0) assert_int_equal(dem_run_law(&copy, 1e-4, &kernel_luding), DEM_OK);
             const uint64_t before = dem_hash(&copy);
-            const dem_status status = is_hertz ? dem_run(&copy, 1e-4, DEM_HERTZ | DEM_FRICTION) : dem_run_law(&copy, 1e-4, &kernel);
+            const dem_status status =
+                is_hertz ? dem_run(&copy, 1e-4, DEM_HERTZ | DEM_FRICTION) : dem_run_law(&copy, 1e-4, &kernel);
             const int fits = loads == 2 || (!is_hertz && other[k].fits);
-            if (status != (fits ? DEM_OK : DEM_LAW_MISMATCH)) fail_msg("law %d, case %d: %s", (int)k, loads, dem_status_text(status));
+            if (status != (fits ? DEM_OK : DEM_LAW_MISMATCH))
+                fail_msg("law %d, case %d: %s", (int)k, loads, dem_status_text(status));
             if (!fits) assert_true(dem_hash(&copy) == before && dem_run_law(&copy, 1e-4, &kernel_luding) == DEM_OK);
             dem_free(&copy);
         }
@@ -2006,7 +2121,8 @@ static void test_law_has_a_name(void **state) {
     }
 }
 
-/* The ledger begins, pauses and ends in mid-run: the motion stays the same bits, and what contacts store is there from the start. */
+/* The ledger begins, pauses and ends in mid-run: the motion stays the same bits, and what contacts store is there
+   from the start. */
 static void test_ledger_in_mid_run(void **state) {
     (void)state;
     static const int base[] = {DEM_LINEAR, DEM_LINEAR | DEM_FRICTION, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING,
@@ -2047,7 +2163,8 @@ static void test_ledger_in_mid_run(void **state) {
             }
         }
         for (int i = 0; i < 3; i++) {
-            const dem_vec a = dem_position(&w[0], i), b = dem_position(&w[1], i), c = dem_velocity(&w[0], i), d = dem_velocity(&w[1], i);
+            const dem_vec a = dem_position(&w[0], i), b = dem_position(&w[1], i), c = dem_velocity(&w[0], i),
+                          d = dem_velocity(&w[1], i);
             assert_true(a.x == b.x && a.y == b.y && a.z == b.z && c.x == d.x && c.y == d.y && c.z == d.z);
         }
         for (int q = 0; q < 2; q++) dem_free(&w[q]);
@@ -2101,7 +2218,8 @@ static dem_status everything(failing_allocator *memory) {
         for (ptrdiff_t c = 0; c < dem_contact_count(&w); c++) assert_true(dem_get_contact(&w, c).i < w.count);
         for (int k = 0; k < w.walls; k++) dem_count_apertures(&w, k);
         loaded = dem_load(&copy, bytes, size, &hook);
-        if (loaded == DEM_BAD_DATA) fail_msg("a world that ran out of memory at %d left a save that cannot be loaded", memory->fail_at);
+        if (loaded == DEM_BAD_DATA)
+            fail_msg("a world that ran out of memory at %d left a save that cannot be loaded", memory->fail_at);
         if (loaded == DEM_OK) assert_true(dem_hash(&copy) == dem_hash(&w));
         dem_free(&copy);
         free(bytes);
@@ -2144,7 +2262,8 @@ static void test_memory_running_out(void **state) {
                 assert_int_equal(dem_load(&w, bytes, size, &hook), DEM_OK);
                 free(bytes);
             }
-            assert_true(w.step == reference.step && dem_hash(&w) == dem_hash(&reference) && w.passed_count == reference.passed_count);
+            assert_true(w.step == reference.step && dem_hash(&w) == dem_hash(&reference) &&
+                        w.passed_count == reference.passed_count);
         }
         dem_free(&w);
         assert_int_equal(failing_live(&memory), 0);
@@ -2182,7 +2301,8 @@ static void test_several_worlds_and_laws(void **state) {
         start(&w, &def);
         add(&w, zero, diameter), add(&w, v3(0, 0, diameter - 1e-7), diameter);
         move(&w, 1, v3(0, 0, 2e-4), zero);
-        assert_int_equal(sticky ? dem_run_law(&w, 0.05, &kernel_sticky) : dem_run(&w, 0.05, DEM_LINEAR | DEM_FRICTION), DEM_OK);
+        assert_int_equal(sticky ? dem_run_law(&w, 0.05, &kernel_sticky) : dem_run(&w, 0.05, DEM_LINEAR | DEM_FRICTION),
+                         DEM_OK);
         assert_int_equal(dem_contact_count(&w), sticky);
         dem_free(&w);
     }

@@ -1,5 +1,5 @@
-/* test_dem_bodies.c: orientation and rotation of rigid bodies in dem.h, against closed forms and the 17-digit references of the Euler top
-   (Jacobi elliptic functions and quaternions, computed with 40 digits). */
+/* test_dem_bodies.c: orientation and rotation of rigid bodies in dem.h, against closed forms and the 17-digit
+   references of the Euler top (Jacobi elliptic functions and quaternions, computed with 40 digits). */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -37,9 +37,10 @@ static double quaternion_error(dem_quaternion a, const double *b) {
 static double length_of(dem_quaternion q) { return sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z); }
 
 /* I = (1, 2, 3), w0 = (1, 0, 1): w = (cn t, sn t, dn t) with m = 1/3. */
-static const double TOP_AT[3][5] = {{1, .77903960258822208, .35820926595727759, .1958299706947999, .4758508610470377},
-                                    {5, -.89205938023754275, .34571995700736429, -.24610292441078016, .15537414216496626},
-                                    {10, .86144117406547744, .10734075762015901, .22094732179436732, -.44449898354227806}};
+static const double TOP_AT[3][5] = {
+    {1, .77903960258822208, .35820926595727759, .1958299706947999, .4758508610470377},
+    {5, -.89205938023754275, .34571995700736429, -.24610292441078016, .15537414216496626},
+    {10, .86144117406547744, .10734075762015901, .22094732179436732, -.44449898354227806}};
 
 static void test_euler_top_flies_to_the_reference(void **state) {
     (void)state;
@@ -54,7 +55,9 @@ static void test_euler_top_flies_to_the_reference(void **state) {
     }
     const dem_body body = dem_get_body(&w, i);
     const dem_vec spin = dem__to_body(body.orientation, body.spin);
-    assert_true(fabs(spin.x + .921069998444332243) + fabs(spin.y - .38939704411533198) + fabs(spin.z - .974400660583082425) < 1e-9);
+    assert_true(fabs(spin.x + .921069998444332243) + fabs(spin.y - .38939704411533198) +
+                    fabs(spin.z - .974400660583082425) <
+                1e-9);
     assert_int_equal(w.engine->bodies.active_count, 0); /* in flight: it takes no steps */
     dem_free(&w);
 }
@@ -64,17 +67,19 @@ static double drift_error(double h, int far) {
     const dem_vec moments = dem_vec3(1, 2, 3), momentum = dem_vec3(1, 0, 3);
     dem_quaternion q = ONE;
     const int n = (int)(10.0 / h + 0.5);
-    for (int k = 0; k < n; k++) q = far ? dem__turn_far(q, momentum, moments, h) : dem__turn_split(q, momentum, moments, h);
+    for (int k = 0; k < n; k++)
+        q = far ? dem__turn_far(q, momentum, moments, h) : dem__turn_split(q, momentum, moments, h);
     return quaternion_error(q, TOP_AT[2] + 1);
 }
 static void test_drift_of_three_moments_has_its_order(void **state) {
     (void)state;
     const double ratio = drift_error(0.1, 0) / drift_error(0.05, 0);
-    print_message("    splitting, h = 0.1: %.2e, order %.2f\n", drift_error(0.1, 0), riddle_log(ratio) / riddle_log(2.0));
+    print_message("    splitting, h = 0.1: %.2e, order %.2f\n", drift_error(0.1, 0),
+                  riddle_log(ratio) / riddle_log(2.0));
     assert_true(ratio > 3.8 && ratio < 4.2);
     assert_true(drift_error(0.1, 0) < 5e-3);
-    print_message("    sixth order, h = 10, 0.025, 0.0125: %.2e %.2e %.2e\n", drift_error(10.0, 1), drift_error(0.025, 1),
-                  drift_error(0.0125, 1));
+    print_message("    sixth order, h = 10, 0.025, 0.0125: %.2e %.2e %.2e\n", drift_error(10.0, 1),
+                  drift_error(0.025, 1), drift_error(0.0125, 1));
     assert_true(drift_error(10.0, 1) < 1e-9);
     assert_true(drift_error(0.0125, 1) < 1e-13);
 }
@@ -127,7 +132,8 @@ static void test_axes_in_any_order(void **state) {
         const ptrdiff_t i = add_top(&w, dem_vec3(0, 0, 0), 1.0, dem_vec3(m[k], m[(k + 1) % 3], m[(k + 2) % 3]));
         dem_set_motion(&w, i, dem_vec3(0, 0, 0), dem_vec3(s[k], s[(k + 1) % 3], s[(k + 2) % 3]));
         assert_int_equal(dem_run(&w, 2.0, DEM_LINEAR), DEM_OK);
-        const dem_vec v = dem_spin(&w, i), x = dem__to_lab(dem_orientation(&w, i), dem_vec3(k == 0, k == 2, k == 1)); /* axis 0 of m */
+        /* axis 0 of m */
+        const dem_vec v = dem_spin(&w, i), x = dem__to_lab(dem_orientation(&w, i), dem_vec3(k == 0, k == 2, k == 1));
         const double of[3] = {v.x, v.y, v.z}, at[3] = {x.x, x.y, x.z};
         spin[k] = dem_vec3(of[(3 - k) % 3], of[(4 - k) % 3], of[(5 - k) % 3]);
         e[k] = dem_vec3(at[(3 - k) % 3], at[(4 - k) % 3], at[(5 - k) % 3]);
@@ -157,7 +163,8 @@ static double torqued_drift(dem_vec moments, double off) {
     assert_true(fabs(length_of(q) - 1.0) < 1e-14);
     return 12.0 * slope / ((double)n * n * n) * n / (sum / n);
 }
-/* With three moments the motion is chaotic: rounding decides the slope of one run, +-1e-5. So the mean of many is tested. */
+/* With three moments the motion is chaotic: rounding decides the slope of one run, +-1e-5. So the mean of
+   many is tested. */
 static void test_energy_of_a_torqued_top_does_not_drift(void **state) {
     (void)state;
     double split = 0.0, exact = torqued_drift(dem_vec3(2, 2, 3), 0.0);
@@ -180,7 +187,8 @@ static void test_loaded_top_closes_the_ledger(void **state) {
         const dem_body b = dem_get_body(&w, i);
         const dem_vec l = dem__momentum_of(b.axes, b.moments, b.spin);
 
-        assert_true(fabs(l.x - 1.25) + fabs(l.y - 0.5) + fabs(l.z + 2.0) < 1e-11); /* (1, 1, -3) + 5 (0.05, -0.1, 0.2) */
+        /* (1, 1, -3) + 5 (0.05, -0.1, 0.2) */
+        assert_true(fabs(l.x - 1.25) + fabs(l.y - 0.5) + fabs(l.z + 2.0) < 1e-11);
         assert_true(fabs(b.velocity.x - 0.6) < 1e-12);
         error[k] = fabs(dem_energy(&w).error);
         dem_free(&w);
@@ -225,8 +233,8 @@ static void test_saved_and_loaded(void **state) {
 
 static void test_bad_arguments(void **state) {
     (void)state;
-    const dem_quaternion none = {0, 0, 0, 0}, nan = {1, (double)NAN, 0, 0}, wide = {1e300, 1e300, 0, 0}, inf = {1, (double)INFINITY, 0, 0},
-                         tiny = {0, 0, 1e-310, 0};
+    const dem_quaternion none = {0, 0, 0, 0}, nan = {1, (double)NAN, 0, 0}, wide = {1e300, 1e300, 0, 0},
+                         inf = {1, (double)INFINITY, 0, 0}, tiny = {0, 0, 1e-310, 0};
     dem_world w;
     make_world(&w, 1e-3, 0);
     const double centre[3] = {0, 0, 0}, diameter = 1e-3;
@@ -273,7 +281,8 @@ static void test_shapes_have_their_mass_properties(void **state) {
     const double v = RIDDLE_PI / 6.0 * 0.008, own = 0.4 * v * 0.01, far = v * 0.0225;
     assert_true(fabs(c.volume / (2.0 * v) - 1.0) < 1e-14 && fabs(c.origin.x - 0.15) < 1e-15);
     assert_true(c.moments.x == c.moments.y && fabs(c.moments.x / (2.0 * (own + far)) - 1.0) < 1e-13);
-    assert_true(fabs(c.moments.z / (2.0 * own) - 1.0) < 1e-13 && fabs(dem__to_lab(c.axes, dem_vec3(0, 0, 1)).x) > 1.0 - 1e-15);
+    assert_true(fabs(c.moments.z / (2.0 * own) - 1.0) < 1e-13 &&
+                fabs(dem__to_lab(c.axes, dem_vec3(0, 0, 1)).x) > 1.0 - 1e-15);
     /* overlapping by a lens of two caps of height h */
     assert_int_equal(dem_make_clump(2, two, lens, &c), DEM_OK);
     const double r = 0.2, h = 0.05, cap = RIDDLE_PI * h * h * (3.0 * r - h) / 3.0;
@@ -292,14 +301,15 @@ static void test_shapes_have_their_mass_properties(void **state) {
     for (int k = 0; k < 9; k++) bent[k] = three[k];
     bent[4] += 1e-11;
     assert_int_equal(dem_make_clump(3, bent, sizes, &c), DEM_OK);
-    print_message("    off the line: volume %.1e, moments %.1e %.1e\n", c.volume / exact.volume - 1.0, c.moments.x / exact.moments.x - 1.0,
-                  c.moments.z / exact.moments.z - 1.0);
+    print_message("    off the line: volume %.1e, moments %.1e %.1e\n", c.volume / exact.volume - 1.0,
+                  c.moments.x / exact.moments.x - 1.0, c.moments.z / exact.moments.z - 1.0);
     assert_true(fabs(c.volume / exact.volume - 1.0) < 1e-10 && c.moments.x == c.moments.y);
     assert_true(fabs(c.moments.x / exact.moments.x - 1.0) < 1e-10 && fabs(c.moments.z / exact.moments.z - 1.0) < 1e-10);
     /* three of a right angle, apart: the tensor about the principal axes is the one that was put in */
     const double angle[9] = {10, 5, 1, 11, 5, 1, 10, 7, 1}, small[3] = {0.5, 0.5, 0.5};
     assert_int_equal(dem_make_clump(3, angle, small, &c), DEM_OK);
-    const double m = RIDDLE_PI / 6.0 * 0.125, x[3] = {-1.0 / 3.0, 2.0 / 3.0, -1.0 / 3.0}, y[3] = {-2.0 / 3.0, -2.0 / 3.0, 4.0 / 3.0};
+    const double m = RIDDLE_PI / 6.0 * 0.125, x[3] = {-1.0 / 3.0, 2.0 / 3.0, -1.0 / 3.0},
+                 y[3] = {-2.0 / 3.0, -2.0 / 3.0, 4.0 / 3.0};
     double xx = 0.0, xy = 0.0;
     for (int k = 0; k < 3; k++) xx += m * (y[k] * y[k] + 0.025), xy -= m * x[k] * y[k];
     const dem_vec e = dem_vec3(1, 0, 0), column = dem__momentum_of(c.axes, c.moments, e);
@@ -327,11 +337,13 @@ static dem_clump turned_alike(uint64_t *r, int n, const double *centre, const do
     }
     assert_int_equal(dem_make_clump(n, turned, d, &other), DEM_OK);
     if (!(fabs(c.volume / other.volume - 1.0) < tolerance && fabs(trace_of(&c) / trace_of(&other) - 1.0) < tolerance))
-        fail_msg("%d spheres: %.17g %.17g, turned %.17g %.17g", n, c.volume, trace_of(&c), other.volume, trace_of(&other));
+        fail_msg("%d spheres: %.17g %.17g, turned %.17g %.17g", n, c.volume, trace_of(&c), other.volume,
+                 trace_of(&other));
     return c;
 }
 
-/* Overlapping spheres anywhere: pairs far apart, a bent fibre, lattices on which many rims meet in a point, specks, near twins. */
+/* Overlapping spheres anywhere: pairs far apart, a bent fibre, lattices on which many rims meet in a point,
+   specks, near twins. */
 static void test_unions_of_spheres(void **state) {
     (void)state;
     uint64_t r = 11;
@@ -355,11 +367,13 @@ static void test_unions_of_spheres(void **state) {
     }
     turned_alike(&r, DEM_CLUMP_MAX, x, d, 1e-12);
     /* a lattice of 4 x 4 x 4 whose spheres overlap in pairs only: less 144 lenses */
-    for (int k = 0; k < DEM_CLUMP_MAX; k++) x[3 * k] = k % 4, x[3 * k + 1] = k / 4 % 4, x[3 * k + 2] = k / 16, d[k] = 1.2;
+    for (int k = 0; k < DEM_CLUMP_MAX; k++)
+        x[3 * k] = k % 4, x[3 * k + 1] = k / 4 % 4, x[3 * k + 2] = k / 16, d[k] = 1.2;
     c = turned_alike(&r, DEM_CLUMP_MAX, x, d, 1e-12);
     const double cap = RIDDLE_PI * 0.01 * (1.8 - 0.1) / 3.0;
     assert_true(fabs(c.volume / (64.0 * RIDDLE_PI / 6.0 * 1.728 - 288.0 * cap) - 1.0) < 1e-13);
-    for (int k = 0; k < DEM_CLUMP_MAX; k++) d[k] = 1.8; /* no hole is left in the middle of a cell: its diagonal is 1.73 */
+    /* No hole is left in the middle of a cell: its diagonal is 1.73. */
+    for (int k = 0; k < DEM_CLUMP_MAX; k++) d[k] = 1.8;
     c = turned_alike(&r, DEM_CLUMP_MAX, x, d, 1e-12);
     assert_true(c.volume > 27.0 && c.moments.x == c.moments.y && c.moments.y == c.moments.z);
     const double square[12] = {1, 0, 0, 0, 1, 0, -1, 0, 0, 0, -1, 0}, sizes[3] = {sqrt(2.0), 2.0, sqrt(8.0)};
@@ -372,7 +386,8 @@ static void test_unions_of_spheres(void **state) {
     for (double off = 1e-3; off > 1e-15; off *= 0.01) {
         const double twins[9] = {0, 0, 0, off, 0, 0, 0, off, 0}, same[3] = {1, 1, 1};
         c = turned_alike(&r, 3, twins, same, 1e-11);
-        assert_true(c.volume >= RIDDLE_PI / 6.0 * (1.0 - 1e-12) && c.volume < RIDDLE_PI / 6.0 * (1.0 + 4.0 * off + 1e-12));
+        assert_true(c.volume >= RIDDLE_PI / 6.0 * (1.0 - 1e-12) &&
+                    c.volume < RIDDLE_PI / 6.0 * (1.0 + 4.0 * off + 1e-12));
     }
     for (int trial = 0; trial < 60; trial++) { /* places and sizes in halves: what meets, meets exactly */
         const int n = 3 + trial / 2;
@@ -386,7 +401,8 @@ static void test_shapes_are_checked(void **state) {
     (void)state;
     static double many[3 * (DEM_CLUMP_MAX + 1)], sizes[DEM_CLUMP_MAX + 1];
     dem_clump c;
-    const double at[6] = {0, 0, 0, 1, 0, 0}, bad[6] = {0, 0, 0, (double)NAN, 0, 0}, far[6] = {0, 0, 0, (double)INFINITY, 0, 0};
+    const double at[6] = {0, 0, 0, 1, 0, 0}, bad[6] = {0, 0, 0, (double)NAN, 0, 0},
+                 far[6] = {0, 0, 0, (double)INFINITY, 0, 0};
     const double d[2] = {1, 1}, none[2] = {1, 0}, nan[2] = {1, (double)NAN}, tiny[2] = {1e-300, 1e-300};
     for (int k = 0; k <= DEM_CLUMP_MAX; k++) many[3 * k] = k, sizes[k] = 1.0;
     assert_int_equal(dem_make_clump(DEM_CLUMP_MAX, many, sizes, &c), DEM_OK);
@@ -403,7 +419,8 @@ static void test_shapes_are_checked(void **state) {
     assert_true(isnan(dem_clump_diameter(NULL)));
     dem_world w;
     make_world(&w, 1e-6, 0);
-    const double centre[3] = {0, 0, 0}, wrong[3] = {0, (double)NAN, 0}, turn[4] = {1, 0, 0, 0}, no_turn[4] = {0, 0, 0, 0}, zero = 0.0;
+    const double centre[3] = {0, 0, 0}, wrong[3] = {0, (double)NAN, 0}, turn[4] = {1, 0, 0, 0},
+                 no_turn[4] = {0, 0, 0, 0}, zero = 0.0;
     assert_int_equal(dem_make_clump(2, at, d, &c), DEM_OK);
     assert_int_equal(dem_add_clumps(&w, 1, &c, centre, NULL, turn, 0, 0), DEM_OK);
     assert_int_equal(dem_add_clumps(&w, 0, &c, NULL, NULL, NULL, 0, 0), DEM_OK);
@@ -438,7 +455,8 @@ static dem_def hit_def(double dt, double restitution, dem_restitution mode, doub
 /* A sphere, a clump of one and a clump of two coincident halves fly, roll and bounce alike. */
 static void test_clump_of_one_is_a_sphere(void **state) {
     (void)state;
-    const double centre[3] = {0, 0, 0.006}, d = 0.01, halves[6] = {1, 2, 3, 1, 2, 3}, both[2] = {0.01, 0.01}, other[3] = {0.02, 0, 0.006};
+    const double centre[3] = {0, 0, 0.006}, d = 0.01, halves[6] = {1, 2, 3, 1, 2, 3}, both[2] = {0.01, 0.01},
+                 other[3] = {0.02, 0, 0.006};
     dem_vec x[3], v[3], s[3];
     for (int hertz = 0; hertz < 2; hertz++) {
         for (int k = 0; k < 3; k++) {
@@ -469,12 +487,13 @@ static void test_clump_of_one_is_a_sphere(void **state) {
     }
 }
 
-/* A clump of two spheres, tilted, hits a plane with one: impulse (1 + e) m v with 1/m = 1/M + (r x n)^2/I, and the dashpot that was made
-   for M acts on m. */
+/* A clump of two spheres, tilted, hits a plane with one: impulse (1 + e) m v with 1/m = 1/M + (r x n)^2/I, and the
+   dashpot that was made for M acts on m. */
 static void dimer_hit(double stiffness, double restitution, double *error) {
     const double at[6] = {0, 0, 0, 0, 0, 0.012}, d[2] = {0.01, 0.01}, tilt = 0.35, speed = 0.4;
     const double turn[4] = {riddle_cos(0.5 * tilt), riddle_sin(0.5 * tilt), 0, 0}, centre[3] = {0, 0, 0.0115};
-    dem_def def = hit_def(0.02 * sqrt(2.0 * RIDDLE_PI / 6.0 * 1e-6 * 2500.0 / stiffness), restitution, DEM_NAIVE, stiffness);
+    dem_def def =
+        hit_def(0.02 * sqrt(2.0 * RIDDLE_PI / 6.0 * 1e-6 * 2500.0 / stiffness), restitution, DEM_NAIVE, stiffness);
     dem_world w;
     dem_clump c;
     assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
@@ -509,13 +528,15 @@ static dem_vec angular_momentum(const dem_world *w) {
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem_body b = dem_get_body(w, i);
         if (b.first != i) continue;
-        sum = dem__add(sum, dem__add(dem__scale(b.mass, dem__cross(b.position, b.velocity)), dem__momentum_of(b.axes, b.moments, b.spin)));
+        sum = dem__add(sum, dem__add(dem__scale(b.mass, dem__cross(b.position, b.velocity)),
+                                     dem__momentum_of(b.axes, b.moments, b.spin)));
     }
     return sum;
 }
 
-/* Two clumps of different shapes meet: the momentum stays to 1e-13 of what they have, energy within the ledger. Where a contact begins or
-   ends within a step, positions are corrected along its normal; if it slides, that changes the angular momentum a little. */
+/* Two clumps of different shapes meet: the momentum stays to 1e-13 of what they have, energy within the ledger. Where a
+   contact begins or ends within a step, positions are corrected along its normal; if it slides, that changes the
+   angular momentum a little. */
 static void test_hits_keep_momentum(void **state) {
     (void)state;
     uint64_t random = 5;
@@ -599,7 +620,8 @@ static void test_same_bits_for_threads_and_skipping(void **state) {
     }
 }
 
-/* The ledger of a settling bed closes, better with a smaller step; saved in the middle, it goes on with the same bits. */
+/* The ledger of a settling bed closes, better with a smaller step; saved in the middle, it goes on with
+   the same bits. */
 static void test_bed_of_clumps_closes_the_ledger(void **state) {
     (void)state;
     double part[2];
@@ -621,7 +643,8 @@ static void test_bed_of_clumps_closes_the_ledger(void **state) {
         assert_true(e.kinetic < 0.3 * e.released && e.rotational > 0.0);
         dem_free(&w), dem_free(&v);
     }
-    print_message("    error of the ledger over released energy: %.1e at 2e-6 s, %.1e at 4e-6 s, periodic\n", part[0], part[1]);
+    print_message("    error of the ledger over released energy: %.1e at 2e-6 s, %.1e at 4e-6 s, periodic\n", part[0],
+                  part[1]);
     assert_true(part[0] < 2e-3 && part[1] < 4e-3);
 }
 
@@ -670,13 +693,14 @@ static double no_constants(const dem_birth *birth, double *constants) {
 static const dem_law spring_law = {"springs", 1, SPRING_STATES, 0, 0, 0, no_constants, spring_force, NULL, NULL};
 DEM_LINK_KERNEL(spring_kernel, spring_law)
 
-/* Two clumps tied to each other and to a sphere by springs at three of their spheres swing and turn: momenta stay, and kinetic energy and
-   that of the springs, to the second order of the interval. */
+/* Two clumps tied to each other and to a sphere by springs at three of their spheres swing and turn: momenta stay, and
+   kinetic energy and that of the springs, to the second order of the interval. */
 static double tied_error(double interval) {
     dem_def def = hit_def(1e-5, 1.0, DEM_CLIPPED, 1e4);
     dem_world w;
     dem_clump c;
-    const double at[9] = {0, 0, 0, 0.01, 0, 0, 0, 0.01, 0}, d[3] = {0.008, 0.008, 0.008}, x[9] = {0, 0, 0, 0.03, 0, 0.01, 0.015, 0.03, 0};
+    const double at[9] = {0, 0, 0, 0.01, 0, 0, 0, 0.01, 0}, d[3] = {0.008, 0.008, 0.008},
+                 x[9] = {0, 0, 0, 0.03, 0, 0.01, 0.015, 0.03, 0};
     const double spring[SPRING_STATES] = {2.0, 0.01};
     assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
     assert_int_equal(dem_make_clump(3, at, d, &c), DEM_OK);
@@ -696,7 +720,8 @@ static double tied_error(double interval) {
         double stored = 0.0;
         for (ptrdiff_t q = 0; q < dem_link_count(&w); q++) {
             const dem_contact_info info = dem_get_link(&w, q);
-            stored += 0.5 * info.state[SPRING_K] * (info.gap - info.state[SPRING_LENGTH]) * (info.gap - info.state[SPRING_LENGTH]);
+            stored += 0.5 * info.state[SPRING_K] * (info.gap - info.state[SPRING_LENGTH]) *
+                      (info.gap - info.state[SPRING_LENGTH]);
         }
         const dem_energy_ledger e = dem_energy(&w);
         const double now = e.kinetic + e.rotational + stored;
@@ -738,15 +763,19 @@ static void test_feed_of_clumps(void **state) {
         const dem_vec x = dem_position(&w, i);
         const dem_body b = dem_get_body(&w, i);
         const double r = dem_radius(&w, i);
-        assert_true(fabs(x.x) + r < 0.02 + 1e-9 && fabs(x.y) + r < 0.02 + 1e-9 && x.z - r > 0.0 && x.z + r < 0.03 + 1e-9);
-        for (ptrdiff_t k = 0; k < b.first; k++) assert_true(dem__length(dem__sub(dem_position(&w, k), x)) > r + dem_radius(&w, k));
+        assert_true(fabs(x.x) + r < 0.02 + 1e-9 && fabs(x.y) + r < 0.02 + 1e-9 && x.z - r > 0.0 &&
+                    x.z + r < 0.03 + 1e-9);
+        for (ptrdiff_t k = 0; k < b.first; k++)
+            assert_true(dem__length(dem__sub(dem_position(&w, k), x)) > r + dem_radius(&w, k));
         if (b.first != i) continue;
         const dem_vec e = dem__to_lab(b.orientation, dem_vec3(0, 0, 1));
         mass += b.mass, moment[0] += e.x * e.x, moment[1] += e.y * e.y, moment[2] += e.z * e.z;
-        assert_true(b.diameter > 2e-3 * (1 - 1e-12) && b.diameter < 4e-3 * (1 + 1e-12) && fabs(b.velocity.z + 0.1) <= 0.1);
+        assert_true(b.diameter > 2e-3 * (1 - 1e-12) && b.diameter < 4e-3 * (1 + 1e-12) &&
+                    fabs(b.velocity.z + 0.1) <= 0.1);
     }
     assert_true(fabs(mass / feed.placed_mass - 1.0) < 1e-12);
-    for (int a = 0; a < 3; a++) assert_true(fabs(moment[a] / (double)feed.placed - 1.0 / 3.0) < 0.08); /* 4.6 standard deviations */
+    /* 4.6 standard deviations */
+    for (int a = 0; a < 3; a++) assert_true(fabs(moment[a] / (double)feed.placed - 1.0 / 3.0) < 0.08);
     assert_int_equal(dem_run(&w, 0.01, DEM_LINEAR | DEM_FRICTION), DEM_OK);
     feed.region = dem_box_region(dem_vec3(-0.02, -0.02, 0.05), dem_vec3(0.02, 0.02, 0.05)); /* a face */
     const ptrdiff_t before = feed.placed;
@@ -798,7 +827,8 @@ static void test_measures_count_a_clump_once(void **state) {
     assert_int_equal(dem_run(&w, 1.0, DEM_LINEAR | DEM_FRICTION), DEM_OK);
     assert_int_equal(dem_measure_region(&w, &all, &m), DEM_OK);
     const dem_body b = dem_get_body(&w, 0);
-    assert_true(m.coordination == 2.0 && fabs(m.contact_stress[2][2] * 8e-3 / (b.mass * 9.81 * b.position.z) - 1.0) < 1e-3);
+    assert_true(m.coordination == 2.0 &&
+                fabs(m.contact_stress[2][2] * 8e-3 / (b.mass * 9.81 * b.position.z) - 1.0) < 1e-3);
     assert_true(fabs(m.contact_stress[0][0]) < 1e-6 * m.contact_stress[2][2]);
     assert_true(fabs(b.position.z - (0.005 - 0.5 * b.mass * 9.81 / 1e4)) < 1e-9);
     dem_free(&w);

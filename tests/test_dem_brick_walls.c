@@ -1,4 +1,5 @@
-/* Edges and faces of polyhedra at walls that are not flat: wires, cylinders, edges and corners of meshes, rims of cones. */
+/* Edges and faces of polyhedra at walls that are not flat: wires, cylinders, edges and corners of meshes,
+   rims of cones. */
 #include "dem.h"
 #include "../examples/common/random.h"
 
@@ -42,10 +43,12 @@ static const dem_vec down = {0, 0, -9.81};
 enum { TWO_CYLINDERS, SCREEN, TWO_BEAMS, BEAMS_OF_SHEET, KINDS };
 static void add_support(dem_world *w, int kind) {
     if (kind == TWO_CYLINDERS) {
-        for (int k = 0; k < 2; k++) dem_add_cylinder(w, 0, dem_vec3(k ? 0.005 : -0.005, 0, -0.001), dem_vec3(0, 1, 0), 0.001, 0);
+        for (int k = 0; k < 2; k++)
+            dem_add_cylinder(w, 0, dem_vec3(k ? 0.005 : -0.005, 0, -0.001), dem_vec3(0, 1, 0), 0.001, 0);
     } else if (kind == SCREEN) {
         dem_screen s = dem_default_screen();
-        s.aperture = 0.008, s.wire = 0.002, s.centre = dem_vec3(0, 0, -0.001), s.half_x = s.half_y = 0.045, s.circular = 0;
+        s.aperture = 0.008, s.wire = 0.002, s.centre = dem_vec3(0, 0, -0.001), s.half_x = s.half_y = 0.045,
+        s.circular = 0;
         assert_true(dem_add_screen(w, 0, &s) >= 0);
     } else {
         for (int k = 0; k < 2; k++) {
@@ -64,10 +67,12 @@ static void add_support(dem_world *w, int kind) {
     }
 }
 
-/* A brick across them touches with its faces and edges, no corner: it lies still, as deep as its springs, and its energy stays. */
+/* A brick across them touches with its faces and edges, no corner: it lies still, as deep as its springs, and its
+   energy stays. */
 static void test_rests_across(void **state) {
     (void)state;
-    const double springs[KINDS] = {1, 2, 2, 2}; /* a quarter at each point: two edges over each bar; over both its sides; of a screen also the bars across */
+    /* a quarter at each point: two edges over each bar; over both its sides; of a screen also the bars across */
+    const double springs[KINDS] = {1, 2, 2, 2};
     for (int kind = 0; kind < KINDS; kind++) {
         dem_world w;
         make(&w, 1e-5, 1e4, 0.5, 0.5, down);
@@ -84,14 +89,15 @@ static void test_rests_across(void **state) {
     }
 }
 
-/* Over a hole: a brick wider than a tube's end, or a small disc, lies on its rim, a longer and narrower one bridges it with its edges. One that a corner of a
-   mesh pokes in the middle of a face is carried by it. */
+/* Over a hole: a brick wider than a tube's end, or a small disc, lies on its rim, a longer and narrower one bridges it
+   with its edges. One that a corner of a mesh pokes in the middle of a face is carried by it. */
 static void test_holes(void **state) {
     (void)state;
     for (int kind = 0; kind < 6; kind++) {
         dem_world w;
         make(&w, 1e-5, 1e4, 0.5, 0.5, down);
-        if (kind > 2) { /* a small disc; a hole in a large one, under a brick that lies on it, and under one on its rim */
+        /* a small disc; a hole in a large one, under a brick that lies on it, and under one on its rim */
+        if (kind > 2) {
             dem_disc d = dem_default_disc();
             d.radius = kind == 3 ? 0.005 : 0.05, d.hole_radius = kind == 3 ? 0.002 : 0.005;
             assert_true(dem_add_disc(&w, 0, &d) >= 0);
@@ -107,9 +113,11 @@ static void test_holes(void **state) {
             mesh.vertices = 4, mesh.vertex = corner, mesh.triangles = 3, mesh.triangle = face;
             assert_true(dem_add_mesh(&w, 0, &mesh) >= 0);
         }
-        put(&w, kind == 1 || kind == 5 ? dem_vec3(0.016, 0.004, 0.004) : dem_vec3(0.016, 0.014, 0.004), dem_vec3(0, 0, 0.002), straight);
+        put(&w, kind == 1 || kind == 5 ? dem_vec3(0.016, 0.004, 0.004) : dem_vec3(0.016, 0.014, 0.004),
+            dem_vec3(0, 0, 0.002), straight);
         RUN(&w, 0.5);
-        /* points of the rim; four crossings, two points of the rim; the tip; points of both rims; four corners, points of the rim */
+        /* points of the rim; four crossings, two points of the rim; the tip; points of both rims; four corners,
+           points of the rim */
         const int points[6] = {16, 6, 1, 32, 20, 6};
         const double springs = fmin(0.25 * points[kind], 2.0); /* a quarter at each, two at most */
         near(0.002 - dem_position(&w, 0).z, dem_mass(&w, 0) * 9.81 / (springs * 1e4), 1e-9);
@@ -119,7 +127,8 @@ static void test_holes(void **state) {
     }
 }
 
-/* Within a box of triangles nothing stands out: edges that face inwards, and those across its flat sides, are not touched. */
+/* Within a box of triangles nothing stands out: edges that face inwards, and those across its flat sides, are
+   not touched. */
 static void test_inside(void **state) {
     (void)state;
     dem_world w;
@@ -141,7 +150,8 @@ static void test_saved(void **state) {
         make(&w, 1e-5, 1e4, 0.5, 0.5, down);
         add_support(&w, kind);
         seed = 3;
-        for (int k = 0; k < 8; k++) put(&w, dem_vec3(0.016, 0.014, 0.004), dem_vec3(uniform(-3e-3, 3e-3), 0, 0.012 + 0.022 * k), turned());
+        for (int k = 0; k < 8; k++)
+            put(&w, dem_vec3(0.016, 0.014, 0.004), dem_vec3(uniform(-3e-3, 3e-3), 0, 0.012 + 0.022 * k), turned());
         RUN(&w, 0.1);
         const size_t size = dem_save(&w, NULL, 0);
         unsigned char *bytes = (unsigned char *)malloc(size);
@@ -183,14 +193,15 @@ static void test_screen(void **state) {
 
 /* Elastic hits at random on everything that stands out: root mean square error of the energy. */
 enum { WIRES, HALF_WIRES, CYLINDER, BALL, BOX, SHEET, TUBE, CONE, DISC, RING, WALLS };
-static const char *const name[WALLS] = {"round wires", "half-round wires", "cylinder", "sphere", "box", "sheet", "tube's end", "cone", "disc",
-                                      "disc with a hole"};
+static const char *const name[WALLS] = {"round wires", "half-round wires", "cylinder", "sphere", "box",
+                                        "sheet",       "tube's end",       "cone",     "disc",   "disc with a hole"};
 static void add_wall(dem_world *w, int kind) {
     if (kind == WIRES || kind == HALF_WIRES) {
         dem_screen s = dem_default_screen();
         s.aperture = 0.9, s.wire = 0.3, s.half_x = 6.0 * 1.2, s.profile = kind == WIRES ? DEM_ROUND : DEM_SEMICIRCLE;
         assert_true(dem_add_screen(w, 0, &s) >= 0);
-    } else if (kind == CYLINDER) assert_true(dem_add_cylinder(w, 0, dem_vec3(0, 0, -0.5), dem_vec3(0, 1, 0.1), 0.5, 0) >= 0);
+    } else if (kind == CYLINDER)
+        assert_true(dem_add_cylinder(w, 0, dem_vec3(0, 0, -0.5), dem_vec3(0, 1, 0.1), 0.5, 0) >= 0);
     else if (kind == BALL) assert_true(dem_add_sphere_wall(w, 0, dem_vec3(0, 0, -0.5), 0.5, 0) >= 0);
     else if (kind == BOX) assert_true(dem_add_box(w, 0, dem_vec3(-0.3, -0.4, -1), dem_vec3(0.3, 0.4, 0)) >= 0);
     else if (kind == SHEET) {
@@ -223,7 +234,8 @@ static void test_energy(void **state) {
             make(&w, 3.14159265358979 * sqrt(m / k) / 200, k, 1.0, 0.0, dem_vec3(0, 0, 0));
             add_wall(&w, kind);
             put(&w, dem_vec3(1, 1, 2.08), dem_vec3(uniform(-0.5, 0.5), uniform(-0.5, 0.5), 1.4), turned());
-            dem_set_motion(&w, 0, dem_vec3(0, 0, -1), dem_vec3(0.3 * random_bell(&seed), 0.3 * random_bell(&seed), 0.3 * random_bell(&seed)));
+            dem_set_motion(&w, 0, dem_vec3(0, 0, -1),
+                           dem_vec3(0.3 * random_bell(&seed), 0.3 * random_bell(&seed), 0.3 * random_bell(&seed)));
             const dem_energy_ledger l = dem_energy(&w);
             const double before = l.kinetic + l.rotational;
             double lowest = 2.0;
@@ -238,14 +250,16 @@ static void test_energy(void **state) {
             }
             dem_free(&w);
         }
-        print_message("elastic hits on %s: rms error of the energy %.2g, worst %.2g\n", name[kind], sqrt(sum / hits), worst);
+        print_message("elastic hits on %s: rms error of the energy %.2g, worst %.2g\n", name[kind], sqrt(sum / hits),
+                      worst);
         assert_true(sqrt(sum / hits) < 3e-4);
     }
 }
 
-/* A cube of 4 mm, rounded by 0.4 mm, that has sunk into a wall: as deep as its rounding allows, and beyond, where the wall cuts its core,
-   also where its corners have passed a sheet. Walls of kind 0 to 9: plane, box, cylinder from inside and outside, sphere from inside and
-   outside, screen, disc, tube from inside and from outside. Returns what is counted. */
+/* A cube of 4 mm, rounded by 0.4 mm, that has sunk into a wall: as deep as its rounding allows, and beyond, where the
+   wall cuts its core, also where its corners have passed a sheet. Walls of kind 0 to 9: plane, box, cylinder from
+   inside and outside, sphere from inside and outside, screen, disc, tube from inside and from outside. Returns
+   what is counted. */
 enum { CUT_KINDS = 10 };
 static int64_t cut_by(int kind, double deep) {
     const double x = 2e-3 - deep, square = 2e-3 * 1.4142135623730951;
@@ -257,7 +271,8 @@ static int64_t cut_by(int kind, double deep) {
     dem_world w;
     dem_convex cube;
     make(&w, 1e-7, 1e-3, 0.5, 0.5, dem_vec3(0, 0, 0));
-    screen.aperture = 0.03, screen.wire = 2e-3, screen.centre = dem_vec3(16e-3, 16e-3, -1e-3), screen.half_x = screen.half_y = 0.048;
+    screen.aperture = 0.03, screen.wire = 2e-3, screen.centre = dem_vec3(16e-3, 16e-3, -1e-3),
+    screen.half_x = screen.half_y = 0.048;
     screen.circular = 0;
     tube.low = dem_vec3(0, -0.02, 0), tube.high = dem_vec3(0, 0.02, 0), tube.low_radius = tube.high_radius = 0.01;
     switch (kind) {
@@ -306,8 +321,9 @@ static void test_cut_cores(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rests_across), cmocka_unit_test(test_holes),  cmocka_unit_test(test_inside), cmocka_unit_test(test_cut_cores),
-        cmocka_unit_test(test_saved),        cmocka_unit_test(test_screen), cmocka_unit_test(test_energy),
+        cmocka_unit_test(test_rests_across), cmocka_unit_test(test_holes), cmocka_unit_test(test_inside),
+        cmocka_unit_test(test_cut_cores),    cmocka_unit_test(test_saved), cmocka_unit_test(test_screen),
+        cmocka_unit_test(test_energy),
     };
     if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,4 +1,5 @@
-/* Polyhedra as particles of dem.h: at rest, sliding, tipping, rocking, in hits, rebounding; with spheres, walls, threads, saves. */
+/* Polyhedra as particles of dem.h: at rest, sliding, tipping, rocking, in hits, rebounding; with spheres, walls,
+   threads, saves. */
 #include "dem.h"
 #include "../examples/common/random.h"
 
@@ -57,8 +58,9 @@ static void test_rest(void **state) {
     dem_free(&w);
 }
 
-/* What is read of a contact is what acts: its normal, point and force give the force and the torque that a fixed body and a wall feel. A
-   cube and a ball slide and roll over a fixed brick, across a periodic edge, another cube over a tilted plane. */
+/* What is read of a contact is what acts: its normal, point and force give the force and the torque that a fixed body
+   and a wall feel. A cube and a ball slide and roll over a fixed brick, across a periodic edge, another cube over a
+   tilted plane. */
 static void test_contacts_read(void **state) {
     (void)state;
     dem_def def = dem_default_def();
@@ -145,8 +147,8 @@ static int stands(double degrees, double q0, double q2, double q3, double height
     dem_free(&w);
     return fallen < 0.02;
 }
-/* It tips where its centre of mass is above the edge, which the rounding brings in by 0.2 %: standing, lying along the slope, standing on
-   an edge's direction. */
+/* It tips where its centre of mass is above the edge, which the rounding brings in by 0.2 %: standing, lying along the
+   slope, standing on an edge's direction. */
 static void test_tip(void **state) {
     (void)state;
     assert_true(stands(25.6768156818382 - 0.5, 1, 0, 0, 1.04));
@@ -157,8 +159,8 @@ static void test_tip(void **state) {
     assert_false(stands(34.2121902110491 + 0.5, 1, 0, sqrt(2.0) - 1.0, 1.04));
 }
 
-/* Housner's block (1963): from half its tipping angle it falls to upright in acosh(2)/p, linearised; then it goes on about the other edge
-   with 1 - 1.5 sin^2 of the angle of its diagonal of its rate. */
+/* Housner's block (1963): from half its tipping angle it falls to upright in acosh(2)/p, linearised; then it goes on
+   about the other edge with 1 - 1.5 sin^2 of the angle of its diagonal of its rate. */
 static void test_rock(void **state) {
     (void)state;
     dem_world w;
@@ -210,7 +212,8 @@ static dem_vec angular(const dem_world *w) {
     return sum;
 }
 
-/* Elastic hits of bricks by a law, at so many steps a contact: the root mean square error of the energy; momenta are kept. */
+/* Elastic hits of bricks by a law, at so many steps a contact: the root mean square error of the energy;
+   momenta are kept. */
 static double hit_error(int hits, double steps, double friction, int law) {
     double sum = 0.0;
     int n = 0;
@@ -221,12 +224,16 @@ static double hit_error(int hits, double steps, double friction, int law) {
         make(&w, RIDDLE_PI * sqrt(0.5 * m / k) / steps, k, 1.0, friction, 0.8, dem_vec3(0, 0, 0), 1);
         const int shape = brick(&w, 1.0, 1.0, 2.08, 0.05);
         for (int i = 0; i < 2; i++)
-            put(&w, shape, 2.6 * i, 0.5 * i * random_bell(&seed), 0.5 * i * random_bell(&seed), random_bell(&seed), random_bell(&seed), random_bell(&seed), random_bell(&seed));
-        dem_set_motion(&w, 0, dem_vec3(0.5, 0, 0), dem_vec3(0.3 * random_bell(&seed), 0.3 * random_bell(&seed), 0.3 * random_bell(&seed)));
-        dem_set_motion(&w, 1, dem_vec3(-0.5, 0, 0), dem_vec3(0.3 * random_bell(&seed), 0.3 * random_bell(&seed), 0.3 * random_bell(&seed)));
+            put(&w, shape, 2.6 * i, 0.5 * i * random_bell(&seed), 0.5 * i * random_bell(&seed), random_bell(&seed),
+                random_bell(&seed), random_bell(&seed), random_bell(&seed));
+        dem_set_motion(&w, 0, dem_vec3(0.5, 0, 0),
+                       dem_vec3(0.3 * random_bell(&seed), 0.3 * random_bell(&seed), 0.3 * random_bell(&seed)));
+        dem_set_motion(&w, 1, dem_vec3(-0.5, 0, 0),
+                       dem_vec3(0.3 * random_bell(&seed), 0.3 * random_bell(&seed), 0.3 * random_bell(&seed)));
         const double before = energy(&w);
         const dem_vec turning = angular(&w);
-        while (w.time < 3.0 || dem_contact_count(&w) > 0) assert_int_equal(dem_run(&w, 0.1, law | DEM_FRICTION), DEM_OK);
+        while (w.time < 3.0 || dem_contact_count(&w) > 0)
+            assert_int_equal(dem_run(&w, 0.1, law | DEM_FRICTION), DEM_OK);
         assert_true(dem__length(dem_momentum(&w)) < 1e-13 * m);
         assert_true(dem__length(dem__sub(angular(&w), turning)) < 1e-13 * m);
         assert_int_equal(dem_core_overlaps(&w), 0);
@@ -245,9 +252,9 @@ static void test_hits(void **state) {
     hit_error(20, 50, 0.5, DEM_LINEAR); /* momenta with friction */
 }
 
-/* A brick that falls on a plane, turned at random: restitution of its centre and scatter of its rebound. The angles are those of the spec's
-   own program; so is the restitution at 0.29. Its dashpot acts on the mean mass at a corner, here it acts on the mass where it is hit, as
-   the test after this one shows. */
+/* A brick that falls on a plane, turned at random: restitution of its centre and scatter of its rebound. The angles are
+   those of the spec's own program; so is the restitution at 0.29. Its dashpot acts on the mean mass at a corner, here
+   it acts on the mass where it is hit, as the test after this one shows. */
 static void test_rebound(void **state) {
     (void)state;
     const double table[5][4] = {
@@ -293,7 +300,9 @@ static void fill_box(dem_world *w, int threads, int n) {
         const double x = (k % 5 - 2) * 3e-3, y = (k / 5 % 5 - 2) * 3e-3, z = 2e-3 + k / 25 * 2.4e-3, d = 1.5e-3,
                      at[3] = {x, y, z};
         if (k % 7 == 3) assert_int_equal(dem_add_spheres(w, 1, at, &d, 0, 0), DEM_OK);
-        else put(w, shapes[k % 2], x, y, z, random_bell(&seed), random_bell(&seed), random_bell(&seed), random_bell(&seed));
+        else
+            put(w, shapes[k % 2], x, y, z, random_bell(&seed), random_bell(&seed), random_bell(&seed),
+                random_bell(&seed));
         dem_set_motion(w, k, dem_vec3(0, 0, -1), dem_vec3(0, 0, 0));
     }
 }
@@ -343,7 +352,8 @@ static void test_spheres(void **state) {
     dem_free(&w);
 }
 
-/* Feeds of polyhedra: as many as asked, or their mass, at rest nowhere within each other, turned in every direction alike. */
+/* Feeds of polyhedra: as many as asked, or their mass, at rest nowhere within each other, turned in every
+   direction alike. */
 static void test_feed(void **state) {
     (void)state;
     dem_world w;
@@ -410,8 +420,8 @@ static void test_groups(void **state) {
     dem_free(&w);
 }
 
-/* In a funnel, where the curvature at a contact changes with its place: a world that is saved and loaded goes on with the same bits. So do
-   its books, which pause in every second run. */
+/* In a funnel, where the curvature at a contact changes with its place: a world that is saved and loaded goes on with
+   the same bits. So do its books, which pause in every second run. */
 static void test_saved_in_a_funnel(void **state) {
     (void)state;
     const int features = DEM_HERTZ | DEM_FRICTION;
@@ -520,7 +530,8 @@ static void lies_by(const dem_world *w, const dem_convex *s, dem_quaternion q) {
     const dem_convex *kept = dem_get_shape(w, 0);
     for (int k = 0; k < s->corners; k++) {
         const dem_vec along = dem__point(kept->corner[k]), given = dem__point(s->corner[k]);
-        assert_true(dem__length(dem__sub(dem__to_lab(own, along), dem__to_lab(q, given))) < 1e-14 * (1.0 + s->reach / 1e-3));
+        assert_true(dem__length(dem__sub(dem__to_lab(own, along), dem__to_lab(q, given))) <
+                    1e-14 * (1.0 + s->reach / 1e-3));
     }
     for (int f = 0; f < s->faces; f++) {
         const dem_vec along = dem__point(kept->plane[f]), given = dem__point(s->plane[f]);
@@ -530,7 +541,8 @@ static void lies_by(const dem_world *w, const dem_convex *s, dem_quaternion q) {
     assert_true(of.w == told.w && of.x == told.x && of.y == told.y && of.z == told.z);
 }
 
-/* Orientations are from the frame in which a shape was given, as for clumps; without any, it lies as it was given: a wedge on its face. */
+/* Orientations are from the frame in which a shape was given, as for clumps; without any, it lies as it was given: a
+   wedge on its face. */
 static void test_as_given(void **state) {
     (void)state;
     uint64_t random = 7;
@@ -545,7 +557,8 @@ static void test_as_given(void **state) {
         for (int n = 0; n < (k > 0 ? 4 : 6); n++) { /* the given corners touch its faces: planes are as given */
             double highest = -HUGE_VAL;
             for (int f = 0; f < s.faces; f++)
-                highest = fmax(highest, dem__dot(dem__point(s.plane[f]), dem__sub(dem__point(corner[n]), s.centroid)) - s.plane[f][3]);
+                highest = fmax(highest, dem__dot(dem__point(s.plane[f]), dem__sub(dem__point(corner[n]), s.centroid)) -
+                                            s.plane[f][3]);
             assert_true(fabs(highest - s.radius) < 1e-12 * s.reach);
         }
         dem_def def = dem_default_def();
@@ -635,7 +648,8 @@ static double landing(int sides, int where, int way, double e, double k, double 
     const dem_quaternion turn = dem_orientation(&w, 0);
     dem__placed place;
     for (int a = 0; a < 3; a++) { /* the shape's own axes in the world */
-        const dem_vec u = s->axis[a], one = dem__scale(u.x, dem__first_axis(turn)), two = dem__scale(u.y, dem__second_axis(turn));
+        const dem_vec u = s->axis[a], one = dem__scale(u.x, dem__first_axis(turn)),
+                      two = dem__scale(u.y, dem__second_axis(turn));
         place.axis[a] = dem__add(dem__add(one, two), dem__scale(u.z, dem__third_axis(turn)));
     }
     for (int c = 0; c < s->corners; c++) {
@@ -644,7 +658,8 @@ static double landing(int sides, int where, int way, double e, double k, double 
     }
     const double ground_z = low - s->radius - 1e-7;
     if (where == ON_PLANE) dem_add_plane(&w, 0, dem_vec3(0, 0, ground_z), dem_vec3(0, 0, 1));
-    else if (where == ON_BOX) dem_add_box(&w, 0, dem_vec3(-2e-3, -2.1e-3, ground_z - 1e-3), dem_vec3(2.2e-3, 2e-3, ground_z));
+    else if (where == ON_BOX)
+        dem_add_box(&w, 0, dem_vec3(-2e-3, -2.1e-3, ground_z - 1e-3), dem_vec3(2.2e-3, 2e-3, ground_z));
     else if (where == ON_CYLINDER) dem_add_cylinder(&w, 0, dem_vec3(0, 0, ground_z - 0.05), dem_vec3(1, 0, 0), 0.05, 0);
     else {
         const int slab = brick(&w, 5e-3, 5.2e-3, 1e-3, 0.03);
@@ -672,21 +687,26 @@ static double landing(int sides, int where, int way, double e, double k, double 
     return dem__dot(dem__add(v, dem__cross(spin, arm)), along) / (speed * fabs(along.z));
 }
 
-/* A face, an edge and a corner rebound with what was asked, however many corners a face has, from walls and bodies, by both laws. */
+/* A face, an edge and a corner rebound with what was asked, however many corners a face has, from walls and bodies,
+   by both laws. */
 static void test_landings(void **state) {
     (void)state;
-    static const char *const on[GROUNDS] = {"plane", "box", "cylinder", "fixed slab"}, *const as[LANDINGS] = {"face", "edge", "corner"};
+    static const char *const on[GROUNDS] = {"plane", "box", "cylinder", "fixed slab"}, *const as[LANDINGS] = {
+                                                                                           "face", "edge", "corner"};
     for (int where = 0; where < GROUNDS; where++) {
         for (int way = 0; way < LANDINGS; way++) {
             if (where == ON_CYLINDER && way != FLAT) continue; /* points touch one after the other */
             double worst = 0.0;
             for (int k = 0; k < 9; k++) {
                 const int sides = 4 << k % 3, law = k % 2 ? DEM_HERTZ : DEM_LINEAR;
-                const double e = 0.1 + 0.1 * k, stiffness = k % 4 ? 2e4 : 3e3, speed = k % 5 ? 0.02 : 0.05, density = k % 3 ? 2500 : 900;
-                if (law == DEM_HERTZ && (way != FLAT || where == ON_CYLINDER)) continue; /* overlaps are too deep; radii differ */
+                const double e = 0.1 + 0.1 * k, stiffness = k % 4 ? 2e4 : 3e3, speed = k % 5 ? 0.02 : 0.05,
+                             density = k % 3 ? 2500 : 900;
+                /* Overlaps are too deep; radii differ. */
+                if (law == DEM_HERTZ && (way != FLAT || where == ON_CYLINDER)) continue;
                 const double got = landing(sides, where, way, e, stiffness, speed, density, law);
                 worst = fmax(worst, fabs(got - e));
-                if (!(fabs(got - e) < 0.02)) print_message("  %d sides, law %d: asked %.1f, got %.3f\n", sides, law, e, got);
+                if (!(fabs(got - e) < 0.02))
+                    print_message("  %d sides, law %d: asked %.1f, got %.3f\n", sides, law, e, got);
             }
             print_message("%s on %s: restitution at the point is that asked to %.4f\n", as[way], on[where], worst);
             assert_true(worst < 0.02);

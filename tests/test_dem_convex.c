@@ -82,7 +82,8 @@ static void test_turned(void **state) {
         double x[24];
         dem_convex s;
         for (int k = 0; k < 8; k++) {
-            const dem_vec v = dem_vec3(k & 1 ? half[0] : -half[0], k & 2 ? half[1] : -half[1], k & 4 ? half[2] : -half[2]);
+            const dem_vec v =
+                dem_vec3(k & 1 ? half[0] : -half[0], k & 2 ? half[1] : -half[1], k & 4 ? half[2] : -half[2]);
             const dem_vec at = dem__add(p.x, dem__from_core_frame(&p, v));
             x[3 * k] = at.x, x[3 * k + 1] = at.y, x[3 * k + 2] = at.z;
         }
@@ -102,8 +103,10 @@ static void test_erosion(void **state) {
     (void)state;
     dem_convex s;
     tetrahedron(&s, 2.0, 0.1);
-    for (int f = 0; f < 4; f++) near(s.plane[f][3] + s.radius, 2.0 / (2.0 * sqrt(6.0)), 1e-13); /* radius of the inscribed */
-    const double apex[15] = {1, 1, 0, -1, 1, 0, -1, -1.2, 0, 1, -1, 0, 0.2, 0.1, 2}; /* where four faces meet: the core has a ridge */
+    /* radius of the inscribed */
+    for (int f = 0; f < 4; f++) near(s.plane[f][3] + s.radius, 2.0 / (2.0 * sqrt(6.0)), 1e-13);
+    /* Where four faces meet: the core has a ridge. */
+    const double apex[15] = {1, 1, 0, -1, 1, 0, -1, -1.2, 0, 1, -1, 0, 0.2, 0.1, 2};
     assert_int_equal(dem_make_convex(&s, 5, apex, 0.1, NULL), DEM_OK);
     assert_true(s.faces == 5 && s.corners == 6 && s.edges == 9);
 }
@@ -147,7 +150,8 @@ static void test_refused(void **state) {
 static void test_mesh(void **state) {
     (void)state;
     double x[24];
-    int32_t t[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    int32_t t[36] = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                     2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
     dem_mesh mesh;
     dem_convex s;
     const char *reason = NULL;
@@ -187,7 +191,8 @@ static int rock(double *x, int n, double size) {
     const double axis[3] = {size, uniform(0.6, 1.0) * size, uniform(0.4, 0.9) * size};
     for (int k = 0; k < n; k++) {
         dem_vec v = dem_vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
-        while (dem__dot(v, v) > 1.0 || dem__dot(v, v) < 0.01) v = dem_vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
+        while (dem__dot(v, v) > 1.0 || dem__dot(v, v) < 0.01)
+            v = dem_vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
         v = dem__scale(1.0 / dem__length(v), v);
         for (int a = 0; a < 3; a++) x[3 * k + a] = axis[a] * (dem_axis(v, a) + 3.0);
     }
@@ -195,7 +200,8 @@ static int rock(double *x, int n, double size) {
 }
 static dem_vec at(const double *x, int k) { return dem_vec3(x[3 * k], x[3 * k + 1], x[3 * k + 2]); }
 
-/* A hull by trying all triangles: its faces, volume and moments about the centroid, as sums over tetrahedra from its first point. */
+/* A hull by trying all triangles: its faces, volume and moments about the centroid, as sums over tetrahedra from its
+   first point. */
 typedef struct slow_hull {
     int faces;
     int32_t face[2 * POINTS][3];
@@ -212,7 +218,8 @@ static void find_slowly(slow_hull *h, const double *x, int n) {
                 int above = 0, below = 0;
                 for (int k = 0; k < n && !(above && below); k++) {
                     const double height = dem__dot(u, dem__sub(at(x, k), at(x, a)));
-                    above |= k != a && k != b && k != c && height > 0.0, below |= k != a && k != b && k != c && height <= 0.0;
+                    above |= k != a && k != b && k != c && height > 0.0,
+                        below |= k != a && k != b && k != c && height <= 0.0;
                 }
                 if (above && below) continue;
                 const double sign = above ? -1.0 : 1.0;
@@ -263,12 +270,14 @@ static double support(const dem_convex *s, dem_vec u) {
 static void is_near_hull(const dem_convex *s, const slow_hull *h, const double *x, int n) {
     const double slack = 1e-6 * s->reach;
     for (int k = 0; k < 200; k++) {
-        const dem_vec v = dem_vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)), u = dem__scale(1.0 / dem__length(v), v);
+        const dem_vec v = dem_vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)),
+                      u = dem__scale(1.0 / dem__length(v), v);
         double most = -HUGE_VAL;
         for (int q = 0; q < n; q++) most = fmax(most, dem__dot(u, at(x, q)));
         assert_true(support(s, u) < most + s->deviation + slack);
     }
-    for (int f = 0; f < h->faces; f++) assert_true(fabs(support(s, h->normal[f]) - h->offset[f]) < s->deviation + slack);
+    for (int f = 0; f < h->faces; f++)
+        assert_true(fabs(support(s, h->normal[f]) - h->offset[f]) < s->deviation + slack);
 }
 
 /* Rocks of 8 to 300 corners are accepted, with the moments of all corners. What is cut is told. */
@@ -307,16 +316,21 @@ static void test_round_prism(void **state) {
         const dem__placed p = anyhow(5.0);
         const double angle = 2.0 * RIDDLE_PI / sides, height = 0.7, radius = 1.1;
         for (int k = 0; k < 2 * sides; k++) {
-            const dem_vec v = dem__add(p.x, dem__from_core_frame(&p, dem_vec3(radius * cos(angle * (k / 2)), radius * sin(angle * (k / 2)), k % 2 ? height : 0.0)));
+            const dem_vec v =
+                dem__add(p.x, dem__from_core_frame(&p, dem_vec3(radius * cos(angle * (k / 2)),
+                                                                radius * sin(angle * (k / 2)), k % 2 ? height : 0.0)));
             x[3 * k] = v.x, x[3 * k + 1] = v.y, x[3 * k + 2] = v.z;
         }
         dem_convex s;
         const char *reason = NULL;
         assert_int_equal(dem_make_convex(&s, 2 * sides, x, 0.03, &reason), DEM_OK);
-        const double area = 0.5 * sides * radius * radius * sin(angle), square = radius * radius / 12.0 * (2.0 + cos(angle)); /* mean of x^2 */
+        /* Mean of x^2. */
+        const double area = 0.5 * sides * radius * radius * sin(angle),
+                     square = radius * radius / 12.0 * (2.0 + cos(angle));
         close_to(s.volume, area * height, 1e-12);
         double least = HUGE_VAL, most = 0.0;
-        for (int a = 0; a < 3; a++) least = fmin(least, s.moment[a] / s.volume), most = fmax(most, s.moment[a] / s.volume);
+        for (int a = 0; a < 3; a++)
+            least = fmin(least, s.moment[a] / s.volume), most = fmax(most, s.moment[a] / s.volume);
         const double along = 2.0 * square, across = square + height * height / 12.0;
         close_to(least, fmin(along, across), 1e-12), close_to(most, fmax(along, across), 1e-12);
         int flat = 0;
@@ -392,8 +406,10 @@ static void test_hull_options(void **state) {
     assert_int_equal(dem_make_hull(&s, 200, x, 0.05, 1e-4, NULL, &reason), DEM_BAD_ARGUMENT);
     assert_non_null(strstr(reason, "near"));
     const double bad[] = {-1e-3, 0.21, NAN};
-    for (int k = 0; k < 3; k++) assert_int_equal(dem_make_hull(&s, 200, x, 0.05, bad[k], NULL, &reason), DEM_BAD_ARGUMENT);
-    for (int k = 0; k < 125; k++) x[3 * k] = 1e-3 * (k % 5), x[3 * k + 1] = 2e-3 * (k / 5 % 5), x[3 * k + 2] = 3e-3 * (k / 25);
+    for (int k = 0; k < 3; k++)
+        assert_int_equal(dem_make_hull(&s, 200, x, 0.05, bad[k], NULL, &reason), DEM_BAD_ARGUMENT);
+    for (int k = 0; k < 125; k++)
+        x[3 * k] = 1e-3 * (k % 5), x[3 * k + 1] = 2e-3 * (k / 5 % 5), x[3 * k + 2] = 3e-3 * (k / 25);
     assert_int_equal(dem_make_hull(&s, 125, x, 0.05, 0.0, NULL, &reason), DEM_OK);
     assert_true(s.is_box && s.corners == 8 && s.deviation == 0.0);
     close_to(s.volume, 4e-3 * 8e-3 * 12e-3, 1e-13);
@@ -434,18 +450,25 @@ static void test_hull_memory(void **state) {
     assert_int_equal(status, DEM_OK);
 }
 
-/* Ready shapes have the volume of the round body, its moments and lengths to the error of 16 sides and of caps of 58 corners, in any unit; wrong lengths are refused. */
+/* Ready shapes have the volume of the round body, its moments and lengths to the error of 16 sides and of caps of 58
+   corners, in any unit; wrong lengths are refused. */
 static void test_ready(void **state) {
     (void)state;
     const char *reason = NULL;
     const double lengths[][3] = {{8, 4, 4}, {8, 4, 2}, {8, 4, 0}, {8, 8, 0}, {1, 10, 10}, {8, 1, 0.9}, {8, 4, 3.9999}};
     for (int trial = 0; trial < 14; trial++) {
-        const double unit = trial < 7 ? 1e-3 : 1.0, *l = lengths[trial % 7], d = unit * l[0], h = unit * l[1], band = unit * l[2];
+        const double unit = trial < 7 ? 1e-3 : 1.0, *l = lengths[trial % 7], d = unit * l[0], h = unit * l[1],
+                     band = unit * l[2];
         const double cap = 0.5 * (h - band), r = 0.5 * d, pi = RIDDLE_PI;
-        double volume = pi * r * r * band, along = 0.5 * volume * r * r; /* about z; caps by Simpson's rule, whose error is that of r^4 */
+        /* about z; caps by Simpson's rule, whose error is that of r^4 */
+        double volume = pi * r * r * band, along = 0.5 * volume * r * r;
         const double ball = cap > 0.0 ? 0.5 * (r * r + cap * cap) / cap : 0.0;
         for (int k = 0; k <= 200 && cap > 0.0; k++) {
-            const double z = cap * k / 200.0 + ball - cap, square = ball * ball - z * z, weight = cap / 600.0 * (k % 200 == 0 ? 1.0 : k % 2 ? 4.0 : 2.0);
+            const double z = cap * k / 200.0 + ball - cap, square = ball * ball - z * z,
+                         weight = cap / 600.0 *
+                                  (k % 200 == 0 ? 1.0
+                                   : k % 2      ? 4.0
+                                                : 2.0);
             volume += 2.0 * weight * pi * square, along += 2.0 * weight * 0.5 * pi * square * square;
         }
         dem_convex s;
@@ -460,7 +483,8 @@ static void test_ready(void **state) {
     }
     dem_convex s, other;
     const double bad[][3] = {{0, 1, 1}, {1, 0, 0}, {1, 1, 2}, {1, 1, -1}, {1, 2, 0.5}, {NAN, 1, 1}, {1, 1, NAN}};
-    for (int k = 0; k < 7; k++) assert_int_equal(dem_make_tablet(&s, bad[k][0], bad[k][1], bad[k][2], 0.05, &reason), DEM_BAD_ARGUMENT);
+    for (int k = 0; k < 7; k++)
+        assert_int_equal(dem_make_tablet(&s, bad[k][0], bad[k][1], bad[k][2], 0.05, &reason), DEM_BAD_ARGUMENT);
     for (int n = 6; n <= 300; n += n < 20 ? 1 : 70) {
         for (int grain = 0; grain < 3; grain++) {
             assert_int_equal(dem_make_gravel(&s, 5e-3, 0.7, 0.6, n, (uint64_t)grain, 0.05, &reason), DEM_OK);
@@ -471,7 +495,9 @@ static void test_ready(void **state) {
         }
         double moment[3] = {s.moment[0], s.moment[1], s.moment[2]}; /* of an ellipsoid: b^2 + c^2 and so on */
         in_order(moment);
-        if (n > 100) close_to(moment[0] / moment[2], (0.49 + 0.1764) / (1.0 + 0.49), 0.05), close_to(moment[1] / moment[2], (1.0 + 0.1764) / (1.0 + 0.49), 0.05);
+        if (n > 100)
+            close_to(moment[0] / moment[2], (0.49 + 0.1764) / (1.0 + 0.49), 0.05),
+                close_to(moment[1] / moment[2], (1.0 + 0.1764) / (1.0 + 0.49), 0.05);
     }
     assert_int_equal(dem_make_gravel(&s, 5e-3, 0.05, 0.6, 12, 1, 0.05, &reason), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_make_gravel(&s, 5e-3, 0.5, 1.1, 12, 1, 0.05, &reason), DEM_BAD_ARGUMENT);
@@ -507,7 +533,8 @@ static double clamped(double t) { return t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t; }
 /* Distance of two segments: the least over the inner crossing and the four ends. */
 static double of_segments(dem_vec p, dem_vec p1, dem_vec q, dem_vec q1) {
     const dem_vec u = dem__sub(p1, p), v = dem__sub(q1, q), w = dem__sub(p, q);
-    const double a = dem__dot(u, u), b = dem__dot(u, v), c = dem__dot(v, v), d = dem__dot(u, w), e = dem__dot(v, w), det = a * c - b * b;
+    const double a = dem__dot(u, u), b = dem__dot(u, v), c = dem__dot(v, v), d = dem__dot(u, w), e = dem__dot(v, w),
+                 det = a * c - b * b;
     double least = HUGE_VAL;
     for (int k = 0; k < 5; k++) {
         double s, t;
@@ -628,8 +655,8 @@ static void test_simple_cores(void **state) {
 
 /* ---- points of contact ---- */
 
-static double potential(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb, dem_vec *force,
-                        dem_vec *torque_a, dem_vec *torque_b) {
+static double potential(const dem_convex *a, const dem__placed *pa, const dem_convex *b, const dem__placed *pb,
+                        dem_vec *force, dem_vec *torque_a, dem_vec *torque_b) {
     dem__gap_of_cores gap;
     dem__convex_point point[DEM__POINTS_MAX];
     double sum = 0.0;
@@ -663,7 +690,8 @@ static dem__placed nudged(const dem__placed *p, int k, double by) {
 }
 
 /* Brings two bodies to touch lightly: along x, from far, by bisection. */
-static int bring_together(const dem_convex *a, dem__placed *pa, const dem_convex *b, const dem__placed *pb, double depth) {
+static int bring_together(const dem_convex *a, dem__placed *pa, const dem_convex *b, const dem__placed *pb,
+                          double depth) {
     double out = 4.0, in = 0.0;
     for (int k = 0; k < 40; k++) {
         dem__gap_of_cores gap;
@@ -675,7 +703,8 @@ static int bring_together(const dem_convex *a, dem__placed *pa, const dem_convex
     return out < 3.9 && in > 0.0;
 }
 
-/* Forces and torques are the gradient of the potential, by central differences; momentum and angular momentum are kept. */
+/* Forces and torques are the gradient of the potential, by central differences; momentum and angular
+   momentum are kept. */
 static void test_gradient(void **state) {
     (void)state;
     double worst = 0.0, unkept = 0.0;
@@ -693,7 +722,9 @@ static void test_gradient(void **state) {
         const double h = 1e-7;
         for (int k = 0; k < 6; k++) {
             const dem__placed up = nudged(&pa, k, h), down = nudged(&pa, k, -h);
-            const double slope = (potential(&a, &up, &b, &pb, &g, &ga, &gb) - potential(&a, &down, &b, &pb, &g, &ga, &gb)) / (2.0 * h),
+            const double slope =
+                             (potential(&a, &up, &b, &pb, &g, &ga, &gb) - potential(&a, &down, &b, &pb, &g, &ga, &gb)) /
+                             (2.0 * h),
                          against = k < 3 ? dem_axis(f, k) : dem_axis(ta, k - 3);
             worst = fabs(slope + against) > worst ? fabs(slope + against) : worst;
         }
@@ -705,8 +736,8 @@ static void test_gradient(void **state) {
     assert_true(worst < 2e-6);
 }
 
-/* Everything that fits together: twins, faces on faces, edges on edges, corners on corners, all of it exactly and nearly. No NaN, and never
-   more points than there is room for. RIDDLE_PAIRS sets how many. */
+/* Everything that fits together: twins, faces on faces, edges on edges, corners on corners, all of it exactly and
+   nearly. No NaN, and never more points than there is room for. RIDDLE_PAIRS sets how many. */
 static void test_degenerate(void **state) {
     (void)state;
     const char *wanted = getenv("RIDDLE_PAIRS");
@@ -719,7 +750,8 @@ static void test_degenerate(void **state) {
         const double e = noise[n / 7 % 6];
         const int i = (int)uniform(0, a->corners), j = (int)uniform(0, b->corners), kind = (int)(n / 5 % 4);
         dem__placed pb = placed(dem_vec3(0, 0, 0), 1.0, kind == 1 ? 1.0 : 0.0, 0.0, kind == 2 ? 1.0 : 0.0);
-        dem__placed pa = placed(dem_vec3(0, 0, 0), 1.0 + uniform(-e, e), uniform(-e, e), uniform(-e, e), uniform(-e, e) + (kind == 3));
+        dem__placed pa = placed(dem_vec3(0, 0, 0), 1.0 + uniform(-e, e), uniform(-e, e), uniform(-e, e),
+                                uniform(-e, e) + (kind == 3));
         dem__gap_of_cores gap;
         dem__convex_point point[DEM__POINTS_MAX];
         dem__nearest_cache cache;
@@ -728,7 +760,9 @@ static void test_degenerate(void **state) {
         const dem_vec from = dem__corner_at(a, &pa, i), to = dem__corner_at(b, &pb, j);
         pa.x = dem__sub(to, from);
         if (n % 3 == 0) pa.x = dem__scale(1.0 + 0.05 * uniform(-1, 1), pa.x);
-        if (n % 3 == 1) pa.x = dem_vec3(uniform(-0.2, 0.2) * (double)(n % 2), 0.0, 2.0 * b->corner[0][2] * (n % 5 > 1 ? -1.0 : 1.0) + e);
+        if (n % 3 == 1)
+            pa.x = dem_vec3(uniform(-0.2, 0.2) * (double)(n % 2), 0.0,
+                            2.0 * b->corner[0][2] * (n % 5 > 1 ? -1.0 : 1.0) + e);
         dem__find_gap(a, &pa, b, &pb, HUGE_VAL, n % 2 ? &cache : NULL, &gap);
         const int count = dem__find_points(a, &pa, b, &pb, gap.normal, point);
         assert_true(count >= 0 && count <= DEM__POINTS_MAX);
@@ -744,8 +778,8 @@ static void test_degenerate(void **state) {
     }
 }
 
-/* A brick on a larger one has four points; crosswise on its like, four crossings of edges; and while it tilts, the force and its moment
-   change without a jump. */
+/* A brick on a larger one has four points; crosswise on its like, four crossings of edges; and while it tilts, the
+   force and its moment change without a jump. */
 static void test_face_on_face(void **state) {
     (void)state;
     dem_convex a, b;
@@ -754,7 +788,8 @@ static void test_face_on_face(void **state) {
     dem_vec f, ta, tb, f0 = dem_vec3(0, 0, 0), t0 = f0;
     brick(&a);
     assert_int_equal(dem_make_brick(&b, dem_vec3(3.0, 3.0, 1.0), 0.03, NULL), DEM_OK);
-    dem__placed pb = placed(dem_vec3(0, 0, 0), 1, 0, 0, 0), pa = placed(dem_vec3(0.1, 0.2, 0.5 + 1.04 - 0.002), 1, 0, 0, 0.3);
+    dem__placed pb = placed(dem_vec3(0, 0, 0), 1, 0, 0, 0),
+                pa = placed(dem_vec3(0.1, 0.2, 0.5 + 1.04 - 0.002), 1, 0, 0, 0.3);
     dem__find_gap(&a, &pa, &b, &pb, HUGE_VAL, NULL, &gap);
     assert_int_equal(dem__find_points(&a, &pa, &b, &pb, gap.normal, point), 4);
     for (int k = 0; k < 4; k++) near(point[k].gap, -0.002, 1e-12);
@@ -784,7 +819,14 @@ int main(void) {
         cmocka_unit_test(test_turned),
         cmocka_unit_test(test_erosion),
         cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_mesh), cmocka_unit_test(test_hulls), cmocka_unit_test(test_round_prism), cmocka_unit_test(test_same_hull), cmocka_unit_test(test_hull_options), cmocka_unit_test(test_hull_memory), cmocka_unit_test(test_large_mesh), cmocka_unit_test(test_ready),
+        cmocka_unit_test(test_mesh),
+        cmocka_unit_test(test_hulls),
+        cmocka_unit_test(test_round_prism),
+        cmocka_unit_test(test_same_hull),
+        cmocka_unit_test(test_hull_options),
+        cmocka_unit_test(test_hull_memory),
+        cmocka_unit_test(test_large_mesh),
+        cmocka_unit_test(test_ready),
         cmocka_unit_test(test_gap_against_features),
         cmocka_unit_test(test_box_is_polyhedron),
         cmocka_unit_test(test_simple_cores),

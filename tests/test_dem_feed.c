@@ -143,7 +143,8 @@ static moments draw_many(const dem_sizes *s, int n) {
     return m;
 }
 
-/* Largest distance between the drawn distribution by number and its integral, found by Simpson's rule from the density by mass. */
+/* Largest distance between the drawn distribution by number and its integral, found by Simpson's rule from the
+   density by mass. */
 static double distance_to(const dem_sizes *s, double (*density)(const dem_sizes *s, double d), int n) {
     enum { BINS = 400 };
     double whole = 0.0, so_far = 0.0, count[BINS] = {0.0}, part[BINS], worst = 0.0;
@@ -198,7 +199,8 @@ static void test_sizes(void **state) {
             assert_true(distance_to(&s, rosin_rammler, n) < kolmogorov);
         }
     }
-    /* Hatch & Choate 1929: lognormal by mass with median D is lognormal by number with median D exp(-3 s^2) and the same s */
+    /* Hatch & Choate 1929: lognormal by mass with median D is lognormal by number with median D exp(-3 s^2)
+       and the same s */
     const dem_sizes wide = dem_lognormal_sizes(1e-3, 0.3, 1e-5, 1e-1, 1);
     const moments m = draw_many(&wide, n);
     near_absolute(m.mean_log, log(1e-3) - 0.27, 4.0 * 0.3 / sqrt(n), "mean of ln d");
@@ -428,8 +430,8 @@ static void test_feed_owes_half_a_sphere(void **state) {
     dem_free(&w);
 }
 
-/* A distribution cut off far from its bulk: refused where the cuts leave nothing of it; else drawn in a bounded number of tries (the
-   generator's state tells them), and as it is within the cuts. */
+/* A distribution cut off far from its bulk: refused where the cuts leave nothing of it; else drawn in a bounded number
+   of tries (the generator's state tells them), and as it is within the cuts. */
 static void test_sizes_cut_far_out(void **state) {
     (void)state;
     const dem_sizes none[] = {
@@ -652,8 +654,8 @@ static void test_bad_feeds(void **state) {
     dem_free(&w);
 }
 
-/* A mass that no region of this size can hold is refused before anything is drawn; one that fits only just is tried. In a face, a disc and
-   on a line, centres lie there and spheres stand out. */
+/* A mass that no region of this size can hold is refused before anything is drawn; one that fits only just is tried. In
+   a face, a disc and on a line, centres lie there and spheres stand out. */
 static void test_mass_beyond_the_room(void **state) {
     (void)state;
     const double d = 0.01, density = 1000.0, one = density * RIDDLE_PI / 6.0 * d * d * d;
@@ -886,7 +888,8 @@ static dem_source make_source(dem_feed *feed, const double *share) {
     return source;
 }
 
-/* Shares are exact to a body whatever finds room: of a feed of four classes, at rates of which the box takes all, half and next to nothing. */
+/* Shares are exact to a body whatever finds room: of a feed of four classes, at rates of which the box takes all, half
+   and next to nothing. */
 static void test_shares_whatever_the_rate(void **state) {
     const double share[CLASSES] = {3.0, 2.0, 0.0, 1.0}, all = 6.0;
     (void)state;
@@ -920,7 +923,8 @@ static void test_shares_whatever_the_rate(void **state) {
     }
 }
 
-/* One class is a feed: the same bits. A fill counts by class what finds no place, and has the mass that was asked for. */
+/* One class is a feed: the same bits. A fill counts by class what finds no place, and has the mass that
+   was asked for. */
 static void test_sources_fill(void **state) {
     const double one = 0.3, share[CLASSES] = {0.4, 0.3, 0.2, 0.1};
     dem_world w = plain_world(), other = plain_world();
@@ -1024,7 +1028,8 @@ static void test_bad_sources(void **state) {
     dem_free(&w);
 }
 
-/* Out of memory anywhere: neither world nor source has changed. Spheres, clumps and clumps of another kind in one source. */
+/* Out of memory anywhere: neither world nor source has changed. Spheres, clumps and clumps of another kind
+   in one source. */
 static void test_memory_of_sources(void **state) {
     static const double centres[6] = {0, 0, 0, 1, 0, 0}, diameters[2] = {1.2, 1.0};
     const double share[CLASSES] = {0.4, 0.3, 0.2, 0.1};

@@ -53,7 +53,8 @@ static void relaxation(void **state) {
             const double t = w.time, e = exp(-t / tau);
             const dem_vec x = dem_position(&w, 0), v = dem_velocity(&w, 0);
             const double off = run == 1 ? 2e-11 : 2e-8;
-            assert_true(fabs(x.x / (3.0 * tau * (1 - e)) - 1) < off && fabs(x.z / (g * tau * (t - tau * (1 - e))) - 1) < off);
+            assert_true(fabs(x.x / (3.0 * tau * (1 - e)) - 1) < off &&
+                        fabs(x.z / (g * tau * (t - tau * (1 - e))) - 1) < off);
             assert_true(fabs(v.x / (3.0 * e) - 1.0) < off && fabs(v.z / (g * tau * (1 - e)) - 1.0) < off);
         }
         dem_free(&w);
@@ -84,9 +85,9 @@ static int stirred(dem_world *w, int skip, int threads, int balls) {
 }
 static void say(const dem_world *w, const char *name) {
     if (getenv("SAY"))
-        printf("%s: step %lld hash %016llx contacts %td contact steps %lld looks %lld rebuilds %lld %s\n", name, (long long)w->step,
-               (unsigned long long)dem_hash(w), dem_contact_count(w), (long long)w->contact_steps, (long long)w->looks,
-               (long long)w->rebuilds, dem_status_text(w->status));
+        printf("%s: step %lld hash %016llx contacts %td contact steps %lld looks %lld rebuilds %lld %s\n", name,
+               (long long)w->step, (unsigned long long)dem_hash(w), dem_contact_count(w), (long long)w->contact_steps,
+               (long long)w->looks, (long long)w->rebuilds, dem_status_text(w->status));
 }
 
 /* Skipping changes no bit in a field; neither do threads. */
@@ -138,11 +139,13 @@ static void no_field_no_change(void **state) {
 /* ---- a particle that a turning paddle meets ---- */
 
 enum { NODES = 9 };
-static const double r_a = 25e-3, omega = 9000.0 * RIDDLE_PI / 30.0, thickness = 2e-3, phase = 0.22, inward = 2.8, speck = 30e-6;
+static const double r_a = 25e-3, omega = 9000.0 * RIDDLE_PI / 30.0, thickness = 2e-3, phase = 0.22, inward = 2.8,
+                    speck = 30e-6;
 
 typedef struct hit {
     int n;
-    double radius, radial; /* at the face of a paddle as thick as that of a point's answer [m], along the face against it [m/s] */
+    double radius, radial; /* at the face of a paddle as thick as that of a point's answer [m], along the face
+                              against it [m/s] */
 } hit;
 
 /* At a contact's beginning: back along the straight line of the last step to where the face was met. */
@@ -155,7 +158,8 @@ static void note_hit(dem_world *w, const int32_t *slots, ptrdiff_t n, void *user
     double late = 0.0;
     for (int tries = 0; tries < 5; tries++) {
         const dem_vec v = dem__plus(last, -late, a);
-        const double s = sin(omega * (end - late)), c = cos(omega * (end - late)), x = p.x - late * v.x, y = p.y - late * v.y;
+        const double s = sin(omega * (end - late)), c = cos(omega * (end - late)), x = p.x - late * v.x,
+                     y = p.y - late * v.y;
         const double across = c * y - s * x, along = c * x + s * y, speed = c * v.y - s * v.x - omega * along;
         h->radius = hypot(x, y);
         h->radial = c * v.x + s * v.y + omega * across;
@@ -166,7 +170,8 @@ static const dem_law linear_noting = {"linear, noting", 1,        0,   0, 0, DEM
                                       dem_force_linear, note_hit, NULL};
 DEM_KERNEL(noting, linear_noting, DEM_LINEAR)
 
-/* Gas seen from the wheel, at the nodes of a grid around the gap: inward as the passage narrows, and a swirl over the depth. */
+/* Gas seen from the wheel, at the nodes of a grid around the gap: inward as the passage narrows, and a swirl
+   over the depth. */
 static void fill_grid(dem_gas *gas, double *velocity) {
     gas->low = dem_vec3(17e-3, -6e-3, -1e-3), gas->high = dem_vec3(26e-3, 9e-3, 1e-3);
     gas->n[0] = NODES, gas->n[1] = NODES + 1, gas->n[2] = 3;
@@ -189,7 +194,8 @@ static void gas_there(const double *velocity, const double *x, double *u) {
     const int kx = (int)floor(fx), ky = (int)floor(fy);
     const double *at = velocity + 3 * ((NODES + 1 + ky) * NODES + kx), a = fx - kx, b = fy - ky;
     for (int k = 0; k < 2; k++)
-        u[k] = (1 - b) * ((1 - a) * at[k] + a * at[3 + k]) + b * ((1 - a) * at[3 * NODES + k] + a * at[3 * NODES + 3 + k]);
+        u[k] =
+            (1 - b) * ((1 - a) * at[k] + a * at[3 + k]) + b * ((1 - a) * at[3 * NODES + k] + a * at[3 * NODES + 3 + k]);
 }
 /* Acceleration in the turning frame: drag by Schiller & Naumann, centrifugal, Coriolis. */
 static void pull_there(const double *velocity, const double *s, double *a) {
@@ -255,7 +261,8 @@ static hit in_the_gap(int with_gas, const double *velocity, double accuracy) {
     return h;
 }
 
-/* Spec 1.8: without gas 24.468 mm and -1.855 m/s; with gas that turns with the wheel, what one finds in the turning frame. */
+/* Spec 1.8: without gas 24.468 mm and -1.855 m/s; with gas that turns with the wheel, what one finds in the
+   turning frame. */
 static void turning_frame(void **state) {
     (void)state;
     static double velocity[3 * NODES * (NODES + 1) * 3];
@@ -263,15 +270,16 @@ static void turning_frame(void **state) {
     fill_grid(&air, velocity);
     const hit free_own = own_answer(NULL), own = own_answer(velocity), bare = in_the_gap(0, NULL, 0.0);
     if (getenv("SAY"))
-        printf("no gas: %.9f mm %.9f m/s, own %.9f %.9f\n", 1e3 * bare.radius, bare.radial, 1e3 * free_own.radius, free_own.radial);
+        printf("no gas: %.9f mm %.9f m/s, own %.9f %.9f\n", 1e3 * bare.radius, bare.radial, 1e3 * free_own.radius,
+               free_own.radial);
     assert_true(fabs(bare.radius - 24.468e-3) < 5e-7 && fabs(bare.radial + 1.855) < 5e-4);
     assert_true(fabs(bare.radius / free_own.radius - 1.0) < 1e-9 && fabs(bare.radial / free_own.radial - 1.0) < 1e-9);
     for (int run = 0; run < 3; run++) {
         const double accuracy = run == 0 ? 1e-4 : run == 1 ? 1e-6 : 1e-10;
         const hit h = in_the_gap(1, velocity, accuracy);
         if (getenv("SAY"))
-            printf("gas %.0e: %.9f mm %.9f m/s, off %.2e %.2e\n", accuracy, 1e3 * h.radius, h.radial, h.radius / own.radius - 1.0,
-                   h.radial / own.radial - 1.0);
+            printf("gas %.0e: %.9f mm %.9f m/s, off %.2e %.2e\n", accuracy, 1e3 * h.radius, h.radial,
+                   h.radius / own.radius - 1.0, h.radial / own.radial - 1.0);
         assert_true(fabs(h.radius / own.radius - 1.0) < (run ? 1e-9 : 1e-7) &&
                     fabs(h.radial / own.radial - 1.0) < (run == 2 ? 1e-9 : 1e-7));
     }
@@ -326,9 +334,11 @@ static void laws(void **state) {
     assert_true(fabs(dem_di_felice(31.622776601683793) - 3.05) < 1e-12 && dem_di_felice(0.0) == 3.7);
     assert_true(fabs(exp((1.0 - dem_di_felice(50.0)) * log(0.98254)) - 1.03700169369406) < 1e-13);
     assert_true(dem_di_felice(-1.0) != dem_di_felice(-1.0) && dem_di_felice(NAN) != dem_di_felice(NAN));
-    assert_true(dem_drag_stokes(5.0, 1.0, &gas) == 24.0 && dem_drag_stokes(-1.0, 1.0, &gas) != dem_drag_stokes(-1.0, 1.0, &gas));
+    assert_true(dem_drag_stokes(5.0, 1.0, &gas) == 24.0 &&
+                dem_drag_stokes(-1.0, 1.0, &gas) != dem_drag_stokes(-1.0, 1.0, &gas));
     assert_true(fabs(dem_drag_schiller_naumann(100.0, 1.0, &gas) - 24.0 * (1.0 + 0.15 * pow(100.0, 0.687))) < 1e-10);
-    assert_true(dem_drag_schiller_naumann(2000.0, 1.0, &gas) == 880.0 && dem_drag_schiller_naumann(0.0, 1.0, &gas) == 24.0);
+    assert_true(dem_drag_schiller_naumann(2000.0, 1.0, &gas) == 880.0 &&
+                dem_drag_schiller_naumann(0.0, 1.0, &gas) == 24.0);
     assert_true(dem_drag_schiller_naumann(-1.0, 1.0, &gas) != dem_drag_schiller_naumann(-1.0, 1.0, &gas));
 }
 
@@ -337,8 +347,8 @@ DEM_INLINE double drag_of_porosity(double reynolds, double porosity, const dem_g
     return (void)reynolds, (void)gas, 24.0 / porosity;
 }
 
-/* Laws among other particles. The values are those of the coefficient beta [kg/(m3 s)] as it is published, of 1 mm in air: c_D Re =
-   (4/3) d^2 beta/(eta (1 - porosity)). */
+/* Laws among other particles. The values are those of the coefficient beta [kg/(m3 s)] as it is published, of 1 mm in
+   air: c_D Re = (4/3) d^2 beta/(eta (1 - porosity)). */
 static void laws_among_others(void **state) {
     (void)state;
     const dem_gas gas = dem_default_gas();
@@ -385,20 +395,23 @@ static void laws_among_others(void **state) {
         assert_true(fabs(law[k](1e-300, 1.0, &gas) / 24.0 - 1.0) < 1e-12);
         assert_true(fabs(law[k](0.0, 1.0 - 1e-9, &gas) / 24.0 - 1.0) < 1e-3); /* and no jump beside it */
         for (double porosity = 0.36; porosity < 0.99; porosity += 0.03) {
-            assert_true(law[k](1.0, porosity, &gas) > law[k](1.0, porosity + 0.01, &gas) * (k == 5 ? 0.98 : 1.0)); /* Koch & Hill join two */
+            /* Koch & Hill join two. */
+            assert_true(law[k](1.0, porosity, &gas) > law[k](1.0, porosity + 0.01, &gas) * (k == 5 ? 0.98 : 1.0));
             assert_true(law[k](0.0, porosity, &gas) > 24.0 && isfinite(law[k](1e-300, porosity, &gas)));
             assert_true(k == 0 || law[k](100.0, porosity, &gas) > law[k](10.0, porosity, &gas));
         }
         assert_true(isnan(law[k](-1.0, 0.5, &gas)) && isnan(law[k](NAN, 0.5, &gas)) && isnan(law[k](1.0, 0.0, &gas)));
-        assert_true(isnan(law[k](1.0, NAN, &gas)) && isnan(law[k](1.0, 1.0 + 1e-15, &gas)) && isnan(law[k](1.0, -0.5, &gas)));
+        assert_true(isnan(law[k](1.0, NAN, &gas)) && isnan(law[k](1.0, 1.0 + 1e-15, &gas)) &&
+                    isnan(law[k](1.0, -0.5, &gas)));
     }
-    /* Carman & Kozeny, 180 (1 - eps)^2/eps^3 eta U/d^2, of which both laws with porosities of a packing are made: a pressure gradient of
-       n F/eps over a bed at rest */
+    /* Carman & Kozeny, 180 (1 - eps)^2/eps^3 eta U/d^2, of which both laws with porosities of a packing are made: a
+       pressure gradient of n F/eps over a bed at rest */
     for (int k = 4; k < 6; k++) {
         const double porosity = 0.4, superficial = 1e-3, d = 1e-3, n = (1.0 - porosity) / (RIDDLE_PI / 6.0 * d * d * d);
         const double force = RIDDLE_PI / 8.0 * gas.viscosity * d * law[k](0.0, porosity, &gas) * superficial / porosity;
         const double known_gradient = 180.0 * 0.36 / 0.064 * gas.viscosity * superficial / (d * d);
-        assert_true(fabs(n * force / porosity / known_gradient - 1.0) < (k == 4 ? 0.03 : 1e-12)); /* Beetstra adds (1 + 1.5 ..) eps^2 */
+        /* Beetstra adds (1 + 1.5 ..) eps^2. */
+        assert_true(fabs(n * force / porosity / known_gradient - 1.0) < (k == 4 ? 0.03 : 1e-12));
     }
     /* the same exponent as before by Di Felice, and a law of the program's own, through the force */
     assert_true(fabs(dem_drag_stokes(50.0, 0.98254, &gas) / 24.0 / 1.03700169369406 - 1.0) < 1e-13);
@@ -429,17 +442,20 @@ static void crowd(void **state) {
     gas.n[0] = gas.n[1] = gas.n[2] = 3;
     assert_int_equal(dem_gas_porosity(&w, &gas, porosity), DEM_OK);
     const double cell = 1.25e-10;
-    assert_true(fabs(1.0 - porosity[13] - 0.5 * volume / cell) < 1e-15 && fabs(1.0 - porosity[12] - volume / cell) < 1e-15);
+    assert_true(fabs(1.0 - porosity[13] - 0.5 * volume / cell) < 1e-15 &&
+                fabs(1.0 - porosity[12] - volume / cell) < 1e-15);
     assert_true(porosity[14] == 1.0 && porosity[0] == 1.0);
     for (int k = 0; k < 27; k++) {
         porosity[k] = 0.6;
-        for (int a = 0; a < 3; a++) gradient[3 * k + a] = a == 0 ? 100.0 : 0.0, velocity[3 * k + a] = a == 1 ? 2.0 : 0.0;
+        for (int a = 0; a < 3; a++)
+            gradient[3 * k + a] = a == 0 ? 100.0 : 0.0, velocity[3 * k + a] = a == 1 ? 2.0 : 0.0;
     }
     gas.porosity = porosity, gas.pressure_gradient = gradient, gas.velocity = velocity, gas.buoyancy = 1;
     assert_int_equal(dem_check_gas(&gas, NULL), DEM_OK);
     dem_force_point at;
     memset(&at, 0, sizeof at);
-    at.position = dem_vec3(3e-4, 6e-4, 9e-4), at.radius = 0.5 * d, at.mass = volume * density, at.gravity = dem_vec3(0, 0, -9.81);
+    at.position = dem_vec3(3e-4, 6e-4, 9e-4), at.radius = 0.5 * d, at.mass = volume * density,
+    at.gravity = dem_vec3(0, 0, -9.81);
     const double re = 1.2 * 0.6 * 2.0 * d / eta, cd = dem_drag_schiller_naumann(re, 1.0, &gas) / re;
     const double drag = 0.5 * 1.2 * cd * 0.25 * RIDDLE_PI * d * d * 4.0 * pow(0.6, 2.0 - dem_di_felice(re));
     const dem_vec force = dem_gas_force(&at, &gas, dem_drag_schiller_naumann);
@@ -447,9 +463,11 @@ static void crowd(void **state) {
     assert_true(fabs(force.z / (1.2 * 9.81 * volume) - 1.0) < 1e-12);
     at.position.x = 1.001e-3;
     assert_true(dem_gas_force(&at, &gas, dem_drag_schiller_naumann).y == 0.0); /* beyond the grid */
-    assert_true(dem_gas_velocity(&gas, at.position, 0.0).x != 0.0 && fabs(dem_gas_velocity(&gas, dem_vec3(0, 0, 0), 3.0).y - 2.0) < 1e-15);
+    assert_true(dem_gas_velocity(&gas, at.position, 0.0).x != 0.0 &&
+                fabs(dem_gas_velocity(&gas, dem_vec3(0, 0, 0), 3.0).y - 2.0) < 1e-15);
     assert_true(isnan(dem_gas_velocity(NULL, at.position, 0.0).x));
-    gas.spin = 10.0, gas.drift = dem_vec3(0, 0, 1), gas.centre = dem_vec3(5e-4, 5e-4, 5e-4); /* a quarter turn: +y becomes -x */
+    /* a quarter turn: +y becomes -x */
+    gas.spin = 10.0, gas.drift = dem_vec3(0, 0, 1), gas.centre = dem_vec3(5e-4, 5e-4, 5e-4);
     const dem_vec u = dem_gas_velocity(&gas, dem_vec3(5e-4, 7e-4, 5e-4 + 0.05 * RIDDLE_PI), 0.05 * RIDDLE_PI);
     assert_true(fabs(u.x + 2.0 + 10.0 * 2e-4) < 1e-12 && fabs(u.y) < 1e-12 && u.z == 1.0);
     dem_free(&w);
@@ -613,7 +631,8 @@ static void multi_rate(void **state) {
             assert_int_equal(dem_attach_gas(&air, &w, paddle), DEM_OK);
             dem_force_field f = dem_gas_field(schiller, &air);
             assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
-            for (ptrdiff_t i = 0; i < w.count && run; i++) dem_set_load(&w, i, dem_vec3(1e-300, 0, 0), dem_vec3(0, 0, 0));
+            for (ptrdiff_t i = 0; i < w.count && run; i++)
+                dem_set_load(&w, i, dem_vec3(1e-300, 0, 0), dem_vec3(0, 0, 0));
             assert_int_equal(dem_run(&w, 4e-4, DEM_LINEAR), DEM_OK);
             contacts[run][seed] = (double)w.contact_steps;
             mean[run] += contacts[run][seed] / 6.0;
@@ -622,7 +641,8 @@ static void multi_rate(void **state) {
         for (int seed = 0; seed < 6; seed++) square[run] += pow(contacts[run][seed] - mean[run], 2.0) / 30.0;
     }
     if (getenv("SAY"))
-        printf("contact steps %.0f +- %.0f, with one step for all %.0f +- %.0f\n", mean[0], sqrt(square[0]), mean[1], sqrt(square[1]));
+        printf("contact steps %.0f +- %.0f, with one step for all %.0f +- %.0f\n", mean[0], sqrt(square[0]), mean[1],
+               sqrt(square[1]));
     assert_true(fabs(mean[0] - mean[1]) < 3.0 * sqrt(square[0] + square[1]));
 }
 
@@ -739,12 +759,14 @@ static void add_bodies(dem_world *w, int bricks, int n, double d, uint64_t rando
         for (int q = 0; q < 7; q++) v[q] = 2.0 * random_plain(&random) - 1.0;
         if (bricks) assert_int_equal(dem_add_convex(w, shape, 1, at, v, 0, 0), DEM_OK);
         else assert_int_equal(dem_add_clumps(w, 1, &pair, at, &d, v, 0, 0), DEM_OK);
-        assert_int_equal(dem_set_motion(w, w->count - 1, dem_vec3(2 * v[4], 2 * v[5], v[6]), dem_vec3(3e3 * v[0], 3e3 * v[1], 0)), DEM_OK);
+        assert_int_equal(
+            dem_set_motion(w, w->count - 1, dem_vec3(2 * v[4], 2 * v[5], v[6]), dem_vec3(3e3 * v[0], 3e3 * v[1], 0)),
+            DEM_OK);
     }
 }
 
-/* In Stokes's law a body of any shape relaxes as the sphere of its volume, whatever its spin; a clump of one is that sphere, in flight and
-   in a hit. */
+/* In Stokes's law a body of any shape relaxes as the sphere of its volume, whatever its spin; a clump of one is that
+   sphere, in flight and in a hit. */
 static void bodies_relax(void **state) {
     (void)state;
     const double d = 20e-6, tau = density * d * d / 18.0 / eta, one[3] = {0, 0, 0};
@@ -784,14 +806,17 @@ static void bodies_relax(void **state) {
         at[kind] = dem_position(&w, 0), v[kind] = dem_velocity(&w, 0);
         dem_free(&w);
     }
-    assert_true(v[0].z > 0.05 && dem__length(dem__sub(at[1], at[0])) < 1e-12 * 3e-4 && dem__length(dem__sub(v[1], v[0])) < 1e-11);
+    assert_true(v[0].z > 0.05 && dem__length(dem__sub(at[1], at[0])) < 1e-12 * 3e-4 &&
+                dem__length(dem__sub(v[1], v[0])) < 1e-11);
 }
 
-/* Bodies among spheres, stirred in gas: the same bits whatever is skipped, with threads, in pieces and after a save; the ledger closes. */
+/* Bodies among spheres, stirred in gas: the same bits whatever is skipped, with threads, in pieces and after a save;
+   the ledger closes. */
 static void stirred_bodies(void **state) {
     (void)state;
     uint64_t hash[5] = {0, 0, 0, 0, 0};
-    static const int skips[] = {DEM_SKIP_ALL, 0, DEM_SKIP_ALL, DEM_SKIP_ALL, DEM_SKIP_SPACE}, features = DEM_LINEAR | DEM_FRICTION;
+    static const int skips[] = {DEM_SKIP_ALL, 0, DEM_SKIP_ALL, DEM_SKIP_ALL, DEM_SKIP_SPACE},
+                     features = DEM_LINEAR | DEM_FRICTION;
     for (int run = 0; run < 5; run++) {
         dem_world w, again;
         dem_gas air = dem_default_gas();
@@ -800,7 +825,7 @@ static void stirred_bodies(void **state) {
         add_bodies(&w, 1, 24, 50e-6, 4);
         for (int k = 0; k < 8; k++) add(&w, (k - 3.5) * 2e-4, -6e-4, 0, 70e-6, dem_vec3(0, 1, 0));
         assert_int_equal(dem_attach_gas(&air, &w, paddle), DEM_OK);
-        dem_force_field f = dem_gas_field(schiller, &air);
+        dem_force_field f = dem_gas_field(hoelzer, &air);
         assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
         for (int k = 0; k < 10; k++) {
             assert_int_equal(dem_run(&w, 3e-5, features | (run == 1 ? DEM_ENERGY : 0)), DEM_OK);
@@ -820,7 +845,8 @@ static void stirred_bodies(void **state) {
         if (run == 1) {
             const dem_energy_ledger e = dem_energy(&w);
             if (getenv("SAY")) printf("off %g field %g loss %g\n", e.error, e.field_work, e.normal_loss);
-            assert_true(e.field_work != 0.0 && fabs(e.error) < 2e-3 * (fabs(e.field_work) + e.normal_loss + e.sliding_loss));
+            assert_true(e.field_work != 0.0 &&
+                        fabs(e.error) < 2e-3 * (fabs(e.field_work) + e.normal_loss + e.sliding_loss));
         }
         dem_free(&w);
     }
@@ -850,8 +876,9 @@ static double add_spinner(dem_world *w, int kind, double d, double z) {
     return fmax(fmax(b.moments.x, b.moments.y), b.moments.z);
 }
 
-/* A spin decays as that of the sphere of equal volume with the body's inertia: exp(-pi eta d^3 t/I); in fast rotation by Dennis, Singh &
-   Ingham's torque, integrated by this test. Its energy is booked. In flight, and on a plane about its normal. */
+/* A spin decays as that of the sphere of equal volume with the body's inertia: exp(-pi eta d^3 t/I); in fast rotation
+   by Dennis, Singh & Ingham's torque, integrated by this test. Its energy is booked. In flight, and on a plane
+   about its normal. */
 static void spins_decay(void **state) {
     (void)state;
     for (int trial = 0; trial < 36; trial++) {
@@ -866,7 +893,8 @@ static void spins_decay(void **state) {
         if (!skips) def.skip = 0;
         assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
         if (rests) assert_true(dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) >= 0);
-        const double inertia = add_spinner(&w, kind, d, 0.5 * d * (1.0 - 1e-7)), c = RIDDLE_PI * eta * d * d * d, time = inertia / c;
+        const double inertia = add_spinner(&w, kind, d, 0.5 * d * (1.0 - 1e-7)), c = RIDDLE_PI * eta * d * d * d,
+                     time = inertia / c;
         double spin = fast > 0.0 ? fast : 0.3 * 32.0 * eta / (1.2 * d * d);
         assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, spin)), DEM_OK);
         assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
@@ -885,7 +913,9 @@ static void spins_decay(void **state) {
             if (fast == 0.0) spin = first * exp(-w.time / time);
             const dem_vec s = dem_spin(&w, 0);
             const dem_energy_ledger e = dem_energy(&w);
-            if (getenv("SAY")) printf("kind %d d %g rests %d t/tau %.3f spin/exact - 1: %.2g, ledger %.2g\n", kind, d, rests, w.time / time, s.z / spin - 1.0, e.error / e.rotational);
+            if (getenv("SAY"))
+                printf("kind %d d %g rests %d t/tau %.3f spin/exact - 1: %.2g, ledger %.2g\n", kind, d, rests,
+                       w.time / time, s.z / spin - 1.0, e.error / e.rotational);
             assert_true(fabs(s.z / spin - 1.0) < 6e-3 && fabs(s.x) + fabs(s.y) < 1e-9 * s.z);
             assert_true(fabs(e.error) < 1e-6 * inertia * first * first);
         }
@@ -893,12 +923,14 @@ static void spins_decay(void **state) {
     }
 }
 
-/* At last a sphere turns with the gas: with its frame, and with half the curl of its velocity; beyond the grid it keeps its spin. */
+/* At last a sphere turns with the gas: with its frame, and with half the curl of its velocity; beyond the grid it
+   keeps its spin. */
 static void spins_with_gas(void **state) {
     (void)state;
     const double d = 1e-4, shear = 50.0;
     double velocity[24];
-    for (int k = 0; k < 8; k++) velocity[3 * k] = shear * ((k >> 1 & 1) - 0.5), velocity[3 * k + 1] = velocity[3 * k + 2] = 0.0;
+    for (int k = 0; k < 8; k++)
+        velocity[3 * k] = shear * ((k >> 1 & 1) - 0.5), velocity[3 * k + 1] = velocity[3 * k + 2] = 0.0;
     for (int run = 0; run < 3; run++) {
         dem_world w;
         dem_gas air = dem_default_gas();

@@ -1,5 +1,5 @@
-/* test_dem_guard.c: what must hold inside a world, in every scene of dem_scenes.h and dem_guard_scenes.h and after every kind of change;
-   a world that was saved goes on as if it had not been. */
+/* test_dem_guard.c: what must hold inside a world, in every scene of dem_scenes.h and dem_guard_scenes.h and after
+   every kind of change; a world that was saved goes on as if it had not been. */
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -43,7 +43,10 @@ static void test_guard_scenes_hold(void **state) {
     for (int k = 0; k < 3; k++) {
         dem_world w;
         const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
-        assert_int_equal(k == 0 ? guard_links_begin(&w, 1, 4e-5) : k == 1 ? guard_mesh_begin(&w, 1) : guard_driven_begin(&w, 1), DEM_OK);
+        assert_int_equal(k == 0   ? guard_links_begin(&w, 1, 4e-5)
+                         : k == 1 ? guard_mesh_begin(&w, 1)
+                                  : guard_driven_begin(&w, 1),
+                         DEM_OK);
         for (int part = 0; part < 12; part++) {
             assert_int_equal(dem_run(&w, 377.0 * w.def.dt, features), DEM_OK);
             check(&w, guard_name(GUARD_LINKS + k));
@@ -76,7 +79,8 @@ static void test_changes_hold(void **state) {
     for (int features = 0; features < 2; features++) {
         dem_world w;
         uint64_t hash = 0;
-        assert_int_equal(guard_ledger(&w, 1, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | (features ? DEM_ENERGY : 0), &hash), DEM_OK);
+        assert_int_equal(
+            guard_ledger(&w, 1, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | (features ? DEM_ENERGY : 0), &hash), DEM_OK);
         for (int part = 0; part < 10; part++) {
             change(&w, part);
             check(&w, "after a change");
@@ -233,8 +237,9 @@ static void test_threads_that_lose(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_scenes_hold),           cmocka_unit_test(test_guard_scenes_hold), cmocka_unit_test(test_changes_hold),
-        cmocka_unit_test(test_checker_sees),          cmocka_unit_test(test_saved_goes_on),     cmocka_unit_test(test_threads_of_a_host),
+        cmocka_unit_test(test_scenes_hold),           cmocka_unit_test(test_guard_scenes_hold),
+        cmocka_unit_test(test_changes_hold),          cmocka_unit_test(test_checker_sees),
+        cmocka_unit_test(test_saved_goes_on),         cmocka_unit_test(test_threads_of_a_host),
         cmocka_unit_test(test_readers_write_nothing), cmocka_unit_test(test_threads_that_lose),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

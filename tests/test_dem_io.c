@@ -1,4 +1,5 @@
-/* dem_io.h: surfaces lie where the walls are, moving ones too; sections show circles of the right size; files hold what is there. */
+/* dem_io.h: surfaces lie where the walls are, moving ones too; sections show circles of the right size; files hold
+   what is there. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -23,7 +24,8 @@ static int said;
 static char path[300];
 
 static const char *file(const char *end) {
-    snprintf(path, sizeof path, "%s/riddle-dem-io.%ld%s", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp", (long)getpid(), end);
+    snprintf(path, sizeof path, "%s/riddle-dem-io.%ld%s", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp", (long)getpid(),
+             end);
     return path;
 }
 
@@ -53,7 +55,9 @@ static void start(dem_world *world, failing_allocator *memory) {
     assert_int_equal(dem_init(world, &def, NULL), DEM_OK);
 }
 
-static dem_vec corner(const dem_io_surface *s, int v) { return dem_vec3(s->vertex[3 * v], s->vertex[3 * v + 1], s->vertex[3 * v + 2]); }
+static dem_vec corner(const dem_io_surface *s, int v) {
+    return dem_vec3(s->vertex[3 * v], s->vertex[3 * v + 1], s->vertex[3 * v + 2]);
+}
 
 /* The furthest corner of a wall from where `distance` is zero, and that there are some. */
 static double worst(const dem_io_surface *s, int wall, double (*distance)(dem_vec)) {
@@ -70,7 +74,8 @@ static double area(const dem_io_surface *s, int wall) {
     for (int t = 0; t < s->triangles; t++) {
         const int *c = &s->triangle[3 * t];
         if (s->wall[c[0]] != wall) continue;
-        const dem_vec a = corner(s, c[0]), b = dem_io__along(corner(s, c[1]), -1.0, a), d = dem_io__along(corner(s, c[2]), -1.0, a);
+        const dem_vec a = corner(s, c[0]), b = dem_io__along(corner(s, c[1]), -1.0, a),
+                      d = dem_io__along(corner(s, c[2]), -1.0, a);
         const dem_vec n = dem_io__cross(b, d);
         sum += 0.5 * sqrt(dem_io__dot(n, n));
     }
@@ -138,7 +143,8 @@ static void test_ends_of_a_drum(void **state) {
     dem_free(&w);
 }
 
-/* What is drawn of a screen is what a sphere meets: no corner of a bar is further than half a wire from the nearest bar's axis. */
+/* What is drawn of a screen is what a sphere meets: no corner of a bar is further than half a wire from the
+   nearest bar's axis. */
 static void test_screen(void **state) {
     (void)state;
     for (int kind = 0; kind < 4; kind++) {
@@ -208,10 +214,14 @@ static void test_section(void **state) {
     assert_non_null(strstr(at, "M")); /* the drum */
     free(text);
     p = riddle_plot_new(NULL, 1, 1);
-    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
-    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), dem_vec3(2, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
-    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3((double)NAN, 0, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
-    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, (double)NAN, 0), dem_vec3(0, 1, 0), dem_vec3(1, 0, 0), NULL, 0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), NULL, 0),
+                     DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), dem_vec3(2, 0, 0), NULL, 0),
+                     DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3((double)NAN, 0, 0), dem_vec3(1, 0, 0), NULL, 0),
+                     DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, (double)NAN, 0), dem_vec3(0, 1, 0), dem_vec3(1, 0, 0), NULL, 0),
+                     DEM_BAD_ARGUMENT);
     riddle_plot_free(p);
     dem_free(&w);
 }
@@ -225,12 +235,14 @@ static int count_of(const char *text, const char *part) {
 /* The figure of a section through z = 0, seen from below y; the caller frees the text. */
 static char *section_of(const dem_world *w, const char *const *names, int n_names) {
     riddle_plot *p = riddle_plot_new(NULL, 1, 1);
-    assert_int_equal(dem_io_section(w, p, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), names, n_names), DEM_OK);
+    assert_int_equal(dem_io_section(w, p, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), names, n_names),
+                     DEM_OK);
     assert_int_equal(riddle_plot_write(p, NULL, file(".svg")), RIDDLE_IO_OK);
     return taken(path);
 }
 
-/* Groups have any numbers, and any number of them; each sphere is drawn once, in the colour of its group's last three bits. */
+/* Groups have any numbers, and any number of them; each sphere is drawn once, in the colour of its group's
+   last three bits. */
 static void test_groups_of_any_number(void **state) {
     (void)state;
     static const int group[] = {-5, INT_MIN, INT_MAX, 2000000000, 3, 8, -1, 0};
@@ -285,11 +297,13 @@ static void test_legend_of_what_is_not_cut(void **state) {
     dem_free(&w);
 }
 
-/* A floor is drawn before anything lies on it, the sides of a box up to where they meet; what is far away does not make the rest small. */
+/* A floor is drawn before anything lies on it, the sides of a box up to where they meet; what is far away does not make
+   the rest small. */
 static void test_planes_beside_the_particles(void **state) {
     (void)state;
     const double centre[] = {0.0, 0.0, 0.02}, diameter[] = {0.01};
-    const dem_vec at[] = {{0, 0, 0}, {-0.03, 0, 0}, {0, 0, 1}, {0.03, 0, 0.02}}, normal[] = {{0, 0, 1}, {1, 0, 0}, {0, 0, -1}, {-1, 0, 1}};
+    const dem_vec at[] = {{0, 0, 0}, {-0.03, 0, 0}, {0, 0, 1}, {0.03, 0, 0.02}},
+                  normal[] = {{0, 0, 1}, {1, 0, 0}, {0, 0, -1}, {-1, 0, 1}};
     dem_world w;
     dem_io_surface s;
     dem_vec low, high;
@@ -340,12 +354,14 @@ static void test_names_of_series(void **state) {
             free(text);
         }
         snprintf(frame, sizeof frame, "%s/%s", home, name);
-        for (char *slash; (slash = strrchr(frame, '/')) != NULL && strlen(frame) > strlen(home);) *slash = '\0', rmdir(frame);
+        for (char *slash; (slash = strrchr(frame, '/')) != NULL && strlen(frame) > strlen(home);)
+            *slash = '\0', rmdir(frame);
     }
     dem_free(&w);
 }
 
-/* Of a frame that failed the index lists nothing, not even the file that an older run has left; the parts count alike. */
+/* Of a frame that failed the index lists nothing, not even the file that an older run has left; the parts
+   count alike. */
 static void test_a_frame_that_fails(void **state) {
     (void)state;
     dem_world w;
@@ -360,7 +376,8 @@ static void test_a_frame_that_fails(void **state) {
         for (int k = 0; k < 4; k++) {
             snprintf(name, sizeof name, "%s/s%s_000%d.vtp", home, k == 2 ? "_walls" : "", k);
             const int fails = k == 1 || k == 2;
-            if (fails) remove(name), assert_int_equal(mkdir(name, 0777), 0); /* a folder of that name cannot be replaced */
+            /* a folder of that name cannot be replaced */
+            if (fails) remove(name), assert_int_equal(mkdir(name, 0777), 0);
             assert_int_equal(dem_io_add(&series, &w), fails ? RIDDLE_IO_NOT_WRITTEN : RIDDLE_IO_OK);
             if (fails) rmdir(name);
             if (fails) assert_int_equal(dem_io_walls(&w, NULL, name), RIDDLE_IO_OK); /* looks like an older one */
@@ -372,7 +389,8 @@ static void test_a_frame_that_fails(void **state) {
         free(text);
         snprintf(name, sizeof name, "%s/s_walls.pvd", home);
         text = taken(name);
-        assert_true(count_of(text, "<DataSet") == 2 && strstr(text, "\"s_walls_0000.vtp") && strstr(text, "\"s_walls_0003.vtp"));
+        assert_true(count_of(text, "<DataSet") == 2 && strstr(text, "\"s_walls_0000.vtp") &&
+                    strstr(text, "\"s_walls_0003.vtp"));
         free(text);
     }
     for (int k = 0; k < 8; k++) {
@@ -398,7 +416,8 @@ static void test_memory_and_wrong_calls(void **state) {
     assert_int_equal(dem_io_surface_of(&w, &s), DEM_OUT_OF_MEMORY);
     assert_int_equal(dem_io_particles(&w, NULL, file(".vtp")), RIDDLE_IO_NO_MEMORY);
     assert_int_equal(dem_io_walls(&w, NULL, path), RIDDLE_IO_NO_MEMORY);
-    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), dem_vec3(0, 1, 0), NULL, 0), DEM_OUT_OF_MEMORY);
+    assert_int_equal(dem_io_section(&w, p, dem_vec3(0, 0, 0), dem_vec3(1, 0, 0), dem_vec3(0, 1, 0), NULL, 0),
+                     DEM_OUT_OF_MEMORY);
     memory.fail_at = memory.calls + 1; /* the second block of each */
     assert_int_equal(dem_io_walls(&w, NULL, path), RIDDLE_IO_NO_MEMORY);
     assert_int_equal(access(path, F_OK), -1);
@@ -461,14 +480,16 @@ static void series_of_polyhedra(const dem_world *w) {
     }
 }
 
-/* The surface of a brick and of another polyhedron, turned, is closed, faces outwards and holds their volume but for the edges. */
+/* The surface of a brick and of another polyhedron, turned, is closed, faces outwards and holds their volume but
+   for the edges. */
 static void test_polyhedra(void **state) {
     (void)state;
     dem_world w;
     dem_io_surface s;
     dem_convex shape[2];
     dem_def def = dem_default_def();
-    const double tall[15] = {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1.5}, at[6] = {0, 0, 0, 5, 1, 2}, turn[4] = {0.3, -0.5, 0.7, 0.2};
+    const double tall[15] = {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1.5}, at[6] = {0, 0, 0, 5, 1, 2},
+                 turn[4] = {0.3, -0.5, 0.7, 0.2};
     dem_add_material(&def, 1000.0, 1e7, 0.3);
     assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
     assert_int_equal(dem_io_polyhedra_of(&w, &s), DEM_OK);

@@ -1,5 +1,5 @@
-/* dem_laws.h: adhesion, rolling, twisting and bonds against closed forms, in the formula and in a running world; dem_wet.h: what bridges
-   hold, the books of their liquid. */
+/* dem_laws.h: adhesion, rolling, twisting and bonds against closed forms, in the formula and in a running world;
+   dem_wet.h: what bridges hold, the books of their liquid. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -53,7 +53,8 @@ static void add(dem_world *w, dem_vec at, double d, int material) {
 static void run(dem_world *w, double t, int which) {
     const use *u = &uses[which];
     const dem_status status = dem_run_law(w, t, u->kernel);
-    if (status != DEM_OK) fail_msg("%s, particle %lu, step %ld", dem_status_text(status), (unsigned long)w->failed_id, (long)w->step);
+    if (status != DEM_OK)
+        fail_msg("%s, particle %lu, step %ld", dem_status_text(status), (unsigned long)w->failed_id, (long)w->step);
 }
 static void run_with_ledger(dem_world *w, double t, int which) {
     const use *u = &uses[which];
@@ -70,36 +71,42 @@ static void test_jkr_formulas(void **state) {
     const double released = contact_jkr_release(R, modulus, energy), force = contact_jkr_pull_off(R, energy);
     const double unloaded = cbrt(4.5 * RIDDLE_PI * energy * R * R / modulus); /* JKR 1971, at zero force */
     near_relative(force, 1.5 * RIDDLE_PI * energy * R, 1e-15, "pull-off");
-    near_relative(released, -0.75 * cbrt(RIDDLE_PI * RIDDLE_PI * energy * energy * R / (modulus * modulus)), 1e-14, "release");
-    near_relative(contact_jkr_law(R, modulus, energy, contact_jkr_radius(R, modulus, energy, released)), -5.0 / 9.0 * force, 1e-6,
-                  "at release");
-    near_relative(contact_jkr_law(R, modulus, energy, contact_jkr_radius(R, modulus, energy, 0.0)), -8.0 / 9.0 * force, 1e-14,
-                  "at touching");
+    near_relative(released, -0.75 * cbrt(RIDDLE_PI * RIDDLE_PI * energy * energy * R / (modulus * modulus)), 1e-14,
+                  "release");
+    near_relative(contact_jkr_law(R, modulus, energy, contact_jkr_radius(R, modulus, energy, released)),
+                  -5.0 / 9.0 * force, 1e-6, "at release");
+    near_relative(contact_jkr_law(R, modulus, energy, contact_jkr_radius(R, modulus, energy, 0.0)), -8.0 / 9.0 * force,
+                  1e-14, "at touching");
     near_absolute(contact_jkr_law(R, modulus, energy, unloaded), 0.0, 1e-13 * force, "unloaded");
-    near_relative(contact_jkr_radius(R, modulus, energy, unloaded * unloaded / (3.0 * R)), unloaded, 1e-14, "radius, unloaded");
+    near_relative(contact_jkr_radius(R, modulus, energy, unloaded * unloaded / (3.0 * R)), unloaded, 1e-14,
+                  "radius, unloaded");
     double least = 0.0, before = 0.0;
     for (int k = 0; k <= 200000; k++) { /* the curve, from release to 100 times as far in */
         const double delta = released + 1e-3 * fabs(released) * k * (k < 1000 ? 1e-3 : 0.5),
                      a = contact_jkr_radius(R, modulus, energy, delta);
         const double f = contact_jkr_law(R, modulus, energy, a);
-        near_absolute(a * a / R - sqrt(2.0 * RIDDLE_PI * energy * a / modulus), delta, 4e-15 * (a * a / R + fabs(delta)), "overlap");
+        near_absolute(a * a / R - sqrt(2.0 * RIDDLE_PI * energy * a / modulus), delta,
+                      4e-15 * (a * a / R + fabs(delta)), "overlap");
         assert_true(a > before);
         before = a;
         least = f < least ? f : least;
     }
     near_relative(least, -force, 1e-7, "least force on the curve");
-    near_relative(contact_jkr_work(R, modulus, energy), 7.09 * cbrt(pow(energy, 5) * pow(R, 4) / (modulus * modulus)), 1e-3, "work: 7.09");
+    near_relative(contact_jkr_work(R, modulus, energy), 7.09 * cbrt(pow(energy, 5) * pow(R, 4) / (modulus * modulus)),
+                  1e-3, "work: 7.09");
     const double b = cbrt(2.0 * RIDDLE_PI * energy * R * R / modulus);
     double work = 0.0;
     for (int k = 0; k < 100000; k++) { /* the work as a plain sum over the way out */
         const double z = 1.0 - (1.0 - pow(4.0, -2.0 / 3.0)) * (k + 0.5) / 100000.0, a = z * b,
                      s = (1.0 - pow(4.0, -2.0 / 3.0)) * b / 100000.0;
-        work -= contact_jkr_law(R, modulus, energy, a) * (2.0 * a / R - 0.5 * sqrt(2.0 * RIDDLE_PI * energy / (modulus * a))) * s;
+        work -= contact_jkr_law(R, modulus, energy, a) *
+                (2.0 * a / R - 0.5 * sqrt(2.0 * RIDDLE_PI * energy / (modulus * a))) * s;
     }
     near_relative(contact_jkr_work(R, modulus, energy), work, 1e-9, "work, summed");
     const double m = 4.0 / 3.0 * RIDDLE_PI * R * R * R * density; /* Thornton & Ning's for a sphere on a wall */
     near_relative(contact_jkr_sticking_speed(R, modulus, energy, m),
-                  1.84 * pow(pow(energy / R, 5) / (density * density * density * modulus * modulus), 1.0 / 6.0), 2e-3, "sticking speed");
+                  1.84 * pow(pow(energy / R, 5) / (density * density * density * modulus * modulus), 1.0 / 6.0), 2e-3,
+                  "sticking speed");
     near_relative(contact_jkr_radius(R, modulus, 0.0, 1e-7), sqrt(R * 1e-7), 1e-15, "without adhesion: Hertz");
     near_relative(contact_dmt_pull_off(R, energy), 2.0 * RIDDLE_PI * energy * R, 1e-15, "DMT");
 }
@@ -110,13 +117,18 @@ static void test_formulas_outside_their_domain(void **state) {
     for (int k = 0; k < 3; k++) {
         assert_true(isnan(contact_jkr_pull_off(bad[k], energy)) && isnan(contact_jkr_pull_off(R, bad[k])));
         assert_true(isnan(contact_dmt_pull_off(bad[k], energy)) && isnan(contact_dmt_pull_off(R, bad[k])));
-        assert_true(isnan(contact_jkr_release(bad[k], modulus, energy)) && isnan(contact_jkr_release(R, bad[k], energy)));
-        assert_true(isnan(contact_jkr_release(R, modulus, bad[k])) && isnan(contact_jkr_radius(R, modulus, bad[k], 0.0)));
-        assert_true(isnan(contact_jkr_radius(R, modulus, energy, bad[k])) && isnan(contact_jkr_law(R, modulus, energy, bad[k])));
-        assert_true(isnan(contact_jkr_work(bad[k], modulus, energy)) && isnan(contact_jkr_sticking_speed(R, modulus, energy, bad[k])));
+        assert_true(isnan(contact_jkr_release(bad[k], modulus, energy)) &&
+                    isnan(contact_jkr_release(R, bad[k], energy)));
+        assert_true(isnan(contact_jkr_release(R, modulus, bad[k])) &&
+                    isnan(contact_jkr_radius(R, modulus, bad[k], 0.0)));
+        assert_true(isnan(contact_jkr_radius(R, modulus, energy, bad[k])) &&
+                    isnan(contact_jkr_law(R, modulus, energy, bad[k])));
+        assert_true(isnan(contact_jkr_work(bad[k], modulus, energy)) &&
+                    isnan(contact_jkr_sticking_speed(R, modulus, energy, bad[k])));
     }
     assert_true(isnan(contact_jkr_radius(R, modulus, energy, 1.000001 * contact_jkr_release(R, modulus, energy))));
-    assert_true(isnan(contact_jkr_radius(0.0, modulus, energy, 0.0)) && isnan(contact_jkr_sticking_speed(R, modulus, energy, 0.0)));
+    assert_true(isnan(contact_jkr_radius(0.0, modulus, energy, 0.0)) &&
+                isnan(contact_jkr_sticking_speed(R, modulus, energy, 0.0)));
     assert_true(isfinite(contact_jkr_radius(1e-300, modulus, 0.0, 0.0)));
 }
 
@@ -168,7 +180,8 @@ static void test_pull_off_force(void **state) {
     }
 }
 
-/* A hanging grain: the load that the contact carries, by bisection. JKR under a load lets go at 1.5 pi w R, not at the release. */
+/* A hanging grain: the load that the contact carries, by bisection. JKR under a load lets go at 1.5 pi w R, not at
+   the release. */
 static void test_grain_hangs(void **state) {
     (void)state;
     const double force = contact_jkr_pull_off(R, energy);
@@ -199,7 +212,8 @@ static double rebound(int which, double speed, double w_, double share) {
     dem_add_plane(&w, 0, none, up);
     add(&w, v3(0, 0, R + 1e-8), 2.0 * R, 0);
     dem_set_motion(&w, 0, v3(0, 0, -speed), none);
-    const double tc = 2.943275175395 * pow(25.0 / 16.0 * pow(dem_mass(&w, 0) / modulus, 2) / (R * speed), 0.2); /* Hertz */
+    /* Hertz. */
+    const double tc = 2.943275175395 * pow(25.0 / 16.0 * pow(dem_mass(&w, 0) / modulus, 2) / (R * speed), 0.2);
     dem_set_time_step(&w, share * tc);
     run_with_ledger(&w, 1e-8 / speed + 8.0 * tc, which);
     const dem_energy_ledger l = dem_energy(&w);
@@ -211,13 +225,15 @@ static double rebound(int which, double speed, double w_, double share) {
 
 static void test_adhesive_restitution(void **state) {
     (void)state;
-    const double m = 4.0 / 3.0 * RIDDLE_PI * R * R * R * density, stick = contact_jkr_sticking_speed(R, modulus, energy, m);
+    const double m = 4.0 / 3.0 * RIDDLE_PI * R * R * R * density,
+                 stick = contact_jkr_sticking_speed(R, modulus, energy, m);
     assert_true(rebound(JKR, 0.99 * stick, energy, 1.0 / 800.0) == 0.0);
     assert_true(rebound(JKR, 1.01 * stick, energy, 1.0 / 800.0) > 0.0);
     const double ratio[] = {1.05, 1.2, 2.0, 5.0, 20.0};
     for (int k = 0; k < 5; k++) { /* e = sqrt(1 - (V_s/V)^2), Thornton & Ning 1998 */
         const double wanted = sqrt(1.0 - 1.0 / (ratio[k] * ratio[k]));
-        near_absolute(rebound(JKR, ratio[k] * stick, energy, 1.0 / 800.0), wanted, 2e-3, "restitution of adhesive impact");
+        near_absolute(rebound(JKR, ratio[k] * stick, energy, 1.0 / 800.0), wanted, 2e-3,
+                      "restitution of adhesive impact");
     }
     double worst[3] = {0.0, 0.0, 0.0};
     for (int k = 0; k < 3; k++) {
@@ -227,7 +243,8 @@ static void test_adhesive_restitution(void **state) {
             worst[k] = error > worst[k] ? error : worst[k];
         }
     }
-    assert_true(worst[0] < 4e-3 && worst[1] < 0.4 * worst[0] && worst[2] < 0.4 * worst[1]); /* first order: a jump ends it */
+    /* First order: a jump ends it. */
+    assert_true(worst[0] < 4e-3 && worst[1] < 0.4 * worst[0] && worst[2] < 0.4 * worst[1]);
     near_absolute(rebound(DMT, stick, energy, 0.01), 1.0, 1e-4, "DMT without damping gives back what it took");
     near_absolute(rebound(JKR, stick, 0.0, 0.01), 1.0, 1e-4, "JKR without adhesion is Hertz");
 }
@@ -259,15 +276,16 @@ static void test_friction_of_adhesion(void **state) {
     (void)state;
     enum { HITS = 1000 };
     static double after[3 * HITS], exact[3 * HITS];
-    const double m = 4.0 / 3.0 * RIDDLE_PI * R * R * R * density, stick = contact_jkr_sticking_speed(R, modulus, energy, m);
+    const double m = 4.0 / 3.0 * RIDDLE_PI * R * R * R * density,
+                 stick = contact_jkr_sticking_speed(R, modulus, energy, m);
     for (int which = JKR; which <= DMT; which++) {
         for (int ratio = 2; ratio <= 8; ratio *= 2) {
             double worst = 0.0;
             oblique(which, ratio * stick, 1.0 / 20.0, 1.0 / 20.0, HITS, after);
             oblique(which, ratio * stick, 1.0 / 640.0, 1.0 / 20.0, HITS, exact);
             for (int k = 0; k < 3 * HITS; k++) worst = fmax(worst, fabs(after[k] - exact[k]));
-            print_message("%s, %d times the speed that sticks: error at t_c/20 at most %.1e\n", uses[which].kernel->law->name, ratio,
-                          worst);
+            print_message("%s, %d times the speed that sticks: error at t_c/20 at most %.1e\n",
+                          uses[which].kernel->law->name, ratio, worst);
             assert_true(worst < (which == JKR ? 0.05 : 0.015));
         }
     }
@@ -281,7 +299,8 @@ static void cloud(dem_world *w, contact_laws *laws, const dem_def *def) {
     for (int k = 0; k < 64; k++) {
         const dem_vec at = v3(2.6e-5 * (k % 4) + 2e-5, 2.6e-5 * (k / 4 % 4) + 2e-5, 2.6e-5 * (k / 16) + 2e-5);
         add(w, at, scene_between(&random, 1.6e-5, 2.4e-5), 0);
-        const dem_vec spin = scene_vector(&random, 1e3), speed = scene_vector(&random, 0.3); /* in this order, whatever the compiler */
+        /* in this order, whatever the compiler */
+        const dem_vec spin = scene_vector(&random, 1e3), speed = scene_vector(&random, 0.3);
         dem_set_motion(w, k, dem__add(speed, v3(0, 0, -0.2)), spin);
     }
 }
@@ -369,8 +388,9 @@ static void test_three_materials(void **state) {
             dem_set_time_step(&w, 1e-12);
             run(&w, 0.0, DMT);
             const dem_material *m = &def.material[a], *q = &def.material[other];
-            const double radius = b < 3 ? 0.5 * R : R, E = 1.0 / ((1.0 - m->poisson_ratio * m->poisson_ratio) / m->young_modulus +
-                                                                  (1.0 - q->poisson_ratio * q->poisson_ratio) / q->young_modulus);
+            const double radius = b < 3 ? 0.5 * R : R,
+                         E = 1.0 / ((1.0 - m->poisson_ratio * m->poisson_ratio) / m->young_modulus +
+                                    (1.0 - q->poisson_ratio * q->poisson_ratio) / q->young_modulus);
             near_relative(dem_get_contact(&w, 0).force.z,
                           4.0 / 3.0 * E * sqrt(radius) * pow(1e-9, 1.5) - 2.0 * RIDDLE_PI * w_[a][other] * radius, 1e-6,
                           "force of the pair");
@@ -385,7 +405,8 @@ static const double ball = 2.5e-3, ball_density = 2500.0, stiffness = 1e5, gravi
 static double ball_mass(void) { return 4.0 / 3.0 * RIDDLE_PI * ball * ball * ball * ball_density; }
 
 /* A ball that rests on the plane z = 0 under a gravity tilted by an angle about y. */
-static void on_incline(dem_world *w, contact_laws *laws, double angle, double rolling, double twisting, double damping, int which) {
+static void on_incline(dem_world *w, contact_laws *laws, double angle, double rolling, double twisting, double damping,
+                       int which) {
     dem_def def = dem_default_def();
     *laws = contact_default_laws();
     dem_add_material(&def, ball_density, 1e8, 0.2);
@@ -421,7 +442,8 @@ static void test_rolling_stops(void **state) {
             on_incline(&w, &laws, 0.0, mu, 0.0, damped ? 0.3 : 0.0, which);
             dem_set_motion(&w, 0, v3(v, 0, 0), v3(0, v / ball, 0));
             run(&w, 0.0, which);
-            if (damped) { /* the spring at its end, as if it had rolled before: else the dashpot takes its share of the start */
+            /* the spring at its end, as if it had rolled before: else the dashpot takes its share of the start */
+            if (damped) {
                 dem_contact_info c = dem_get_contact(&w, 0);
                 c.state[CONTACT_ANGLE + 1] = elastic_angle(mu, which);
                 dem_set_contact_state(&w, 0, c.state);
@@ -433,7 +455,8 @@ static void test_rolling_stops(void **state) {
                 if (k == 999) still = dem_position(&w, 0).x;
             }
             /* 7/10 m v^2 = mu m g (x - R theta/2), theta: the elastic range */
-            const double back = ball * elastic_angle(mu, which), wanted = 0.7 * v * v / (mu * gravity) + (damped ? 0.0 : 0.5 * back);
+            const double back = ball * elastic_angle(mu, which),
+                         wanted = 0.7 * v * v / (mu * gravity) + (damped ? 0.0 : 0.5 * back);
             near_relative(farthest, wanted, 1e-3, "stopping distance");
             if (damped) near_absolute(dem_position(&w, 0).x, still, 1e-9, "at rest");
             else assert_true(farthest - dem_position(&w, 0).x > 0.0); /* swings about a place behind */
@@ -460,7 +483,8 @@ static void test_incline_holds(void **state) {
             } else {
                 const double arm = 1.0 + dem_get_contact(&w, 0).gap / ball; /* over the radius */
                 near_relative(2.0 * (dem_velocity(&w, 0).x - v),
-                              gravity * (sin(angle) * arm * arm - mu * cos(angle) * arm) / (0.4 + arm * arm), 1e-4, "rolls down");
+                              gravity * (sin(angle) * arm * arm - mu * cos(angle) * arm) / (0.4 + arm * arm), 1e-4,
+                              "rolls down");
             }
             dem_free(&w);
         }
@@ -477,7 +501,8 @@ static void test_twisting_decays(void **state) {
         dem_set_motion(&w, 0, none, v3(0, 0, spin));
         /* a spring up to the greatest torque M, then M: spin (t) = sqrt(spin^2 - M theta/I) - M (t - t1)/I */
         const double most = mu * ball * ball_mass() * gravity, theta = elastic_angle(mu, which), k = most / theta;
-        const double sliding = sqrt(spin * spin - most * theta / inertia), t1 = asin(most / (spin * sqrt(k * inertia))) / sqrt(k / inertia);
+        const double sliding = sqrt(spin * spin - most * theta / inertia),
+                     t1 = asin(most / (spin * sqrt(k * inertia))) / sqrt(k / inertia);
         const double t = 0.5 * spin * inertia / most;
         run(&w, t, which);
         near_relative(dem_spin(&w, 0).z + w.spin_rate[0].z * (double)(w.step - w.particle[0].origin) * w.def.dt,
@@ -505,7 +530,8 @@ static void test_ledger_of_rolling(void **state) {
             run_with_ledger(&w, 0.5, which);
             const dem_energy_ledger l = dem_energy(&w);
             error[k] = fabs(l.error) / (l.kinetic + l.rotational + l.normal_loss + l.sliding_loss + l.rolling_loss);
-            assert_true(l.rolling_loss >= 0.0 && l.sliding_loss > 0.0 && l.kinetic + l.rotational < 1e-2 * l.sliding_loss);
+            assert_true(l.rolling_loss >= 0.0 && l.sliding_loss > 0.0 &&
+                        l.kinetic + l.rotational < 1e-2 * l.sliding_loss);
             dem_free(&w);
         }
         assert_true(error[0] < 6e-3);
@@ -545,7 +571,8 @@ static void settle(dem_world *w, double drag, double t) {
         for (ptrdiff_t i = 0; i < w->count; i++) {
             dem_vec v = dem_velocity(w, i);
             const double c = 1.0 - drag * 10.0 * w->def.dt, s = c > 0.0 ? c : 0.0;
-            dem_set_motion(w, i, dem__scale(s, v), v3(s * dem_spin(w, i).x, s * dem_spin(w, i).y, s * dem_spin(w, i).z));
+            dem_set_motion(w, i, dem__scale(s, v),
+                           v3(s * dem_spin(w, i).x, s * dem_spin(w, i).y, s * dem_spin(w, i).z));
         }
     }
 }
@@ -553,29 +580,34 @@ static void settle(dem_world *w, double drag, double t) {
 static void test_beam(void **state) {
     (void)state;
     const double area = RIDDLE_PI * ball * ball, second = 0.25 * area * ball * ball, length = 2.0 * ball;
-    const double bend = bond_modulus * second / length, shear = 0.4 * bond_modulus * area / length, stretch = bond_modulus * area / length;
+    const double bend = bond_modulus * second / length, shear = 0.4 * bond_modulus * area / length,
+                 stretch = bond_modulus * area / length;
     for (int n = 2; n <= 6; n += 2) {
         dem_world w;
         contact_laws laws;
-        double wanted = 0.0; /* sum over the joints of lever^2/bend and 1/shear; the one at the wall is half as long, twice as stiff */
+        /* Sum over the joints of lever^2/bend and 1/shear; the one at the wall is half as long, twice as stiff. */
+        double wanted = 0.0;
         for (int k = 0; k < n; k++) {
             const double lever = (n - 0.5 - k) * length, twice = k ? 1.0 : 2.0;
             wanted += lever * lever / (twice * bend) + 1.0 / (twice * shear);
         }
-        const double load = 1e-4 * length / wanted, slow = sqrt(1.0 / (wanted * n * ball_mass())); /* about the lowest frequency */
+        /* About the lowest frequency. */
+        const double load = 1e-4 * length / wanted, slow = sqrt(1.0 / (wanted * n * ball_mass()));
         bonded_row(&w, &laws, n, HUGE_VAL, HUGE_VAL, 0.1);
         dem_set_load(&w, n - 1, v3(0, load, 0), none);
         settle(&w, slow, 25.0 / slow);
         near_relative(dem_position(&w, n - 1).y, load * wanted, 1e-4, "deflection of a cantilever");
         const double straight = (n - 0.5) * length;
         if (n == 6)
-            near_relative(load * wanted, load * (straight * straight * straight / (3.0 * bond_modulus * second)), 0.1, "Euler's beam");
+            near_relative(load * wanted, load * (straight * straight * straight / (3.0 * bond_modulus * second)), 0.1,
+                          "Euler's beam");
         dem_set_load(&w, n - 1, v3(load, 0, 0), v3(1e-6, 0, 0));
         settle(&w, slow, 40.0 / slow);
-        near_relative(dem_position(&w, n - 1).x - ((2 * n - 1) * (ball - 0.5e-9) - 0.5e-9), load * (n - 0.5) / stretch, 1e-3, "stretched");
+        near_relative(dem_position(&w, n - 1).x - ((2 * n - 1) * (ball - 0.5e-9) - 0.5e-9), load * (n - 0.5) / stretch,
+                      1e-3, "stretched");
         const dem_contact_info c = dem_get_contact(&w, dem_contact_count(&w) - 1);
-        near_relative(fabs(c.state[CONTACT_TURNED]), 1e-6 * length / (0.8 * bond_modulus * second) * (c.j < 0 ? 0.5 : 1.0), 1e-3,
-                      "twisted");
+        near_relative(fabs(c.state[CONTACT_TURNED]),
+                      1e-6 * length / (0.8 * bond_modulus * second) * (c.j < 0 ? 0.5 : 1.0), 1e-3, "twisted");
         dem_free(&w);
     }
 }
@@ -596,18 +628,24 @@ static void test_bond_breaks(void **state) {
             bonded_row(&w, &laws, 1, way < 2 ? strength : HUGE_VAL, way < 2 ? HUGE_VAL : strength, 0.5);
             for (int s = 1; s <= 1000; s++) {
                 const double f = (k ? 1.002 : 0.998) * most * s / 1000.0;
-                dem_set_load(&w, 0, way == 0 ? v3(f, 0, 0) : way < 3 ? v3(0, f, 0) : none, way == 3 ? v3(f, 0, 0) : none);
+                dem_set_load(&w, 0,
+                             way == 0  ? v3(f, 0, 0)
+                             : way < 3 ? v3(0, f, 0)
+                                       : none,
+                             way == 3 ? v3(f, 0, 0) : none);
                 settle(&w, 0.0, 20.0 * w.def.dt);
             }
             settle(&w, 0.0, 2000.0 * w.def.dt);
             const int whole = dem_contact_count(&w) > 0 && contact_is_bond(&w, 0);
-            if (whole != !k) fail_msg("way %d: %s at %g of the strength", way, whole ? "whole" : "broken", k ? 1.002 : 0.998);
+            if (whole != !k)
+                fail_msg("way %d: %s at %g of the strength", way, whole ? "whole" : "broken", k ? 1.002 : 0.998);
             dem_free(&w);
         }
     }
 }
 
-/* A bonded ball that is hit breaks off; every joule is found again. A broken bond that overlaps is an ordinary contact. */
+/* A bonded ball that is hit breaks off; every joule is found again. A broken bond that overlaps is an
+   ordinary contact. */
 static void test_ledger_of_bonds(void **state) {
     (void)state;
     dem_world w;
@@ -647,15 +685,18 @@ static void test_bonds_of_what_touches(void **state) {
     contact_pair_def *p = contact_pair(&laws, 0, 0);
     p->bond_modulus = 1e6, p->tensile = p->shear = 1e6;
     start(&w, &def, &laws);
-    for (int k = 0; k < 5; k++) add(&w, v3(ball_at[k], 0, 0), 2.0 * ball, k == 2 || k == 3); /* the second pair does not bond */
+    /* the second pair does not bond */
+    for (int k = 0; k < 5; k++) add(&w, v3(ball_at[k], 0, 0), 2.0 * ball, k == 2 || k == 3);
     assert_int_equal(contact_bond_touching(&w), 0); /* nothing has run: no contacts are known */
     run(&w, 1e-6, BONDS);
     assert_int_equal(contact_bond_touching(&w), 1);
     assert_int_equal(contact_bond_touching(&w), 0);
-    for (ptrdiff_t c = 0; c < dem_contact_count(&w); c++) assert_int_equal(contact_is_bond(&w, c), dem_get_contact(&w, c).i < 2);
+    for (ptrdiff_t c = 0; c < dem_contact_count(&w); c++)
+        assert_int_equal(contact_is_bond(&w, c), dem_get_contact(&w, c).i < 2);
     for (int i = 0; i < 4; i++) dem_set_motion(&w, i, v3(i % 2 ? 0.01 : -0.01, 0, 0), none);
     run(&w, 0.02, BONDS);
-    assert_true(dem_position(&w, 1).x - dem_position(&w, 0).x < 2.01 * ball && dem_position(&w, 3).x - dem_position(&w, 2).x > 2.01 * ball);
+    assert_true(dem_position(&w, 1).x - dem_position(&w, 0).x < 2.01 * ball &&
+                dem_position(&w, 3).x - dem_position(&w, 2).x > 2.01 * ball);
     w.user = NULL;
     assert_int_equal(contact_bond_touching(&w) + contact_bond_touching(NULL), 0);
     dem_free(&w);
@@ -668,12 +709,16 @@ static void test_bad_parameters(void **state) {
     static const struct {
         size_t offset;
         const char *name;
-    } fields[] = {
-        {offsetof(contact_pair_def, rolling), "rolling"},           {offsetof(contact_pair_def, rolling_damping), "rolling_damping"},
-        {offsetof(contact_pair_def, twisting), "twisting"},         {offsetof(contact_pair_def, surface_energy), "surface_energy"},
-        {offsetof(contact_pair_def, bond_modulus), "bond_modulus"}, {offsetof(contact_pair_def, bond_shear), "bond_shear"},
-        {offsetof(contact_pair_def, bond_radius), "bond_radius"},   {offsetof(contact_pair_def, bond_damping), "bond_damping"},
-        {offsetof(contact_pair_def, tensile), "tensile"},           {offsetof(contact_pair_def, shear), "shear"}};
+    } fields[] = {{offsetof(contact_pair_def, rolling), "rolling"},
+                  {offsetof(contact_pair_def, rolling_damping), "rolling_damping"},
+                  {offsetof(contact_pair_def, twisting), "twisting"},
+                  {offsetof(contact_pair_def, surface_energy), "surface_energy"},
+                  {offsetof(contact_pair_def, bond_modulus), "bond_modulus"},
+                  {offsetof(contact_pair_def, bond_shear), "bond_shear"},
+                  {offsetof(contact_pair_def, bond_radius), "bond_radius"},
+                  {offsetof(contact_pair_def, bond_damping), "bond_damping"},
+                  {offsetof(contact_pair_def, tensile), "tensile"},
+                  {offsetof(contact_pair_def, shear), "shear"}};
     const double bad[] = {-1.0, (double)NAN, -HUGE_VAL};
     contact_laws laws = contact_default_laws();
     assert_null(contact_bad_field(&laws));
@@ -775,10 +820,13 @@ static void test_memory_running_out(void **state) {
 
 /* ---- dem_wet.h ---- */
 
-/* Two spheres of 5 mm with films, one above the other in contact, the upper one held; gravity pulls at the lower one. */
-static dem_status hang(double pull, bool printed, double *volume, int *bridges, double *force, double *gap, dem_allocator *memory) {
+/* Two spheres of 5 mm with films, one above the other in contact, the upper one held; gravity pulls at
+   the lower one. */
+static dem_status hang(double pull, bool printed, double *volume, int *bridges, double *force, double *gap,
+                       dem_allocator *memory) {
     dem_def def = dem_default_def();
-    double centre[] = {0, 0, 0, 0, 0, -0.0049999}, diameter[] = {0.005, 0.005}, size[WET_CLASSES] = {0.005, 0.005, 0.005};
+    double centre[] = {0, 0, 0, 0, 0, -0.0049999}, diameter[] = {0.005, 0.005},
+           size[WET_CLASSES] = {0.005, 0.005, 0.005};
     int group[] = {0, 0};
     const int glass = dem_add_material(&def, 2500.0, 5e6, 0.3);
     dem_world w;
@@ -792,7 +840,8 @@ static dem_status hang(double pull, bool printed, double *volume, int *bridges, 
     if (far_floor < 0) status = DEM_OUT_OF_MEMORY;
     if (status == DEM_OK) status = dem_add_spheres(&w, 2, centre, diameter, glass, 0);
     if (status == DEM_OK) status = dem_fix(&w, 0, 1);
-    if (status == DEM_OK && wet_init(&water, 2, group, diameter, size, 0.002, 3.27e-4, far_floor, &w, printed, WET_STEEL) != BRIDGE_OK)
+    if (status == DEM_OK &&
+        wet_init(&water, 2, group, diameter, size, 0.002, 3.27e-4, far_floor, &w, printed, WET_STEEL) != BRIDGE_OK)
         status = DEM_OUT_OF_MEMORY;
     w.user = &water;
     if (status == DEM_OK) status = wet_run(&w, 0.02, 0);
@@ -835,7 +884,8 @@ static void test_wet_bad_arguments(void **state) {
     (void)state;
     dem_def def = dem_default_def();
     const int glass = dem_add_material(&def, 2500.0, 5e6, 0.3);
-    double d[] = {0.005}, size[WET_CLASSES] = {0.005, 0.005, 0.005}, bad[WET_CLASSES] = {0.005, NAN, 0.005}, huge[] = {INFINITY};
+    double d[] = {0.005}, size[WET_CLASSES] = {0.005, 0.005, 0.005}, bad[WET_CLASSES] = {0.005, NAN, 0.005},
+           huge[] = {INFINITY};
     int group[] = {0}, wrong[] = {WET_CLASSES};
     dem_world w;
     wet_scene s;

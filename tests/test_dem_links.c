@@ -36,7 +36,8 @@ static void add(dem_world *w, double x, double y, double z) {
     assert_int_equal(dem_add_spheres(w, 1, at, &SIZE, 0, 0), DEM_OK);
 }
 
-/* Two spheres whose gap swings by 0.3 mm around 1 mm, where a constant load holds the spring: the largest error over the amplitude. */
+/* Two spheres whose gap swings by 0.3 mm around 1 mm, where a constant load holds the spring: the largest error over
+   the amplitude. */
 static double oscillation_error(double interval, double *drift) {
     dem_world w;
     const double state[SPRING_STATES] = {0.5, 1.0, 0.0};
@@ -44,8 +45,10 @@ static double oscillation_error(double interval, double *drift) {
     add(&w, 0, 0, 0), add(&w, SIZE + 1e-3, 0, 0);
     assert_int_equal(dem_set_links(&w, &spring_kernel, interval, 0.0), DEM_OK);
     assert_int_equal(dem_add_link(&w, 0, 1, 0, state), DEM_OK);
-    const double pull = state[STIFFNESS] * 1e-3, mass = dem_mass(&w, 0), omega = sqrt(2.0 * state[STIFFNESS] / mass), v0 = 0.3e-3 * omega;
-    assert_int_equal(dem_set_load(&w, 0, dem_vec3(-pull, 0, 0), dem_vec3(0, 0, 0)), DEM_OK); /* at rest at a gap of 1 mm */
+    const double pull = state[STIFFNESS] * 1e-3, mass = dem_mass(&w, 0), omega = sqrt(2.0 * state[STIFFNESS] / mass),
+                 v0 = 0.3e-3 * omega;
+    /* at rest at a gap of 1 mm */
+    assert_int_equal(dem_set_load(&w, 0, dem_vec3(-pull, 0, 0), dem_vec3(0, 0, 0)), DEM_OK);
     assert_int_equal(dem_set_load(&w, 1, dem_vec3(pull, 0, 0), dem_vec3(0, 0, 0)), DEM_OK);
     assert_int_equal(dem_run(&w, interval, DEM_LINEAR), DEM_OK); /* the first evaluation: load and spring cancel */
     assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0)), DEM_OK);
@@ -86,7 +89,8 @@ static void test_angular_momentum(void **state) {
     double before[3], after[3], energy[2], scale = 0.0;
     for (int k = 0; k < 2; k++) {
         double *l = k ? after : before;
-        if (k) assert_int_equal(dem_run(&w, 0.02, DEM_LINEAR), DEM_OK); /* whole intervals: in between, half of a kick is due */
+        /* Whole intervals: in between, half of a kick is due. */
+        if (k) assert_int_equal(dem_run(&w, 0.02, DEM_LINEAR), DEM_OK);
         l[0] = l[1] = l[2] = energy[k] = 0.0;
         for (int i = 0; i < 2; i++) {
             const dem_vec x = dem_position(&w, i), v = dem_velocity(&w, i);
@@ -120,7 +124,8 @@ static void test_ledger(void **state) {
     assert_true(fabs(last - first) > 0.1 * first); /* it works: what it did is what the spring holds more now */
     print_message("work of the link %.6e J, its spring %.6e J, error %.1e J\n", l.link_work - before,
                   spring_state[STIFFNESS] * 0.5 * (first * first - last * last), l.error);
-    assert_true(fabs((l.link_work - before) / (spring_state[STIFFNESS] * 0.5 * (first * first - last * last)) - 1.0) < 2e-3);
+    assert_true(fabs((l.link_work - before) / (spring_state[STIFFNESS] * 0.5 * (first * first - last * last)) - 1.0) <
+                2e-3);
     assert_int_equal(dem_run(&w, 3.3e-5, DEM_LINEAR | DEM_ENERGY), DEM_OK); /* and between two evaluations */
     assert_true(fabs(dem_energy(&w).error) < 1e-12 * (l.kinetic + l.rotational));
     dem_free(&w);
@@ -142,7 +147,8 @@ static void test_hanging(void **state) {
     assert_int_equal(dem_find_link(&w, 0, -1 - ceiling, 1), -1);
     assert_int_equal(dem_run(&w, 1.0, DEM_LINEAR), DEM_OK);
     assert_true(fabs(-dem_position(&w, 0).z - 0.5 * SIZE - 4e-4) < 1e-10);
-    assert_true(fabs(dem_get_link(&w, 0).gap - 4e-4) < 1e-10 && fabs(dem_get_link(&w, 0).force.z / weight - 1.0) < 1e-6);
+    assert_true(fabs(dem_get_link(&w, 0).gap - 4e-4) < 1e-10 &&
+                fabs(dem_get_link(&w, 0).force.z / weight - 1.0) < 1e-6);
     dem_free(&w);
     make(&w, 4e-6, dem_vec3(0, 0, -9.81));
     w.user = &ended;
@@ -176,7 +182,8 @@ DEM_INLINE void crowd_force(const dem_contact *c, double *state, dem_response *r
     r->ended = c->gap < 2e-6 ? 0.0 : 1.0; /* NEAR */
 }
 
-static const dem_law crowd = {"linear, in contact below near", 1, 3, 3, 1, 8, dem_prepare_linear, crowd_force, crowd_born, NULL};
+static const dem_law crowd = {
+    "linear, in contact below near", 1, 3, 3, 1, 8, dem_prepare_linear, crowd_force, crowd_born, NULL};
 DEM_KERNEL(crowd_kernel, crowd, DEM_LINEAR | DEM_FRICTION)
 enum { CROWD_FEATURES = DEM_LINEAR | DEM_FRICTION };
 
@@ -190,7 +197,8 @@ static void test_skipping_and_threads(void **state) {
     for (int scene = 0; scene < SCENE_COUNT; scene++) {
         uint64_t hash = 0;
         for (int k = 0; k < 7; k++) {
-            static const int skip[] = {DEM_SKIP_ALL, 0, DEM_SKIP_PAIRS, DEM_SKIP_SPACE, DEM_SKIP_ALL, DEM_SKIP_ALL, DEM_SKIP_ALL};
+            static const int skip[] = {DEM_SKIP_ALL, 0,           DEM_SKIP_PAIRS, DEM_SKIP_SPACE, DEM_SKIP_ALL,
+                                       DEM_SKIP_ALL, DEM_SKIP_ALL};
             static const int threads[] = {1, 1, 1, 1, 2, 5, 1};
             dem_world w;
             assert_int_equal(make_crowd(&w, scene, skip[k], threads[k], NULL), DEM_OK);
@@ -218,7 +226,8 @@ static void test_saving(void **state) {
     assert_int_equal(dem_load(&copy, bytes, size, NULL), DEM_OK);
     assert_int_equal(dem_save(&copy, again, size), size);
     assert_memory_equal(bytes, again, size);
-    const dem_energy_ledger of = dem_energy(&w), loaded = dem_energy(&copy); /* before anybody has said whose links these are */
+    /* before anybody has said whose links these are */
+    const dem_energy_ledger of = dem_energy(&w), loaded = dem_energy(&copy);
     assert_true(of.kinetic == loaded.kinetic && of.link_work == loaded.link_work);
     assert_int_equal(dem_run_law(&copy, 1e-3, &crowd_kernel), DEM_LAW_MISMATCH); /* whose links are these? */
     assert_int_equal(dem_set_links(&copy, &other_kernel, 5e-5, NEAR), DEM_LAW_MISMATCH);
@@ -238,7 +247,8 @@ static void test_saving(void **state) {
     dem_free(&w), dem_free(&copy);
 }
 
-/* In which order links end with their spheres does not depend on a save in between: a new list of a sphere's links is in another order. */
+/* In which order links end with their spheres does not depend on a save in between: a new list of a sphere's links is
+   in another order. */
 static void test_order_of_ends(void **state) {
     (void)state;
     enum { SPHERES = 14 };
@@ -365,10 +375,17 @@ static void test_memory_running_out(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_oscillation),   cmocka_unit_test(test_angular_momentum),   cmocka_unit_test(test_ledger),
-        cmocka_unit_test(test_hanging),       cmocka_unit_test(test_near_is_contact),    cmocka_unit_test(test_skipping_and_threads),
-        cmocka_unit_test(test_saving),        cmocka_unit_test(test_order_of_ends),      cmocka_unit_test(test_leaving),
-        cmocka_unit_test(test_hostile_calls), cmocka_unit_test(test_memory_running_out),
+        cmocka_unit_test(test_oscillation),
+        cmocka_unit_test(test_angular_momentum),
+        cmocka_unit_test(test_ledger),
+        cmocka_unit_test(test_hanging),
+        cmocka_unit_test(test_near_is_contact),
+        cmocka_unit_test(test_skipping_and_threads),
+        cmocka_unit_test(test_saving),
+        cmocka_unit_test(test_order_of_ends),
+        cmocka_unit_test(test_leaving),
+        cmocka_unit_test(test_hostile_calls),
+        cmocka_unit_test(test_memory_running_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

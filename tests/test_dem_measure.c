@@ -26,8 +26,12 @@ static dem_def soft_def(void) {
     return def;
 }
 static void start(dem_world *w, const dem_def *def) { assert_int_equal(dem_init(w, def, NULL), DEM_OK); }
-static void add(dem_world *w, dem_vec at, double d, int group) { assert_int_equal(dem_add_spheres(w, 1, &at.x, &d, 0, group), DEM_OK); }
-static void run(dem_world *w, double t) { assert_int_equal(dem_run(w, t, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING), DEM_OK); }
+static void add(dem_world *w, dem_vec at, double d, int group) {
+    assert_int_equal(dem_add_spheres(w, 1, &at.x, &d, 0, group), DEM_OK);
+}
+static void run(dem_world *w, double t) {
+    assert_int_equal(dem_run(w, t, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING), DEM_OK);
+}
 
 /* ---- volumes ---- */
 
@@ -55,7 +59,8 @@ static void test_ball_in_box(void **state) {
     near_relative(dem_ball_in_box(1.0, v3(-2, 0, 0), v3(2, 2, 2)), ball / 4.0, 1e-14, "quarter");
     near_relative(dem_ball_in_box(1.0, v3(-0.1, -0.2, -0.3), v3(0.4, 0.3, 0.2)), 0.125, 1e-13, "box within");
     for (double c = -0.99; c < 1.0; c += 0.03)
-        near_absolute(dem_ball_in_box(1.0, v3(-2, c, -2), v3(2, 2, 2)), RIDDLE_PI / 3.0 * (1.0 - c) * (1.0 - c) * (2.0 + c), 1e-14, "cap");
+        near_absolute(dem_ball_in_box(1.0, v3(-2, c, -2), v3(2, 2, 2)),
+                      RIDDLE_PI / 3.0 * (1.0 - c) * (1.0 - c) * (2.0 + c), 1e-14, "cap");
     assert_true(dem_ball_in_box(1.0, v3(0.7, 0.7, 0.3), v3(2, 2, 2)) == 0.0);
     scene_random r = {4};
     for (int k = 0; k < 60; k++) {
@@ -78,8 +83,10 @@ static void test_ball_in_box(void **state) {
         }
         near_absolute(sum, dem_ball_in_box(1.0, low, high), 1e-13, "parts");
     }
-    assert_true(isnan(dem_ball_in_box(nan_, v3(0, 0, 0), v3(1, 1, 1))) && isnan(dem_ball_in_box(1.0, v3(1, 0, 0), v3(0, 1, 1))));
-    assert_true(isnan(dem_ball_in_box(1.0, v3(nan_, 0, 0), v3(1, 1, 1))) && dem_ball_in_box(1e-90, v3(0, 0, 0), v3(inf, inf, inf)) > 0.0);
+    assert_true(isnan(dem_ball_in_box(nan_, v3(0, 0, 0), v3(1, 1, 1))) &&
+                isnan(dem_ball_in_box(1.0, v3(1, 0, 0), v3(0, 1, 1))));
+    assert_true(isnan(dem_ball_in_box(1.0, v3(nan_, 0, 0), v3(1, 1, 1))) &&
+                dem_ball_in_box(1e-90, v3(0, 0, 0), v3(inf, inf, inf)) > 0.0);
 }
 
 static double solid_volume(const dem_world *w, dem_region region) {
@@ -98,20 +105,23 @@ static void test_solid_fraction(void **state) {
     const double r = 0.002, ball = 4.0 / 3.0 * RIDDLE_PI * r * r * r;
     near_relative(solid_volume(&w, dem_box_region(v3(0, 0, 0), v3(1, 1, 1))), ball, 1e-14, "in a box");
     near_relative(solid_volume(&w, dem_sphere_region(v3(0.01, 0.02, 0.03), 0.01)), ball, 1e-14, "in a sphere");
-    near_relative(solid_volume(&w, dem_sphere_region(v3(0.01, 0.02, 0.0305), 0.001)), ball / 8.0, 1e-14, "around a sphere");
+    near_relative(solid_volume(&w, dem_sphere_region(v3(0.01, 0.02, 0.0305), 0.001)), ball / 8.0, 1e-14,
+                  "around a sphere");
     const double d = 0.002, lens = RIDDLE_PI * (2.0 * r - d) * (2.0 * r - d) * (d * d + 4.0 * d * r) / (12.0 * d);
     near_relative(solid_volume(&w, dem_sphere_region(v3(0.01, 0.022, 0.03), r)), lens, 1e-13, "lens");
     for (double c = -0.9; c < 1.0; c += 0.15) { /* across the axis a plane, wide cylinders are a plane beside it too */
         const double cap = RIDDLE_PI / 3.0 * (1.0 - c) * (1.0 - c) * (2.0 + c) * r * r * r;
-        near_absolute(solid_volume(&w, dem_cylinder_region(v3(0.01, 0.02, 0.03 + c * r), v3(0, 0, 1), 1.0, 0.1)), cap, 1e-4 * ball,
-                      "end of a cylinder");
-        near_absolute(solid_volume(&w, dem_cylinder_region(v3(0.01 + c * r + 10.0, 0.02, -1), v3(0, 0, 3), 2.0, 10.0)), cap, 2e-4 * ball,
-                      "side of a cylinder");
+        near_absolute(solid_volume(&w, dem_cylinder_region(v3(0.01, 0.02, 0.03 + c * r), v3(0, 0, 1), 1.0, 0.1)), cap,
+                      1e-4 * ball, "end of a cylinder");
+        near_absolute(solid_volume(&w, dem_cylinder_region(v3(0.01 + c * r + 10.0, 0.02, -1), v3(0, 0, 3), 2.0, 10.0)),
+                      cap, 2e-4 * ball, "side of a cylinder");
         double sum = 0.0;
         for (int k = 0; k < 10; k++)
-            sum += solid_volume(&w, dem_cylinder_region(v3(0.0105, 0.0211, 0.0275 + 0.0005 * k), v3(0, 0, 1), 0.0005, 0.0013));
-        near_absolute(sum, solid_volume(&w, dem_cylinder_region(v3(0.0105, 0.0211, 0.0275), v3(0, 0, 1), 0.005, 0.0013)), 1e-4 * ball,
-                      "slices");
+            sum += solid_volume(
+                &w, dem_cylinder_region(v3(0.0105, 0.0211, 0.0275 + 0.0005 * k), v3(0, 0, 1), 0.0005, 0.0013));
+        near_absolute(sum,
+                      solid_volume(&w, dem_cylinder_region(v3(0.0105, 0.0211, 0.0275), v3(0, 0, 1), 0.005, 0.0013)),
+                      1e-4 * ball, "slices");
     }
     /* a narrow one through the middle: ball with a hole, 4/3 pi (r^3 - (r^2 - a^2)^1.5) */
     near_absolute(solid_volume(&w, dem_cylinder_region(v3(0.01, 0.02, 0.0), v3(0, 0, 1), 1.0, 0.0012)),
@@ -152,10 +162,12 @@ static void test_column(void **state) {
                 above += dem_mass(&w, k) * g * fmin(fmax(dem_position(&w, k).z - low, 0.0), high - low) / (high - low);
             near_absolute(m.contact_stress[2][2] * area, above, 1e-6 * weight, "weight above");
             near_absolute(c.contact_stress[2][2] * RIDDLE_PI * 16e-6, above, 1e-6 * weight, "weight above, cylinder");
-            near_absolute(m.contact_stress[0][2] + m.contact_stress[0][0] + m.contact_stress[2][0], 0.0, 1e-9, "other parts");
+            near_absolute(m.contact_stress[0][2] + m.contact_stress[0][0] + m.contact_stress[2][0], 0.0, 1e-9,
+                          "other parts");
         }
     }
-    const dem_region ball = dem_sphere_region(v3(0, 0, 0.0275), 1e-3); /* a chord of 2 mm through it carries the weight of five */
+    /* a chord of 2 mm through it carries the weight of five */
+    const dem_region ball = dem_sphere_region(v3(0, 0, 0.0275), 1e-3);
     dem_measure m;
     assert_int_equal(dem_measure_region(&w, &ball, &m), DEM_OK);
     near_relative(m.contact_stress[2][2] * 4.0 / 3.0 * RIDDLE_PI * 1e-9,
@@ -173,7 +185,8 @@ static void test_bed(void **state) {
     def.high = v3(0.03, 0.03, 1);
     start(&w, &def);
     const int ground = dem_add_plane(&w, 0, v3(0, 0, 0), v3(0, 0, 1));
-    feed.region = dem_box_region(v3(-0.0025, -0.0025, 0), v3(0.0325, 0.0325, 0.18)); /* whole spheres within: centres over the whole box */
+    /* whole spheres within: centres over the whole box */
+    feed.region = dem_box_region(v3(-0.0025, -0.0025, 0), v3(0.0325, 0.0325, 0.18));
     feed.sizes = dem_uniform_sizes(4e-3, 6e-3, 0);
     assert_int_equal(dem_fill(&w, &feed, 500), DEM_OK);
     assert_int_equal(feed.missed, 0);
@@ -192,8 +205,10 @@ static void test_bed(void **state) {
     near_relative(m.mass, mass, 1e-12, "mass");
     near_relative(m.contact_stress[2][2] * area * 0.3, virial, 1e-6, "virial");
     near_absolute(m.contact_stress[0][2] / m.contact_stress[2][2], 0.0, 2e-2, "shear");
-    near_relative(m.contact_stress[0][0] + m.contact_stress[1][1], m.contact_stress[2][2], 0.7, "sideways"); /* K of 0.15 .. 0.85 */
-    near_relative(solid_volume(&w, dem_box_region(v3(0, 0, -0.01), v3(0.03, 0.03, 0.3))) * 2500.0, mass, 1e-12, "solid volume");
+    /* K of 0.15 .. 0.85. */
+    near_relative(m.contact_stress[0][0] + m.contact_stress[1][1], m.contact_stress[2][2], 0.7, "sideways");
+    near_relative(solid_volume(&w, dem_box_region(v3(0, 0, -0.01), v3(0.03, 0.03, 0.3))) * 2500.0, mass, 1e-12,
+                  "solid volume");
     assert_true(m.coordination > 3.0 && m.coordination < 6.5);
 
     /* profiles: sharp and smooth, the slabs' stress is the weight above, whatever the kernel */
@@ -248,7 +263,8 @@ static void test_kinetic(void **state) {
             for (int a = 0; a < 3; a++) {
                 if (pass == 0) mean[a] += dem_mass(&w, i) * dem_axis(v, a);
                 for (int b = 0; pass == 1 && b < 3; b++)
-                    stress[a][b] += dem_mass(&w, i) * (dem_axis(v, a) - mean[a] / mass) * (dem_axis(v, b) - mean[b] / mass) / volume;
+                    stress[a][b] += dem_mass(&w, i) * (dem_axis(v, a) - mean[a] / mass) *
+                                    (dem_axis(v, b) - mean[b] / mass) / volume;
             }
         }
     }
@@ -256,9 +272,11 @@ static void test_kinetic(void **state) {
     near_relative(m.mass, mass, 1e-13, "mass");
     for (int a = 0; a < 3; a++) {
         near_relative(dem_axis(m.velocity, a), mean[a] / mass, 1e-13, "velocity");
-        for (int b = 0; b < 3; b++) near_absolute(m.kinetic_stress[a][b], stress[a][b], 1e-12 * stress[2][2], "kinetic stress");
+        for (int b = 0; b < 3; b++)
+            near_absolute(m.kinetic_stress[a][b], stress[a][b], 1e-12 * stress[2][2], "kinetic stress");
     }
-    near_relative(m.granular_temperature * 3.0 * mass / volume, stress[0][0] + stress[1][1] + stress[2][2], 1e-12, "temperature");
+    near_relative(m.granular_temperature * 3.0 * mass / volume, stress[0][0] + stress[1][1] + stress[2][2], 1e-12,
+                  "temperature");
     near_absolute(m.granular_temperature, (0.01 + 0.04 + 0.09) / 9.0, 0.004, "temperature of the scatter");
 
     /* one cell around all of it tells the same of the whole; many cells keep mass and momentum */
@@ -272,7 +290,8 @@ static void test_kinetic(void **state) {
     near_relative(field.kinetic_stress[2][2], m.kinetic_stress[2][2], 1e-10, "kinetic stress");
     static dem_field many[9 * 7 * 5];
     for (int k = 0; k < 4; k++) {
-        const dem_cells block = {{-0.02, -0.02, -0.02}, {0.12, 0.12, 0.12}, {9, 7, 5}, {k * 0.006, k == 2 ? 0.0 : 0.013, k * 0.001}};
+        const dem_cells block = {
+            {-0.02, -0.02, -0.02}, {0.12, 0.12, 0.12}, {9, 7, 5}, {k * 0.006, k == 2 ? 0.0 : 0.013, k * 0.001}};
         double total = 0.0, momentum = 0.0;
         assert_int_equal(dem_coarse_grain(&w, &block, many), DEM_OK);
         for (int c = 0; c < 9 * 7 * 5; c++) total += many[c].density, momentum += many[c].momentum.x;
@@ -284,7 +303,8 @@ static void test_kinetic(void **state) {
 
 /* ---- contacts ---- */
 
-/* Bricks whose long axes point where they are told: the tensor, its parameter and its direction, in a part of space, too; clumps alike. */
+/* Bricks whose long axes point where they are told: the tensor, its parameter and its direction, in a part of space,
+   too; clumps alike. */
 static void test_order(void **state) {
     (void)state;
     enum { N = 400 };
@@ -302,7 +322,8 @@ static void test_order(void **state) {
     const int number = dem_add_shape(&w, &shape);
     for (int k = 0; k < N; k++) {
         centre[k][0] = 0.01 * (k % 20), centre[k][1] = 0.01 * (k / 20), centre[k][2] = 0.0;
-        turn[k][0] = 1.0, turn[k][1] = k < N / 2 ? 0.0 : 1.0, turn[k][2] = turn[k][3] = 0.0; /* half along z, half along y */
+        /* half along z, half along y */
+        turn[k][0] = 1.0, turn[k][1] = k < N / 2 ? 0.0 : 1.0, turn[k][2] = turn[k][3] = 0.0;
     }
     assert_int_equal(dem_add_convex(&w, number, N, &centre[0][0], &turn[0][0], 0, 0), DEM_OK);
     assert_int_equal(dem_measure_order(&w, NULL, 2, &order), DEM_OK);
@@ -312,17 +333,20 @@ static void test_order(void **state) {
     const dem_region half = dem_box_region(v3(-1, -1, -1), v3(1, 0.095, 1));
     assert_int_equal(dem_measure_order(&w, &half, 2, &order), DEM_OK);
     assert_int_equal(order.bodies, N / 2);
-    near_absolute(order.parameter, 1.0, 1e-12, "parallel"), near_absolute(fabs(order.director.z), 1.0, 1e-12, "director");
+    near_absolute(order.parameter, 1.0, 1e-12, "parallel"),
+        near_absolute(fabs(order.director.z), 1.0, 1e-12, "director");
     assert_int_equal(dem_measure_order(&w, &half, 0, &order), DEM_OK);
     near_absolute(fabs(order.director.x), 1.0, 1e-12, "director of x");
     for (ptrdiff_t i = 1; i < w.count; i++) {
-        const dem_quaternion q = {dem__uniform(&random) - 0.5, dem__uniform(&random) - 0.5, dem__uniform(&random) - 0.5, dem__uniform(&random) - 0.5};
+        const dem_quaternion q = {dem__uniform(&random) - 0.5, dem__uniform(&random) - 0.5, dem__uniform(&random) - 0.5,
+                                  dem__uniform(&random) - 0.5};
         assert_int_equal(dem_set_orientation(&w, i, q), DEM_OK);
     }
     assert_int_equal(dem_measure_order(&w, NULL, 2, &order), DEM_OK);
     assert_true(order.parameter > 0.0 && order.parameter < 0.2);
     near_absolute(order.tensor[0][0] + order.tensor[1][1] + order.tensor[2][2], 0.0, 1e-12, "trace");
-    const double three[9] = {0, 0, 0, 0, 2e-3, 0, 0, 4e-3, 0}, diameter[3] = {3e-3, 3e-3, 3e-3}, at[3] = {0, 0, 0.5}, up[4] = {1, 1, 0, 0};
+    const double three[9] = {0, 0, 0, 0, 2e-3, 0, 0, 4e-3, 0}, diameter[3] = {3e-3, 3e-3, 3e-3}, at[3] = {0, 0, 0.5},
+                 up[4] = {1, 1, 0, 0};
     dem_clump clump;
     assert_int_equal(dem_make_clump(3, three, diameter, &clump), DEM_OK);
     assert_int_equal(dem_add_clumps(&w, 1, &clump, at, NULL, up, 0, 0), DEM_OK);
@@ -374,7 +398,8 @@ static void test_histogram_and_unlike_contacts(void **state) {
     assert_true(overlap[3] + overlap[4] == 6.0 && overlap[7] + overlap[8] == 1.0);
     assert_int_equal(dem_histogram(&w, DEM_CONTACT_FORCE, 0.5, 4.5, 4, count), 0);
     assert_true(count[0] == 6.0 && count[1] == 1.0 && count[2] == 1.0 && count[3] == 0.0);
-    near_relative(dem_unlike_contacts(&w, 1), (1.0 / 3.0) / (2.0 * 0.5 * 0.5), 1e-12, "unlike contacts"); /* ends: 1 1 | 1 0 | 0 0 */
+    /* Ends: 1 1 | 1 0 | 0 0. */
+    near_relative(dem_unlike_contacts(&w, 1), (1.0 / 3.0) / (2.0 * 0.5 * 0.5), 1e-12, "unlike contacts");
     assert_true(isnan(dem_unlike_contacts(&w, 7)) && isnan(dem_unlike_contacts(NULL, 1)));
     assert_int_equal(dem_histogram(&w, DEM_CONTACT_FORCE, 1.0, 1.0, 4, count), -(int)DEM_BAD_ARGUMENT);
     assert_int_equal(dem_histogram(&w, DEM_CONTACT_FORCE, nan_, 1.0, 4, count), -(int)DEM_BAD_ARGUMENT);
@@ -399,7 +424,8 @@ static void test_residence(void **state) {
         add(&w, v3(0.02 * k, 0, 0.1), 5e-3, 0);
         dem_set_motion(&w, k, v3(0, 0, k == 3 ? 0.1 : -0.1 * (k + 1)), v3(0, 0, 0)); /* one stays above */
     }
-    const dem_region region = dem_box_region(v3(-1, -1, -1), v3(1, 1, 0.05)), window = dem_box_region(v3(-1, -1, 0.03), v3(1, 1, 0.06));
+    const dem_region region = dem_box_region(v3(-1, -1, -1), v3(1, 1, 0.05)),
+                     window = dem_box_region(v3(-1, -1, 0.03), v3(1, 1, 0.06));
     double in_window[4] = {0, 0, 0, 0}, at[4] = {nan_, nan_, nan_, nan_};
     for (int k = 0; k < 1200; k++) {
         assert_int_equal(dem_residence(&w, &region, 4, entered, stayed), DEM_OK);
@@ -457,7 +483,8 @@ static void test_mixing(void **state) {
     of_group[3] = nan_;
     assert_true(isnan(dem_mixing_of(SAMPLES, of_group, of_all).lacey));
     for (int k = 0; k < SAMPLES; k++) of_group[k] = 0.0;
-    assert_true(isnan(dem_mixing_of(SAMPLES, of_group, of_all).lacey) && isnan(dem_mixing_of(0, of_group, of_all).lacey));
+    assert_true(isnan(dem_mixing_of(SAMPLES, of_group, of_all).lacey) &&
+                isnan(dem_mixing_of(0, of_group, of_all).lacey));
     assert_true(isnan(dem_mixing_of(SAMPLES, NULL, of_all).lacey));
 
     dem_world w;
@@ -520,10 +547,17 @@ static void test_bad_input(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ball_in_box), cmocka_unit_test(test_solid_fraction), cmocka_unit_test(test_column),
-        cmocka_unit_test(test_bed),         cmocka_unit_test(test_kinetic),        cmocka_unit_test(test_histogram_of_tangential_forces),
-        cmocka_unit_test(test_histogram_and_unlike_contacts), cmocka_unit_test(test_order),
-        cmocka_unit_test(test_residence),   cmocka_unit_test(test_mixing),         cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_ball_in_box),
+        cmocka_unit_test(test_solid_fraction),
+        cmocka_unit_test(test_column),
+        cmocka_unit_test(test_bed),
+        cmocka_unit_test(test_kinetic),
+        cmocka_unit_test(test_histogram_of_tangential_forces),
+        cmocka_unit_test(test_histogram_and_unlike_contacts),
+        cmocka_unit_test(test_order),
+        cmocka_unit_test(test_residence),
+        cmocka_unit_test(test_mixing),
+        cmocka_unit_test(test_bad_input),
     };
     return cmocka_run_group_tests_name("dem_measure", tests, NULL, NULL);
 }

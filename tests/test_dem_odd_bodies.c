@@ -1,5 +1,5 @@
-/* Clumps and polyhedra where others are seldom: in drums, through exits, across periodic edges, thin, long, tiny and huge; and feeds of
-   them from a surface. Energy, momentum, saves and threads hold as everywhere. */
+/* Clumps and polyhedra where others are seldom: in drums, through exits, across periodic edges, thin, long, tiny and
+   huge; and feeds of them from a surface. Energy, momentum, saves and threads hold as everywhere. */
 #include "dem.h"
 #include "../examples/common/random.h"
 
@@ -63,7 +63,8 @@ static void drum(dem_world *w, int threads) {
     const int wall[3] = {dem_add_cylinder(w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.015, 1),
                          dem_add_plane(w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)),
                          dem_add_plane(w, 0, dem_vec3(0, 0, 0.0165), dem_vec3(0, 0, -1))};
-    for (int k = 0; k < 3; k++) assert_int_equal(dem_rotate(w, wall[k], dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 12.0), DEM_OK);
+    for (int k = 0; k < 3; k++)
+        assert_int_equal(dem_rotate(w, wall[k], dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 12.0), DEM_OK);
     assert_int_equal(dem_make_clump(2, at, d, &c), DEM_OK);
     const int shape = brick(w, 2e-3, 2e-3, 4.16e-3, 0.05);
     for (int k = 0; k < 36; k++) {
@@ -100,7 +101,8 @@ static void drum_of_mesh(dem_world *w, int threads) {
     assert_true(dem_add_plane(w, 0, dem_vec3(0, 0, 0.012), dem_vec3(0, 0, -1)) >= 0);
     assert_int_equal(dem_rotate(w, round, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 12.0), DEM_OK);
     const int shape = brick(w, 2e-3, 2e-3, 4.16e-3, 0.05);
-    for (int k = 0; k < 24; k++) put(w, shape, 5.2e-3 * (k % 3 - 1), 5.2e-3 * (k / 3 % 4 - 1.5), 3e-3 + 5.2e-3 * (k / 12));
+    for (int k = 0; k < 24; k++)
+        put(w, shape, 5.2e-3 * (k % 3 - 1), 5.2e-3 * (k / 3 % 4 - 1.5), 3e-3 + 5.2e-3 * (k / 12));
 }
 
 /* Plates and needles of aspect 20, spheres and a clump of 64 spheres fall into a box of triangles. */
@@ -111,11 +113,13 @@ static void thin_ones(dem_world *w, int threads) {
     def.threads = threads;
     assert_int_equal(dem_init(w, &def, NULL), DEM_OK);
     assert_true(dem_add_box(w, 0, dem_vec3(-0.012, -0.012, 0), dem_vec3(0.012, 0.012, 0.1)) >= 0);
-    for (int k = 0; k < 64; k++) d[k] = 1.2e-3, at[3 * k] = k % 4 * 1e-3, at[3 * k + 1] = k / 4 % 4 * 1e-3, at[3 * k + 2] = k / 16 * 1e-3;
+    for (int k = 0; k < 64; k++)
+        d[k] = 1.2e-3, at[3 * k] = k % 4 * 1e-3, at[3 * k + 1] = k / 4 % 4 * 1e-3, at[3 * k + 2] = k / 16 * 1e-3;
     assert_int_equal(dem_make_clump(64, at, d, &c), DEM_OK);
     const int plate = brick(w, 8e-3, 8e-3, 4e-4, 0.3), needle = brick(w, 4e-4, 4e-4, 8e-3, 0.3);
     put_clump(w, &c, 0, 0, 0.004);
-    for (int k = 0; k < 12; k++) put(w, k % 2 ? plate : needle, uniform(-3e-3, 3e-3), uniform(-3e-3, 3e-3), 0.014 + 6.5e-3 * k);
+    for (int k = 0; k < 12; k++)
+        put(w, k % 2 ? plate : needle, uniform(-3e-3, 3e-3), uniform(-3e-3, 3e-3), 0.014 + 6.5e-3 * k);
     for (int k = 0; k < 6; k++) put_sphere(w, -0.009 + 3.5e-3 * k, 0.0085, 2e-3, 2e-3);
 }
 
@@ -139,8 +143,8 @@ static void periodic(dem_world *w, int threads) {
     }
 }
 
-/* Bricks that tumble fast and a few spheres, without gravity, about two crossed paddles that turn in a tube, which is periodic along its
-   axis: most of the time all fly close to each other or to a wall. */
+/* Bricks that tumble fast and a few spheres, without gravity, about two crossed paddles that turn in a tube, which is
+   periodic along its axis: most of the time all fly close to each other or to a wall. */
 static void paddles(dem_world *w, int threads) {
     dem_def def = definition(5e-6, 4000.0, 0.9, dem_vec3(0, 0, 0));
     def.threads = threads, def.periodic[2] = 1;
@@ -148,7 +152,8 @@ static void paddles(dem_world *w, int threads) {
     assert_int_equal(dem_init(w, &def, NULL), DEM_OK);
     const int wall[2] = {dem_add_box(w, 0, dem_vec3(-0.02, -5e-4, -0.02), dem_vec3(0.02, 5e-4, 0.036)),
                          dem_add_box(w, 0, dem_vec3(-5e-4, -0.02, -0.02), dem_vec3(5e-4, 0.02, 0.036))};
-    for (int k = 0; k < 2; k++) assert_int_equal(dem_rotate(w, wall[k], dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 40.0), DEM_OK);
+    for (int k = 0; k < 2; k++)
+        assert_int_equal(dem_rotate(w, wall[k], dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 40.0), DEM_OK);
     assert_true(dem_add_cylinder(w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.025, 1) >= 0);
     const int shape = brick(w, 2e-3, 2e-3, 4.16e-3, 0.05);
     for (int k = 0; k < 24; k++) { /* three layers of two by two in two quarters */
@@ -157,7 +162,8 @@ static void paddles(dem_world *w, int threads) {
         if (k % 9 == 4) put_sphere(w, x, y, 2.6e-3 + 5.2e-3 * (k / 8), 3e-3);
         else put(w, shape, x, y, 2.6e-3 + 5.2e-3 * (k / 8));
         const dem_vec v = dem_vec3(uniform(-0.5, 0.5), uniform(-0.5, 0.5), uniform(-0.5, 0.5));
-        assert_int_equal(dem_set_motion(w, k, v, dem_vec3(uniform(-400, 400), uniform(-400, 400), uniform(-400, 400))), DEM_OK);
+        assert_int_equal(dem_set_motion(w, k, v, dem_vec3(uniform(-400, 400), uniform(-400, 400), uniform(-400, 400))),
+                         DEM_OK);
     }
 }
 
@@ -171,7 +177,8 @@ static void in_scene(const scene *s) {
     enum { FEATURES = DEM_LINEAR | DEM_FRICTION | DEM_ENERGY };
     uint64_t hash[3];
     double error = 0.0;
-    for (int run = 0; run < 3; run++) { /* the second on two threads, saved half-way; the third tests everything in every step */
+    /* The second on two threads, saved half-way; the third tests everything in every step. */
+    for (int run = 0; run < 3; run++) {
         dem_world w, again;
         seed = 5;
         s->build(&w, run == 1 ? 2 : 1);
@@ -193,7 +200,8 @@ static void in_scene(const scene *s) {
         for (ptrdiff_t i = 0; i < n; i++) {
             const dem_body b = dem_get_body(&w, i);
             const dem_quaternion q = b.orientation;
-            assert_true(w.alive[i] == 1 && dem__length(b.position) < 0.2 && dem__length(b.velocity) < 5.0 && dem__length(b.spin) < 1e5);
+            assert_true(w.alive[i] == 1 && dem__length(b.position) < 0.2 && dem__length(b.velocity) < 5.0 &&
+                        dem__length(b.spin) < 1e5);
             near(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z, 1.0, 1e-12);
         }
         const dem_energy_ledger l = dem_energy(&w);
@@ -217,7 +225,8 @@ static void test_scenes(void **state) {
 
 /* ---- across periodic edges ---- */
 
-/* The same hit of two bodies in the middle of a periodic box and across its edges and corner: the same states; momentum is kept. */
+/* The same hit of two bodies in the middle of a periodic box and across its edges and corner: the same states;
+   momentum is kept. */
 static void test_hits_across_edges(void **state) {
     (void)state;
     const double ends[6] = {0, 0, 0, 3e-3, 0, 0}, d[2] = {3e-3, 2e-3};
@@ -237,7 +246,8 @@ static void test_hits_across_edges(void **state) {
             for (int k = 0; k < 2; k++) {
                 if (clumps) put_clump(&w, &c, x + (k ? 3.5e-3 : -3.5e-3), yz + 5e-4 * k, yz);
                 else put(&w, shape, x + (k ? 3.5e-3 : -3.5e-3), yz + 5e-4 * k, yz);
-                assert_int_equal(dem_set_motion(&w, w.count - 1, dem_vec3(k ? -0.5 : 0.5, 0, 0), dem_vec3(30, 20 * k, -40)), DEM_OK);
+                assert_int_equal(
+                    dem_set_motion(&w, w.count - 1, dem_vec3(k ? -0.5 : 0.5, 0, 0), dem_vec3(30, 20 * k, -40)), DEM_OK);
             }
             const dem_vec before = dem_momentum(&w);
             assert_int_equal(dem_run(&w, 0.015, DEM_LINEAR | DEM_FRICTION), DEM_OK);
@@ -261,7 +271,8 @@ static void test_hits_across_edges(void **state) {
 
 /* ---- sizes ---- */
 
-/* A brick and a clump of 4 um to 8 m fall on a plane; all lengths, gravity with them, and stiffness scale: so do places and velocities. */
+/* A brick and a clump of 4 um to 8 m fall on a plane; all lengths, gravity with them, and stiffness scale: so do places
+   and velocities. */
 static void test_any_size(void **state) {
     (void)state;
     dem_vec x[3][2], v[3][2];
@@ -295,7 +306,8 @@ static void test_any_size(void **state) {
 
 /* ---- exits ---- */
 
-/* Bricks and clumps fall off the end of a floor and through an exit: one record each, with the diameter of its volume. */
+/* Bricks and clumps fall off the end of a floor and through an exit: one record each, with the diameter
+   of its volume. */
 static void test_through_exits(void **state) {
     (void)state;
     dem_def def = definition(5e-6, 4000.0, 0.5, down);
@@ -313,7 +325,8 @@ static void test_through_exits(void **state) {
         if (k % 2) put_clump(&w, &c, 1e-3 * k, 0, 4e-3 * k);
         else put(&w, shape, 1e-3 * k, 0, 4e-3 * k);
     }
-    const double volume = 2e-3 * 2e-3 * 4.16e-3, expected[2] = {riddle_cbrt(6.0 / RIDDLE_PI * volume), dem_clump_diameter(&c)};
+    const double volume = 2e-3 * 2e-3 * 4.16e-3,
+                 expected[2] = {riddle_cbrt(6.0 / RIDDLE_PI * volume), dem_clump_diameter(&c)};
     assert_int_equal(dem_run(&w, 0.2, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY), DEM_OK);
     assert_int_equal(dem_take_passed(&w, record, 16), 8);
     for (int k = 0; k < 8; k++) {
@@ -357,7 +370,8 @@ static void test_corners_in_any_order(void **state) {
 static void test_numbers_of_clumps(void **state) {
     (void)state;
     dem_def def = definition(5e-6, 4000.0, 0.5, down);
-    const double ends[6] = {0, 0, 0, 2e-3, 0, 0}, d[2] = {3e-3, 2e-3}, bad[5] = {0.0, -1.0, NAN, HUGE_VAL, 1e-320}, at[3] = {0, 0, 0};
+    const double ends[6] = {0, 0, 0, 2e-3, 0, 0}, d[2] = {3e-3, 2e-3}, bad[5] = {0.0, -1.0, NAN, HUGE_VAL, 1e-320},
+                 at[3] = {0, 0, 0};
     dem_world w;
     dem_clump c;
     assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
@@ -365,8 +379,10 @@ static void test_numbers_of_clumps(void **state) {
     for (int field = 0; field < 5; field++) {
         for (int k = 0; k < 5; k++) {
             dem_clump broken = c;
-            double *const place[5] = {&broken.volume, &broken.moments.x, &broken.moments.z, &broken.radius[1], &broken.centre[1].y};
-            if (field == 4 && (bad[k] == 0.0 || bad[k] == -1.0 || bad[k] == 1e-320)) continue; /* a place may be anywhere */
+            double *const place[5] = {&broken.volume, &broken.moments.x, &broken.moments.z, &broken.radius[1],
+                                      &broken.centre[1].y};
+            /* a place may be anywhere */
+            if (field == 4 && (bad[k] == 0.0 || bad[k] == -1.0 || bad[k] == 1e-320)) continue;
             *place[field] = bad[k];
             dem_feed feed = dem_default_feed();
             feed.clump = &broken;
@@ -399,12 +415,13 @@ static void ends_of(dem_world *w, int32_t slot, void *user) {
     (void)w, (void)slot;
     ((counts *)user)->ended++;
 }
-static const dem_law counted = {"counted", 1,      3, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear_friction,
-                                begins,    ends_of};
+static const dem_law counted = {
+    "counted", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear_friction, begins, ends_of};
 DEM_KERNEL(counting, counted, DEM_LINEAR | DEM_FRICTION)
 
-/* Clumps with a distribution of sizes, and polyhedra, come from a face with a mass flow and a scatter of velocities, fall on a plane and
-   leave below: mass comes as asked to within half a body, and every contact is counted for its body by its kind. */
+/* Clumps with a distribution of sizes, and polyhedra, come from a face with a mass flow and a scatter of velocities,
+   fall on a plane and leave below: mass comes as asked to within half a body, and every contact is counted for its body
+   by its kind. */
 static void feed_from_a_face(int polyhedra) {
     static counts found;
     const double ends[6] = {0, 0, 0, 0.6, 0, 0}, d[2] = {1, 0.8};
@@ -432,7 +449,8 @@ static void feed_from_a_face(int polyhedra) {
         assert_int_equal(dem_feed_mass(&w, &feed, flow, 2e-3), DEM_OK);
         for (ptrdiff_t i = before; i < w.count; i += found.pieces) {
             const dem_body b = dem_get_body(&w, i);
-            assert_true(fabs(b.velocity.x) <= 0.1 && fabs(b.velocity.z + 0.6) <= 0.2 && fabs(b.position.z - 0.025) < 1e-9);
+            assert_true(fabs(b.velocity.x) <= 0.1 && fabs(b.velocity.z + 0.6) <= 0.2 &&
+                        fabs(b.position.z - 0.025) < 1e-9);
             mass += b.mass, n++;
             sum += b.velocity.z + 0.6, square += (b.velocity.z + 0.6) * (b.velocity.z + 0.6);
         }

@@ -1,5 +1,6 @@
-/* Polyhedra that hit fast or soft: nothing passes a surface that it has been in front of, what is deep is told, and depth counts from the
-   outside however deep it is. Bodies in each other come apart. Long: RIDDLE_LONG=1 tests/test_dem_through, as scripts/verify does. */
+/* Polyhedra that hit fast or soft: nothing passes a surface that it has been in front of, what is deep is told, and
+   depth counts from the outside however deep it is. Bodies in each other come apart. Long: RIDDLE_LONG=1
+   tests/test_dem_through, as scripts/verify does. */
 #include "dem.h"
 
 #include <setjmp.h>
@@ -119,7 +120,8 @@ static void let_hit(int wall, int body, hit *h) {
     assert_int_equal(dem_add_convex(&trial, dem_add_shape(&trial, &s), 1, x, q, 0, 0), DEM_OK);
     add_wall(&trial, wall);
     pair->stiffness = dem_advise(&trial, DEM_LINEAR | DEM_FRICTION, h->speed).stiffness / h->softness;
-    near(pair->stiffness * h->softness * s.radius * s.radius / (dem_mass(&trial, 0) * h->speed * h->speed), s.springs, 1e-11);
+    near(pair->stiffness * h->softness * s.radius * s.radius / (dem_mass(&trial, 0) * h->speed * h->speed), s.springs,
+         1e-11);
     def.dt = sqrt(dem_mass(&trial, 0) / pair->stiffness) * RIDDLE_PI / (h->e < 1.0 ? 60.0 : 300.0);
     dem_free(&trial);
     assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
@@ -218,7 +220,8 @@ static void test_floors_are_alike(void **state) {
     }
 }
 
-/* Overlap and force grow without a jump as a body is pressed into a sheet, from the first touch until its centre is near. */
+/* Overlap and force grow without a jump as a body is pressed into a sheet, from the first touch until its
+   centre is near. */
 static void test_force_over_depth(void **state) {
     (void)state;
     const int walls[] = {MESH, BOX, DISC, TUBE, CONE};
@@ -283,8 +286,8 @@ static void test_saved_when_deep(void **state) {
     dem_free(&w), dem_free(&again);
 }
 
-/* A thin tile that falls flat, in few steps: below its thickness a step it does not pass, or the run says that it is deep; above it the run
-   is refused. */
+/* A thin tile that falls flat, in few steps: below its thickness a step it does not pass, or the run says that it is
+   deep; above it the run is refused. */
 static void test_thin_and_fast(void **state) {
     (void)state;
     for (int k = 0; k < 6; k++) {

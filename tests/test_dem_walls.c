@@ -30,11 +30,16 @@ static dem_def one_material(double e, double friction) {
     return def;
 }
 static void start(dem_world *w, const dem_def *def) { assert_int_equal(dem_init(w, def, NULL), DEM_OK); }
-static void add(dem_world *w, dem_vec at, double d) { assert_int_equal(dem_add_spheres(w, 1, &at.x, &d, 0, 0), DEM_OK); }
-static void move(dem_world *w, ptrdiff_t i, dem_vec v, dem_vec spin) { assert_int_equal(dem_set_motion(w, i, v, spin), DEM_OK); }
+static void add(dem_world *w, dem_vec at, double d) {
+    assert_int_equal(dem_add_spheres(w, 1, &at.x, &d, 0, 0), DEM_OK);
+}
+static void move(dem_world *w, ptrdiff_t i, dem_vec v, dem_vec spin) {
+    assert_int_equal(dem_set_motion(w, i, v, spin), DEM_OK);
+}
 static void run(dem_world *w, double t, int features) {
     dem_status status = dem_run(w, t, features);
-    if (status != DEM_OK) fail_msg("%s, particle %lu, step %ld", dem_status_text(status), (unsigned long)w->failed_id, (long)w->step);
+    if (status != DEM_OK)
+        fail_msg("%s, particle %lu, step %ld", dem_status_text(status), (unsigned long)w->failed_id, (long)w->step);
 }
 static int wall_index(int answer) {
     if (answer < 0) fail_msg("%s", dem_status_text((dem_status)-answer));
@@ -97,7 +102,8 @@ static void lathe(soup *s, int n_points, const double *rho, const double *height
     }
     for (int k = 0; k + 1 < n_points; k++) {
         for (int a = 0; a < around; a++) {
-            const int32_t p = base + k * around + a, q = base + k * around + (a + 1) % around, t = p + around, z = q + around;
+            const int32_t p = base + k * around + a, q = base + k * around + (a + 1) % around, t = p + around,
+                          z = q + around;
             facet(s, p, q, z), facet(s, p, z, t);
         }
     }
@@ -155,8 +161,8 @@ static void test_mesh_distance(void **state) {
                 dem_vec c[3];
                 for (int a = 0; a < 3; a++) {
                     const double *x = &s->vertex[3 * s->triangle[3 * t + a]];
-                    c[a] =
-                        dem__add(v3(0.3, 0, 0), dem__rotated(v3(x[0] - 0.3, x[1], x[2]), dem__scale(1.0 / sqrt(14.0), v3(1, 2, 3)), time));
+                    c[a] = dem__add(v3(0.3, 0, 0), dem__rotated(v3(x[0] - 0.3, x[1], x[2]),
+                                                                dem__scale(1.0 / sqrt(14.0), v3(1, 2, 3)), time));
                 }
                 const double d = to_triangle(c[0], c[1], c[2], p);
                 wanted = d < wanted ? d : wanted;
@@ -166,7 +172,8 @@ static void test_mesh_distance(void **state) {
             near_absolute(least, wanted - 0.01, 1e-12, "gap to a mesh");
             near_absolute(touch[0].gap, least, 0.0, "nearest place");
             near_absolute(dem__length(touch[0].normal), 1.0, 1e-12, "normal");
-            near_absolute(dem__touch_wall(&w.wall[k], p, 0.01, 0.5 * (wanted - 0.01), touch, &least), 0, 0, "nothing within half");
+            near_absolute(dem__touch_wall(&w.wall[k], p, 0.01, 0.5 * (wanted - 0.01), touch, &least), 0, 0,
+                          "nothing within half");
             assert_true(least <= wanted - 0.01 && least >= 0.49 * (wanted - 0.01));
         }
         dem_free(&w);
@@ -194,7 +201,8 @@ static void test_cone_and_sphere_distance(void **state) {
             const dem_vec axis = dem__sub(cone.high, cone.low);
             for (int a = 0; a < 1440; a++) { /* the nearest of many generatrices */
                 const double angle = 2.0 * RIDDLE_PI * a / 1440;
-                const dem_vec out = dem__add(dem__scale(cos(angle), wall->axis[0]), dem__scale(sin(angle), wall->axis[1]));
+                const dem_vec out =
+                    dem__add(dem__scale(cos(angle), wall->axis[0]), dem__scale(sin(angle), wall->axis[1]));
                 const dem_vec from = dem__add(cone.low, dem__scale(cone.low_radius, out)),
                               to = dem__add(dem__add(cone.low, axis), dem__scale(cone.high_radius, out));
                 const double d = dem__length(dem__sub(p, on_segment(from, to, p)));
@@ -217,7 +225,8 @@ static void test_cone_and_sphere_distance(void **state) {
     near_absolute(touch.gap, 0.1, 1e-15, "inside"), near_vec(touch.normal, v3(-1, 0, 0), 1e-14, "inside");
     assert_int_equal(dem__touch_wall(&w.wall[outside], v3(1, 2, 2.3), 0.1, 1.0, &touch, &least), 1);
     near_absolute(touch.gap, 0.1, 1e-15, "outside"), near_vec(touch.normal, v3(0, 0, -1), 1e-14, "outside");
-    assert_int_equal(dem__touch_wall(&w.wall[inside], v3(1, 2, 3), 0.1, 1.0, &touch, &least), 0); /* the centre has no direction */
+    /* the centre has no direction */
+    assert_int_equal(dem__touch_wall(&w.wall[inside], v3(1, 2, 3), 0.1, 1.0, &touch, &least), 0);
     dem_free(&w);
 }
 
@@ -242,13 +251,16 @@ static void test_disc_distance(void **state) {
         for (int q = 0; q < 2000; q++) {
             const dem_vec p = dem__add(disc.centre, scene_vector(&r, q % 3 ? 0.8 : 0.05)), d = dem__sub(p, disc.centre);
             const double h = dem__dot(d, wall->axis[2]), rho = dem__length(dem__plus(d, -h, wall->axis[2]));
-            const double off = rho > disc.radius ? rho - disc.radius : rho < disc.hole_radius ? disc.hole_radius - rho : 0.0;
+            const double off = rho > disc.radius        ? rho - disc.radius
+                               : rho < disc.hole_radius ? disc.hole_radius - rho
+                                                        : 0.0;
             dem__touch touch, other;
             double least;
             assert_int_equal(dem__touch_wall(wall, p, 0.01, 10.0, &touch, &least), 1);
             near_absolute(touch.gap, hypot(off, h) - 0.01, 1e-15, "gap to a disc");
             near_absolute(dem__length(touch.normal), 1.0, 1e-12, "normal");
-            const dem_vec foot = dem__sub(p, dem__scale(touch.gap + 0.01, touch.normal)), f = dem__sub(foot, disc.centre);
+            const dem_vec foot = dem__sub(p, dem__scale(touch.gap + 0.01, touch.normal)),
+                          f = dem__sub(foot, disc.centre);
             near_absolute(dem__dot(f, wall->axis[2]), 0.0, 1e-13, "the normal leads to the disc");
             assert_true(dem__length(f) < disc.radius + 1e-13 && dem__length(f) > disc.hole_radius - 1e-13);
             assert_int_equal(dem__touch_wall(wall, p, 0.01, touch.gap, &other, &least), 0);
@@ -264,8 +276,8 @@ static void test_disc_distance(void **state) {
     dem_free(&w);
 }
 
-/* On a bottom with a hole: a ball lies on it as on a plane, a smaller one falls through the hole, a larger one lies on its
-   rim. From below a ball is stopped, too. */
+/* On a bottom with a hole: a ball lies on it as on a plane, a smaller one falls through the hole, a larger one lies on
+   its rim. From below a ball is stopped, too. */
 static void test_disc_bottom(void **state) {
     (void)state;
     const double hole = 0.004, balls[3] = {diameter, 0.007, 0.01};
@@ -282,18 +294,21 @@ static void test_disc_bottom(void **state) {
         const dem_vec beside = dem__plus(dem__scale(0.02, along), 0.004, normal);
         add(&w, beside, balls[0]), add(&plane, beside, balls[0]);
         add(&w, dem__scale(0.02, normal), balls[1]);
-        run(&w, 0.4, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING), run(&plane, 0.4, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
+        run(&w, 0.4, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING),
+            run(&plane, 0.4, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
         near_vec(dem_position(&w, 0), dem_position(&plane, 0), 1e-12, "as on a plane");
         near_absolute(dem__dot(w.wall[0].force, normal), -dem_mass(&w, 0) * 9.81, 1e-9, "its weight");
         near_vec(w.wall[0].torque, dem__cross(dem_position(&w, 0), w.wall[0].force), 1e-9, "its moment");
         assert_true(dem__dot(dem_position(&w, 1), normal) < -0.1);
         add(&w, dem__scale(0.006, normal), balls[2]);
         run(&w, 0.6, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
-        near_absolute(dem__dot(dem_position(&w, 2), normal), sqrt(0.25 * balls[2] * balls[2] - hole * hole), 2e-6, "on the rim of the hole");
+        near_absolute(dem__dot(dem_position(&w, 2), normal), sqrt(0.25 * balls[2] * balls[2] - hole * hole), 2e-6,
+                      "on the rim of the hole");
         add(&w, dem__plus(dem__scale(-0.01, along), -0.02, normal), diameter); /* against the lower side */
         move(&w, 3, dem__scale(1.0, normal), zero);
         run(&w, 0.03, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
-        assert_true(dem__dot(dem_velocity(&w, 3), normal) < -0.2 && dem__dot(dem_position(&w, 3), normal) < -0.5 * diameter);
+        assert_true(dem__dot(dem_velocity(&w, 3), normal) < -0.2 &&
+                    dem__dot(dem_position(&w, 3), normal) < -0.5 * diameter);
         dem_free(&w), dem_free(&plane);
     }
 }
@@ -312,8 +327,8 @@ static void incline(double tangent, double friction, dem_vec spin, int cells, do
         start(&w[k], &def);
         if (k == 0) dem_add_plane(&w[k], 0, zero, normal);
         else {
-            patch(s, dem__add(dem__scale(-0.02, down), dem__scale(-0.05, across)), dem__scale(0.3, down), dem__scale(0.1, across), cells,
-                  cells / 2 + 1, 0.3, &r);
+            patch(s, dem__add(dem__scale(-0.02, down), dem__scale(-0.05, across)), dem__scale(0.3, down),
+                  dem__scale(0.1, across), cells, cells / 2 + 1, 0.3, &r);
             wall_index(dem_add_mesh(&w[k], 0, soup_mesh(s)));
         }
         add(&w[k], dem__scale(radius + drop, normal), diameter);
@@ -358,7 +373,8 @@ static void test_bad_triangles_equal_the_plane(void **state) {
             const int32_t p = corner(bad, c[0]), q = corner(bad, c[flip ? 2 : 1]), t = corner(bad, c[flip ? 1 : 2]);
             facet(bad, p, q, t);
         }
-        const int32_t p = corner(bad, c[0]), q = corner(bad, c[1]), t = corner(bad, dem__scale(0.5, dem__add(c[0], c[1])));
+        const int32_t p = corner(bad, c[0]), q = corner(bad, c[1]),
+                      t = corner(bad, dem__scale(0.5, dem__add(c[0], c[1])));
         facet(bad, p, q, t); /* no area: left out */
     }
     for (int k = 0; k < 2; k++) {
@@ -375,7 +391,8 @@ static void test_bad_triangles_equal_the_plane(void **state) {
     free(s), free(bad);
 }
 
-/* A drum of 24 sides and a ball in it: one contact at any time, which is never lost, and the energy of the true cylinder's. */
+/* A drum of 24 sides and a ball in it: one contact at any time, which is never lost, and the energy of the
+   true cylinder's. */
 static void test_round_drum(void **state) {
     (void)state;
     const double rho[2] = {0.05, 0.05}, height[2] = {-0.05, 0.05};
@@ -386,7 +403,8 @@ static void test_round_drum(void **state) {
     lathe(s, 2, rho, height, 24);
     start(&w, &def);
     wall_index(dem_add_mesh(&w, 0, soup_mesh(s)));
-    add(&w, v3(-0.05 * cos(RIDDLE_PI / 24) + radius - 1e-6, 0, 0.001), diameter); /* at the height of the axis, begins in contact */
+    /* at the height of the axis, begins in contact */
+    add(&w, v3(-0.05 * cos(RIDDLE_PI / 24) + radius - 1e-6, 0, 0.001), diameter);
     double lowest = 0.0;
     for (int n = 0; n < 4000; n++) {
         run(&w, def.dt * 25, DEM_LINEAR | DEM_FRICTION);
@@ -402,7 +420,8 @@ static void test_round_drum(void **state) {
 /* The lower half of a sphere of 0.1 m in `rings` rings. */
 static dem_mesh *bowl(soup *s, int rings) {
     double rho[200], height[200];
-    for (int k = 0; k <= rings; k++) rho[k] = 0.1 * sin(0.5 * RIDDLE_PI * k / rings), height[k] = -0.1 * cos(0.5 * RIDDLE_PI * k / rings);
+    for (int k = 0; k <= rings; k++)
+        rho[k] = 0.1 * sin(0.5 * RIDDLE_PI * k / rings), height[k] = -0.1 * cos(0.5 * RIDDLE_PI * k / rings);
     lathe(s, rings + 1, rho, height, 2 * rings);
     return soup_mesh(s);
 }
@@ -414,8 +433,8 @@ static int boxes_seen(const dem__tree *t, dem_vec p, double reach) {
     return seen;
 }
 
-/* A ball slides through a bowl of triangles as through the sphere, the nearer the finer; a search sees few boxes, and of a hundred
-   times as many triangles not four times as many. */
+/* A ball slides through a bowl of triangles as through the sphere, the nearer the finer; a search sees few boxes, and
+   of a hundred times as many triangles not four times as many. */
 static void test_fine_bowl(void **state) {
     (void)state;
     static const int rings[3] = {16, 64, 160}; /* 992, 16 256 and 102 080 triangles */
@@ -428,7 +447,8 @@ static void test_fine_bowl(void **state) {
         int wall = 0;
         for (int k = 0; k < 2; k++) {
             start(&w[k], &def);
-            wall = wall_index(k ? dem_add_mesh(&w[k], 0, bowl(s, rings[n])) : dem_add_sphere_wall(&w[k], 0, zero, 0.1, 1));
+            wall =
+                wall_index(k ? dem_add_mesh(&w[k], 0, bowl(s, rings[n])) : dem_add_sphere_wall(&w[k], 0, zero, 0.1, 1));
             add(&w[k], dem__scale(0.1 - radius, v3(0.6, 0.0, -0.8)), diameter);
             move(&w[k], 0, v3(0.0, 0.3, 0.0), zero);
         }
@@ -438,7 +458,8 @@ static void test_fine_bowl(void **state) {
             off[n] = apart > off[n] ? apart : off[n];
         }
         const dem_wall *mesh = &w[1].wall[wall];
-        assert_int_equal(mesh->tree->triangles, 2 * rings[n] * (2 * rings[n] - 1)); /* at the pole half of them have no area */
+        /* at the pole half of them have no area */
+        assert_int_equal(mesh->tree->triangles, 2 * rings[n] * (2 * rings[n] - 1));
         for (int q = 0; q < 1000; q++) {
             dem_vec p = scene_vector(&r, 1.0);
             p.z = -fabs(p.z) - 0.1;
@@ -449,7 +470,8 @@ static void test_fine_bowl(void **state) {
         free(s);
     }
     if (!(off[1] < 1e-3 && off[2] < 2e-4)) fail_msg("off the sphere by %.2g and %.2g m after 0.2 s", off[1], off[2]);
-    if (!(seen[2] < 200.0 && seen[2] < 4.0 * seen[0])) fail_msg("%.0f boxes are seen, %.0f of a coarse mesh", seen[2], seen[0]);
+    if (!(seen[2] < 200.0 && seen[2] < 4.0 * seen[0]))
+        fail_msg("%.0f boxes are seen, %.0f of a coarse mesh", seen[2], seen[0]);
 }
 
 /* Over the edge of a block: the contact goes round the edge and lets go; without friction nothing is lost. */
@@ -546,7 +568,8 @@ static void test_ball_in_a_cone(void **state) {
         move(&w, 0, v3(0.0, 0.1, 0.0), zero);
         run(&w, 2.0, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING);
         const dem_vec x = dem_position(&w, 0);
-        const double inner = meshed ? atan(tan(half) * cos(RIDDLE_PI / 64)) : half; /* of the polygon's inscribed circle */
+        /* of the polygon's inscribed circle */
+        const double inner = meshed ? atan(tan(half) * cos(RIDDLE_PI / 64)) : half;
         near_absolute(x.z, radius / sin(inner), 3e-7, "height in a cone");
         near_absolute(hypot(x.x, x.y), 0.0, 1e-6, "on its axis");
         assert_true(dem__length(dem_velocity(&w, 0)) < 1e-3);
@@ -646,8 +669,10 @@ static void test_prescribed_motion(void **state) {
         for (int k = 0; k < 2; k++) run(&w[k], 0.002, DEM_LINEAR | DEM_FRICTION);
         const dem_vec at = v3(0.03, -0.02, 0.04);
         for (int a = 0; a < 3; a++) near_vec(w[1].wall[0].axis[a], w[0].wall[0].axis[a], 1e-13, "axis");
-        near_vec(dem__surface_velocity(&w[1].wall[0], at, up), dem__surface_velocity(&w[0].wall[0], at, up), 1e-8, "surface velocity");
-        near_vec(dem__surface_acceleration(&w[1].wall[0], at), dem__surface_acceleration(&w[0].wall[0], at), 1e-4, "surface acceleration");
+        near_vec(dem__surface_velocity(&w[1].wall[0], at, up), dem__surface_velocity(&w[0].wall[0], at, up), 1e-8,
+                 "surface velocity");
+        near_vec(dem__surface_acceleration(&w[1].wall[0], at), dem__surface_acceleration(&w[0].wall[0], at), 1e-4,
+                 "surface acceleration");
         near_vec(dem_position(&w[1], 0), dem_position(&w[0], 0), 1e-7, "a ball in it");
     }
     for (int k = 0; k < 2; k++) dem_free(&w[k]);
@@ -663,7 +688,8 @@ static void test_prescribed_motion(void **state) {
     assert_int_equal(dem_prescribe(&w[0], 0, zero, nowhere, NULL), DEM_BAD_ARGUMENT);
     dem_free(&w[0]);
 
-    static double low = 0.0, high = 0.09; /* another function puts it elsewhere: whoever waited for it far away looks anew */
+    /* Another function puts it elsewhere: whoever waited for it far away looks anew. */
+    static double low = 0.0, high = 0.09;
     def.gravity = zero;
     start(&w[0], &def);
     dem_add_plane(&w[0], 0, zero, up);
@@ -677,7 +703,8 @@ static void test_prescribed_motion(void **state) {
     dem_free(&w[0]);
 }
 
-/* A piston presses a column of five against a fixed plane; and without a column it is a body under a force and a damper. */
+/* A piston presses a column of five against a fixed plane; and without a column it is a body under a force
+   and a damper. */
 static void test_piston(void **state) {
     (void)state;
     dem_world w;
@@ -731,7 +758,8 @@ static void test_piston_momentum(void **state) {
     dem_free(&w);
 }
 
-/* No gravity; a ball runs round in a free drum and drags it along, until it rolls. Angular momentum stays, and says how fast. */
+/* No gravity; a ball runs round in a free drum and drags it along, until it rolls. Angular momentum stays, and
+   says how fast. */
 static void test_rotor(void **state) {
     (void)state;
     dem_world w;
@@ -750,9 +778,11 @@ static void test_rotor(void **state) {
         run(&w, 0.02, DEM_LINEAR | DEM_FRICTION);
         dem__set_origin(&w, 0);
         const dem_vec moment = dem__cross(dem_position(&w, 0), dem_velocity(&w, 0));
-        near_relative(m * moment.y + i * dem_spin(&w, 0).y + inertia * w.wall[k].rate, before, 1e-10, "angular momentum");
+        near_relative(m * moment.y + i * dem_spin(&w, 0).y + inertia * w.wall[k].rate, before, 1e-10,
+                      "angular momentum");
     }
-    /* the same impulse j brakes the ball, and turns ball and drum: v - j/m + j r^2/i ... until the surfaces run alike */
+    /* the same impulse j brakes the ball, and turns ball and drum: v - j/m + j r^2/i ... until the
+       surfaces run alike */
     const double j = v0 / (1.0 / m + radius * radius / i + drum * drum / inertia);
     near_relative(w.wall[k].rate, j * drum / inertia, 2e-3, "rate of the drum"); /* the overlap is 1e-4 of the radius */
     near_relative(w.wall[k].spin, w.wall[k].rate, 0.0, "spin");
@@ -767,11 +797,13 @@ static void test_rotor(void **state) {
     near_relative(w.wall[0].rate, 2.0 / 0.7 * (1.0 - decay), 1e-9, "rate");
     near_relative(w.wall[0].coordinate, angle, 1e-9, "angle");
     near_vec(w.wall[0].axis[0], v3(cos(angle), sin(angle), 0), 1e-9, "axis");
-    near_vec(w.wall[0].position, v3(0.2 + 0.3 * cos(angle) - 0.05 * sin(angle), 0.3 * sin(angle) + 0.05 * cos(angle), 0.05), 1e-9, "place");
+    near_vec(w.wall[0].position,
+             v3(0.2 + 0.3 * cos(angle) - 0.05 * sin(angle), 0.3 * sin(angle) + 0.05 * cos(angle), 0.05), 1e-9, "place");
     dem_free(&w);
 }
 
-/* On a belt of speed u a ball slips until 2 u/(7 mu g), then rolls with 2/7 u and its surface at u; on a plane and on triangles. */
+/* On a belt of speed u a ball slips until 2 u/(7 mu g), then rolls with 2/7 u and its surface at u; on a plane and
+   on triangles. */
 static void test_belt(void **state) {
     (void)state;
     const double u = 0.35, mu = 0.25, slips = 2.0 * u / (7.0 * mu * 9.81);
@@ -799,8 +831,9 @@ static void test_belt(void **state) {
     }
 }
 
-/* A belt that runs around an axis: on a round wall it moves a ball as the wall's own rotation does, at the same power; on the top of a box
-   as a plane belt does, on its underside the other way; on its front, across the axis, not at all. */
+/* A belt that runs around an axis: on a round wall it moves a ball as the wall's own rotation does, at the same power;
+   on the top of a box as a plane belt does, on its underside the other way; on its front, across the
+   axis, not at all. */
 static void test_belt_around_an_axis(void **state) {
     (void)state;
     const double u = 0.35, drum = 0.05;
@@ -876,7 +909,8 @@ static dem_status busy_scene(dem_world *w, int skip, int threads, const dem_allo
     cone.low = v3(0, 0, 0.015), cone.high = v3(0, 0, 0.03), cone.low_radius = 0.008, cone.high_radius = 0.018;
     funnel = dem_add_cone(w, 1, &cone);
     ball = dem_add_sphere_wall(w, 1, v3(0.012, 0.01, -0.006), 0.005, 0);
-    ring.centre = v3(0.002, -0.003, 0.002), ring.normal = v3(0.3, 0.1, 1), ring.radius = 0.013, ring.hole_radius = 0.006;
+    ring.centre = v3(0.002, -0.003, 0.002), ring.normal = v3(0.3, 0.1, 1), ring.radius = 0.013,
+    ring.hole_radius = 0.006;
     bottom = dem_add_disc(w, 1, &ring);
     if (box < 0 || lid < 0 || paddle < 0 || funnel < 0 || ball < 0 || bottom < 0) return DEM_OUT_OF_MEMORY;
     dem_rotate(w, bottom, ring.centre, v3(0.2, 0, 1), 8.0);
@@ -897,8 +931,8 @@ static double work_of_walls(const dem_world *w) {
     return sum;
 }
 
-/* The work of each wall against the ledger, which has the sum of all: pushed, turned, shaken and running ones, of triangles, cones, planes,
-   discs; the same bits for any number of threads, without skipping, and after a save. */
+/* The work of each wall against the ledger, which has the sum of all: pushed, turned, shaken and running ones, of
+   triangles, cones, planes, discs; the same bits for any number of threads, without skipping, and after a save. */
 static void test_work_of_walls(void **state) {
     (void)state;
     double work[3][DEM_WALLS_MAX], last = 0.0;
@@ -938,8 +972,8 @@ static double moment_about(dem_world *w, dem_vec centre) {
     return dem_mass(w, 0) * (orbit.y + 0.4 * radius * radius * dem_spin(w, 0).y);
 }
 
-/* A ball rocks in a drum that turns, against rolling resistance: the torque on the drum is weight x arm but for the ball's angular momentum,
-   the power torque x spin; far from the origin, turned either way. */
+/* A ball rocks in a drum that turns, against rolling resistance: the torque on the drum is weight x arm but for the
+   ball's angular momentum, the power torque x spin; far from the origin, turned either way. */
 static void test_torque_of_a_drum(void **state) {
     (void)state;
     for (int way = -1; way <= 1; way += 2) {
@@ -977,7 +1011,8 @@ static void test_skipping_changes_nothing(void **state) {
     for (int setting = 0; setting < 7; setting++) {
         const int threads[3] = {1, 2, 5};
         dem_world w;
-        assert_int_equal(busy_scene(&w, setting < 4 ? setting : DEM_SKIP_ALL, setting < 4 ? 1 : threads[setting - 4], NULL), DEM_OK);
+        assert_int_equal(
+            busy_scene(&w, setting < 4 ? setting : DEM_SKIP_ALL, setting < 4 ? 1 : threads[setting - 4], NULL), DEM_OK);
         for (int n = 0; n < 4; n++) {
             run(&w, 0.025, BUSY);
             if (setting == 0) hash[n] = dem_hash(&w);
@@ -1017,8 +1052,8 @@ static void test_saving(void **state) {
             uint64_t check = 0xcbf29ce484222325u;
             memcpy(bytes + size, bytes, size);
             for (int flips = 0; flips < 3; flips++) {
-                const size_t at =
-                    k < 30 ? size - 8 - (size_t)(6000.0 * scene_uniform(&r)) : (size_t)(scene_uniform(&r) * (double)(size - 8));
+                const size_t at = k < 30 ? size - 8 - (size_t)(6000.0 * scene_uniform(&r))
+                                         : (size_t)(scene_uniform(&r) * (double)(size - 8));
                 bytes[size + at] = (unsigned char)(256.0 * scene_uniform(&r));
             }
             for (size_t q = 0; q + 8 < size; q++) check = (check ^ bytes[size + q]) * 0x100000001b3u;
@@ -1067,8 +1102,8 @@ static void test_unsound_walls(void **state) {
     }
 }
 
-/* A ball that rolls over the rim of a funnel, from within to without: a save in the midst of that contact, or a sphere that is added far
-   away, changes nothing of it. */
+/* A ball that rolls over the rim of a funnel, from within to without: a save in the midst of that contact, or a sphere
+   that is added far away, changes nothing of it. */
 static void test_rim(void **state) {
     (void)state;
     uint64_t hash[2];
@@ -1185,7 +1220,8 @@ static void test_bad_arguments(void **state) {
     cone.low_radius = cone.high_radius = 0.0, assert_int_equal(dem_add_cone(&w, 0, &cone), bad);
     cone.low_radius = nan_, assert_int_equal(dem_add_cone(&w, 0, &cone), bad);
     cone = dem_default_cone(), cone.high = cone.low, assert_int_equal(dem_add_cone(&w, 0, &cone), bad);
-    cone.high.x = inf, assert_int_equal(dem_add_cone(&w, 0, &cone), bad), assert_int_equal(dem_add_cone(&w, 0, NULL), bad);
+    cone.high.x = inf, assert_int_equal(dem_add_cone(&w, 0, &cone), bad),
+    assert_int_equal(dem_add_cone(&w, 0, NULL), bad);
     const double wrong[4] = {nan_, inf, -1.0, 1e200};
     for (int k = 0; k < 4; k++) {
         dem_disc disc = dem_default_disc();
@@ -1193,18 +1229,22 @@ static void test_bad_arguments(void **state) {
         disc.radius = 1.0, disc.hole_radius = wrong[k], assert_int_equal(dem_add_disc(&w, 0, &disc), bad);
         disc.hole_radius = 0.0, disc.centre.y = wrong[k];
         if (k != 2) assert_int_equal(dem_add_disc(&w, 0, &disc), bad);
-        disc.centre.y = 0.0, disc.normal = k < 2 ? v3(0, wrong[k], 0) : zero, assert_int_equal(dem_add_disc(&w, 0, &disc), bad);
+        disc.centre.y = 0.0, disc.normal = k < 2 ? v3(0, wrong[k], 0) : zero,
+        assert_int_equal(dem_add_disc(&w, 0, &disc), bad);
     }
     dem_disc whole = dem_default_disc();
     whole.hole_radius = whole.radius, assert_int_equal(dem_add_disc(&w, 0, &whole), bad);
-    whole = dem_default_disc(), assert_int_equal(dem_add_disc(&w, 1, &whole), bad), assert_int_equal(dem_add_disc(&w, -1, &whole), bad);
+    whole = dem_default_disc(), assert_int_equal(dem_add_disc(&w, 1, &whole), bad),
+    assert_int_equal(dem_add_disc(&w, -1, &whole), bad);
     assert_int_equal(dem_add_disc(NULL, 0, &whole), bad), assert_int_equal(dem_add_disc(&w, 0, NULL), bad);
     assert_int_equal(dem_add_sphere_wall(&w, 0, zero, 0.0, 1), bad),
         assert_int_equal(dem_add_sphere_wall(&w, 0, v3(nan_, 0, 0), 1.0, 1), bad);
-    assert_int_equal(dem_add_box(&w, 0, zero, v3(1, 1, 0)), bad), assert_int_equal(dem_add_box(&w, 0, zero, v3(1, 1, nan_)), bad);
+    assert_int_equal(dem_add_box(&w, 0, zero, v3(1, 1, 0)), bad),
+        assert_int_equal(dem_add_box(&w, 0, zero, v3(1, 1, nan_)), bad);
     assert_int_equal(w.walls, 0);
     assert_int_equal(dem_add_mesh(&w, 0, &mesh), 0);
-    assert_int_equal(dem_set_belt(&w, 1, up), DEM_BAD_ARGUMENT), assert_int_equal(dem_set_belt(&w, 0, v3(0, inf, 0)), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_belt(&w, 1, up), DEM_BAD_ARGUMENT),
+        assert_int_equal(dem_set_belt(&w, 0, v3(0, inf, 0)), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_prescribe(&w, 0, zero, NULL, NULL), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_control_force(&w, 0, zero, 1.0, 1.0, 1.0), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_control_force(&w, 0, up, 0.0, 1.0, 1.0), DEM_BAD_ARGUMENT);
@@ -1242,7 +1282,8 @@ static void test_rolling_keeps_its_energy(void **state) {
     (void)state;
     const double r = 0.01, round = 0.06, omega = 60.0, b = round - r, bob = 2.0 * RIDDLE_PI / (sqrt(2.0 / 7.0) * omega);
     dem_def def = rolling_material();
-    const double mass = def.material[0].density * 4.0 / 3.0 * RIDDLE_PI * r * r * r, out = b + mass * omega * omega * b / 1e6;
+    const double mass = def.material[0].density * 4.0 / 3.0 * RIDDLE_PI * r * r * r,
+                 out = b + mass * omega * omega * b / 1e6;
     dem_world w;
     double drift;
     start(&w, &def); /* bobbing up and down in a vertical cylinder, ten times */
@@ -1254,7 +1295,8 @@ static void test_rolling_keeps_its_energy(void **state) {
     start(&w, &def); /* in a cylinder that turns about its axis: the normal does not turn with it */
     const int drum = dem_add_cylinder(&w, 0, zero, v3(0, 0, 1), round, 1);
     assert_int_equal(dem_rotate(&w, drum, zero, v3(0, 0, 1), 50.0), DEM_OK);
-    drift = missed_energy(&w, v3(out, 0, 0), v3(0, omega * out, 0), v3(0, 0, (50.0 * round - omega * out) / r), 2.0 * r, 10.0 * bob);
+    drift = missed_energy(&w, v3(out, 0, 0), v3(0, omega * out, 0), v3(0, 0, (50.0 * round - omega * out) / r), 2.0 * r,
+                          10.0 * bob);
     print_message("in a drum that turns: %.1e\n", drift);
     assert_true(fabs(drift) < 2e-5), dem_free(&w);
 
@@ -1277,8 +1319,8 @@ static void test_rolling_keeps_its_energy(void **state) {
         disc.radius = 0.1, disc.hole_radius = 0.03;
         start(&w, &def);
         dem_add_disc(&w, 0, &disc);
-        drift = missed_energy(&w, v3(rim ? 0.034 : 0.096, 0, r - 1e-6), v3(rim ? -0.1 : 0.1, 0.08, 0), v3(-8.0, rim ? -10.0 : 10.0, 200.0),
-                              2.0 * r, 0.06);
+        drift = missed_energy(&w, v3(rim ? 0.034 : 0.096, 0, r - 1e-6), v3(rim ? -0.1 : 0.1, 0.08, 0),
+                              v3(-8.0, rim ? -10.0 : 10.0, 200.0), 2.0 * r, 0.06);
         print_message("over a rim of a disc: %.1e\n", drift);
         assert_true(fabs(drift) < 2e-5 && dem_position(&w, 0).z < 0.99 * r), dem_free(&w);
     }
@@ -1328,7 +1370,8 @@ static void write_stl(text *t, const dem_mesh *m, int binary, double turned, con
         char *to = t->bytes + t->size;
         t->size += (size_t)sprintf(to, "  facet normal %.9g %.9g %.9g%s    outer loop%s", n.x, n.y, n.z, ends, ends);
         for (int a = 0; a < 3; a++)
-            t->size += (size_t)sprintf(t->bytes + t->size, "      vertex %.9g %.9e %+.9f%s", c[a].x, c[a].y, c[a].z, ends);
+            t->size +=
+                (size_t)sprintf(t->bytes + t->size, "      vertex %.9g %.9e %+.9f%s", c[a].x, c[a].y, c[a].z, ends);
         t->size += (size_t)sprintf(t->bytes + t->size, "    endloop%s  endfacet%s", ends, ends);
     }
     if (!binary) t->size += (size_t)sprintf(t->bytes + t->size, "endsolid%s", ends);
@@ -1345,7 +1388,8 @@ static void cube(soup *s, double edge) {
 }
 
 static void check_report(const dem_stl_report *r, const dem_stl_report *wanted) {
-    assert_int_equal(r->binary, wanted->binary), assert_int_equal(r->facets, wanted->facets), assert_int_equal(r->missing, wanted->missing);
+    assert_int_equal(r->binary, wanted->binary), assert_int_equal(r->facets, wanted->facets),
+        assert_int_equal(r->missing, wanted->missing);
     assert_int_equal(r->not_finite, wanted->not_finite), assert_int_equal(r->degenerate, wanted->degenerate);
     assert_int_equal(r->duplicate, wanted->duplicate), assert_int_equal(r->open_edges, wanted->open_edges);
     assert_int_equal(r->nonmanifold, wanted->nonmanifold), assert_int_equal(r->inconsistent, wanted->inconsistent);
@@ -1358,7 +1402,8 @@ static void test_stl_of_a_cube(void **state) {
     text *t = (text *)malloc(sizeof *t);
     assert_non_null(t);
     cube(s, 50.0);
-    const char *heads[4] = {"solid a cube", "SOLID", "solid", "COLOR=  facet normal"}, *ends[4] = {"\n", "\r\n", "\r", "\n\n\t"};
+    const char *heads[4] = {"solid a cube", "SOLID", "solid", "COLOR=  facet normal"},
+               *ends[4] = {"\n", "\r\n", "\r", "\n\n\t"};
     for (int k = 0; k < 8; k++) {
         dem_mesh m;
         dem_stl_report r, wanted;
@@ -1368,7 +1413,8 @@ static void test_stl_of_a_cube(void **state) {
         assert_int_equal(dem_read_stl(t->bytes, t->size, 1e-3, k < 4 ? 0.0 : 1e-6, NULL, &m, &r), DEM_OK);
         check_report(&r, &wanted);
         assert_int_equal(m.vertices, 8), assert_int_equal(m.triangles, 12);
-        near_relative(r.area, 6.0 * 0.05 * 0.05, 1e-12, "area"), near_relative(r.volume, 0.05 * 0.05 * 0.05, 1e-12, "volume");
+        near_relative(r.area, 6.0 * 0.05 * 0.05, 1e-12, "area"),
+            near_relative(r.volume, 0.05 * 0.05 * 0.05, 1e-12, "volume");
         near_vec(r.low, zero, 0.0, "corner"), near_vec(r.high, v3(0.05, 0.05, 0.05), 1e-16, "corner");
         dem_world w; /* as good as the box */
         dem_def def = one_material(0.5, 0.3);
@@ -1399,10 +1445,12 @@ static void test_stl_with_faults(void **state) {
         wanted.binary = 1, wanted.facets = 12;
         switch (fault) {
         case 0: turned = -1.0, wanted.wrong_normals = 12; break;
-        case 1: s->mesh.triangles = triangles = 10, wanted.facets = 10, wanted.open_edges = 4, volume = nan_; break; /* a face away */
+        case 1: s->mesh.triangles = triangles = 10, wanted.facets = 10, wanted.open_edges = 4, volume = nan_; break;
+            /* a face away */
         case 2: facet(s, 3, 0, 2), triangles = 12, wanted.facets = 13, wanted.duplicate = 1; break;
         case 3: facet(s, 4, 4, 5), wanted.facets = 13, wanted.degenerate = 1; break;
-        case 4: facet(s, 0, corner(s, v3(1, 0, 0)), 1), wanted.facets = 13, wanted.degenerate = 1; break; /* in a line */
+        case 4: facet(s, 0, corner(s, v3(1, 0, 0)), 1), wanted.facets = 13, wanted.degenerate = 1; break;
+            /* in a line */
         case 5: facet(s, 0, 7, corner(s, v3(nan_, 0, 0))), wanted.facets = 13, wanted.not_finite = 1; break;
         case 6: { /* one triangle turned over: three edges run the same way */
             const int32_t kept = s->triangle[1];
@@ -1411,8 +1459,8 @@ static void test_stl_with_faults(void **state) {
             break;
         }
         case 7:
-            facet(s, 0, 1, corner(s, v3(1, -1, -1))), wanted.facets = triangles = 13, wanted.nonmanifold = 1, wanted.open_edges = 2,
-                                                      volume = nan_;
+            facet(s, 0, 1, corner(s, v3(1, -1, -1))), wanted.facets = triangles = 13, wanted.nonmanifold = 1,
+                                                      wanted.open_edges = 2, volume = nan_;
             break;
         default: { /* cracks of 1e-6: open without welding, closed with */
             soup *loose = new_soup();
@@ -1462,7 +1510,8 @@ static void test_hostile_stl(void **state) {
             dem_free_mesh(&m), free(exact);
         }
     }
-    t->bytes[80] = t->bytes[81] = t->bytes[82] = t->bytes[83] = (char)0xff; /* more facets than there are bytes in the world */
+    /* More facets than there are bytes in the world. */
+    t->bytes[80] = t->bytes[81] = t->bytes[82] = t->bytes[83] = (char)0xff;
     memset(t->bytes, ' ', 80);
     assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, 0.0, NULL, &m, &r), DEM_OK);
     assert_true(r.facets == 12 && r.missing == (ptrdiff_t)0xffffffffu - 12);
@@ -1479,7 +1528,8 @@ static void test_hostile_stl(void **state) {
         assert_int_equal(dem_read_stl(texts[k], strlen(texts[k]), 1.0, 0.0, NULL, &m, &r), DEM_BAD_DATA);
         assert_true(!m.vertex && !m.triangle && !m.block && m.triangles == 0);
     }
-    const char *odd = "solid x\nFACET NORMAL 0 0 0 OUTER LOOP\tVERTEX 0 0 -0.0\rVERTEX 1000000000000000000000e-21 0 0 vertex +0 .1e+1 0. "
+    const char *odd = "solid x\nFACET NORMAL 0 0 0 OUTER LOOP\tVERTEX 0 0 -0.0\rVERTEX 1000000000000000000000e-21 0 0 "
+                      "vertex +0 .1e+1 0. "
                       "endloop endfacet facet";
     assert_int_equal(dem_read_stl(odd, strlen(odd), 2.0, 0.0, NULL, &m, &r), DEM_OK);
     assert_int_equal(r.missing, 1), near_relative(r.area, 2.0, 1e-15, "area of a triangle in capitals");
@@ -1494,10 +1544,13 @@ static void test_hostile_stl(void **state) {
     write_stl(t, &s->mesh, 1, 1.0, "", "");
     assert_int_equal(dem_read_stl(NULL, 5, 1.0, 0.0, NULL, &m, &r), DEM_BAD_ARGUMENT);
     const double bad[4] = {0.0, -1.0, nan_, inf};
-    for (int k = 0; k < 4; k++) assert_int_equal(dem_read_stl(t->bytes, t->size, bad[k], 0.0, NULL, &m, &r), DEM_BAD_ARGUMENT);
-    for (int k = 1; k < 4; k++) assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, bad[k], NULL, &m, &r), DEM_BAD_ARGUMENT);
+    for (int k = 0; k < 4; k++)
+        assert_int_equal(dem_read_stl(t->bytes, t->size, bad[k], 0.0, NULL, &m, &r), DEM_BAD_ARGUMENT);
+    for (int k = 1; k < 4; k++)
+        assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, bad[k], NULL, &m, &r), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, 0.0, NULL, NULL, &r), DEM_BAD_ARGUMENT);
-    assert_int_equal(dem_read_stl(t->bytes, t->size, 1e300, 0.0, NULL, &m, &r), DEM_BAD_DATA), assert_true(r.not_finite > 0);
+    assert_int_equal(dem_read_stl(t->bytes, t->size, 1e300, 0.0, NULL, &m, &r), DEM_BAD_DATA),
+        assert_true(r.not_finite > 0);
     assert_int_equal(dem_read_stl(t->bytes, t->size, 1e-300, 0.0, NULL, &m, &r), DEM_BAD_DATA);
     assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, 1e30, NULL, &m, NULL), DEM_BAD_DATA); /* all one vertex */
     failing_allocator memory;
@@ -1518,8 +1571,9 @@ static void test_vibrating_together(void **state) {
     static const struct {
         dem_vec amplitude, phase;
         double frequency;
-    } motion[] = {{{1e-4, 0, 9e-4}, {1.5, 0, 0}, 50.0},   {{1e-4, 0, 9e-4}, {1.5, 0, 0}, 50.0}, {{1e-4, 0, 9e-4}, {1.5, 0, 0}, 51.0},
-                  {{1e-4, 0, 8e-4}, {1.5, 0, 0}, 51.0},   {{1e-4, 0, 8e-4}, {1.4, 0, 0}, 51.0}, {{1e-4, 0, 8e-4}, {1.4, 0, 0}, 51.0},
+    } motion[] = {{{1e-4, 0, 9e-4}, {1.5, 0, 0}, 50.0},   {{1e-4, 0, 9e-4}, {1.5, 0, 0}, 50.0},
+                  {{1e-4, 0, 9e-4}, {1.5, 0, 0}, 51.0},   {{1e-4, 0, 8e-4}, {1.5, 0, 0}, 51.0},
+                  {{1e-4, 0, 8e-4}, {1.4, 0, 0}, 51.0},   {{1e-4, 0, 8e-4}, {1.4, 0, 0}, 51.0},
                   {{0, 1e-3, 8e-4}, {0.2, -0.3, 2}, 51.0}};
     enum { WALLS = sizeof motion / sizeof *motion };
     dem_world w;
@@ -1533,11 +1587,14 @@ static void test_vibrating_together(void **state) {
     for (int k = 0; k < WALLS; k++) {
         const double rate = 2.0 * RIDDLE_PI * motion[k].frequency;
         for (int a = 0; a < 3; a++) {
-            const double amplitude = dem_axis(motion[k].amplitude, a), phase = dem_axis(motion[k].phase, a), angle = rate * w.time + phase;
+            const double amplitude = dem_axis(motion[k].amplitude, a), phase = dem_axis(motion[k].phase, a),
+                         angle = rate * w.time + phase;
             const double from = a == 2 ? -0.1 * k : 0.0;
-            near_absolute(dem_axis(w.wall[k].position, a) - from, amplitude * (sin(angle) - sin(phase)), 1e-15, "place");
+            near_absolute(dem_axis(w.wall[k].position, a) - from, amplitude * (sin(angle) - sin(phase)), 1e-15,
+                          "place");
             near_absolute(dem_axis(w.wall[k].velocity, a), amplitude * rate * cos(angle), 1e-12, "velocity");
-            near_absolute(dem_axis(w.wall[k].acceleration, a), -amplitude * rate * rate * sin(angle), 1e-10, "acceleration");
+            near_absolute(dem_axis(w.wall[k].acceleration, a), -amplitude * rate * rate * sin(angle), 1e-10,
+                          "acceleration");
         }
     }
     dem_free(&w);
@@ -1549,7 +1606,8 @@ static const double tetra[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 static const int tetra_face[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
 
 /* A tetrahedron of volume 1/6 as text. */
-static void write_tetra(text *t, const char *head, const char *facet_, const char *vertex_, const char *ends, const char *tail) {
+static void write_tetra(text *t, const char *head, const char *facet_, const char *vertex_, const char *ends,
+                        const char *tail) {
     t->size = (size_t)sprintf(t->bytes, "%s%s", head, ends);
     for (int k = 0; k < 4; k++) {
         t->size += (size_t)sprintf(t->bytes + t->size, "%s 0 0 0%souter loop%s", facet_, ends, ends);
@@ -1575,7 +1633,8 @@ static void write_tetra_binary(text *t, const char *head, uint32_t count, int fa
     t->size += behind;
 }
 
-/* 1: the tetrahedron and nothing told; 2: the tetrahedron, and something told; 3: other geometry, which is told; 4: refused; 0: wrong */
+/* 1: the tetrahedron and nothing told; 2: the tetrahedron, and something told; 3: other geometry, which is told; 4:
+   refused; 0: wrong */
 static int outcome(const text *t) {
     dem_mesh m;
     dem_stl_report r;
@@ -1646,9 +1705,12 @@ static void test_stl_variants(void **state) {
             assert_non_null(wide);
             write_tetra(t, "solid t", "facet normal", "vertex", "\r\n", "endsolid t");
             wide->size = 0;
-            if (mark) wide->bytes[wide->size++] = (char)(little ? 0xff : 0xfe), wide->bytes[wide->size++] = (char)(little ? 0xfe : 0xff);
+            if (mark)
+                wide->bytes[wide->size++] = (char)(little ? 0xff : 0xfe),
+                wide->bytes[wide->size++] = (char)(little ? 0xfe : 0xff);
             for (size_t k = 0; k < t->size; k++)
-                wide->bytes[wide->size++] = little ? t->bytes[k] : 0, wide->bytes[wide->size++] = little ? 0 : t->bytes[k];
+                wide->bytes[wide->size++] = little ? t->bytes[k] : 0,
+                wide->bytes[wide->size++] = little ? 0 : t->bytes[k];
             assert_int_equal(outcome(wide), 4);
             free(wide);
         }
@@ -1673,7 +1735,8 @@ static void test_stl_variants(void **state) {
 
 static void put_polygon(text *t, int n, double (*x)[3]) {
     t->size += (size_t)sprintf(t->bytes + t->size, "facet normal 0 0 0\nouter loop\n");
-    for (int k = 0; k < n; k++) t->size += (size_t)sprintf(t->bytes + t->size, "vertex %g %g %g\n", x[k][0], x[k][1], x[k][2]);
+    for (int k = 0; k < n; k++)
+        t->size += (size_t)sprintf(t->bytes + t->size, "vertex %g %g %g\n", x[k][0], x[k][1], x[k][2]);
     t->size += (size_t)sprintf(t->bytes + t->size, "endloop\nendfacet\n");
 }
 
@@ -1698,7 +1761,8 @@ static void test_stl_polygons(void **state) {
         t->size = (size_t)sprintf(t->bytes, "solid\n");
         for (int k = 0; k < n; k++) {
             const double *low = shapes[s].x[n - 1 - k], *high = shapes[s].x[k], *next = shapes[s].x[(k + 1) % n];
-            double side[4][3] = {{high[0], high[1], 0}, {next[0], next[1], 0}, {next[0], next[1], 1}, {high[0], high[1], 1}};
+            double side[4][3] = {
+                {high[0], high[1], 0}, {next[0], next[1], 0}, {next[0], next[1], 1}, {high[0], high[1], 1}};
             floor_[k][0] = low[0], floor_[k][1] = low[1], floor_[k][2] = 0;
             roof[k][0] = high[0], roof[k][1] = high[1], roof[k][2] = 1;
             put_polygon(t, 4, side);
@@ -1708,7 +1772,8 @@ static void test_stl_polygons(void **state) {
         assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, 0.0, NULL, &m, &r), DEM_OK);
         assert_int_equal(r.missing, shapes[s].missing), assert_int_equal(r.polygons, n + 2 - shapes[s].missing);
         if (!shapes[s].missing) {
-            assert_int_equal(r.open_edges, 0), assert_int_equal(r.inconsistent, 0), assert_int_equal(m.triangles, 2 * n + 2 * (n - 2));
+            assert_int_equal(r.open_edges, 0), assert_int_equal(r.inconsistent, 0),
+                assert_int_equal(m.triangles, 2 * n + 2 * (n - 2));
             near_relative(r.volume, shapes[s].area, 1e-12, "volume of a prism");
         } else assert_true(r.open_edges > 0);
         dem_free_mesh(&m);
@@ -1716,7 +1781,8 @@ static void test_stl_polygons(void **state) {
     free(t);
 }
 
-/* A cube one of whose edges is cut by corners of its neighbours: facets without area close it, however many, in whatever order. */
+/* A cube one of whose edges is cut by corners of its neighbours: facets without area close it, however many, in
+   whatever order. */
 static void test_stl_junctions(void **state) {
     (void)state;
     text *t = (text *)malloc(sizeof *t);
@@ -1729,7 +1795,8 @@ static void test_stl_junctions(void **state) {
             dem_stl_report r;
             cube(s, 1.0);
             s->mesh.triangles = 12;
-            /* the floor's triangle (0, 3, 1) becomes a fan from 3 over points of the edge 0-1; that of the side stays */
+            /* the floor's triangle (0, 3, 1) becomes a fan from 3 over points of the edge 0-1; that of
+               the side stays */
             s->triangle[4] = 3, s->triangle[5] = corner(s, v3(1.0 / (cuts + 1), 0, 0));
             before = s->triangle[5];
             const int32_t first = before;
@@ -1739,7 +1806,8 @@ static void test_stl_junctions(void **state) {
                 if (closed == 1) facet(s, 0, before, next);
                 before = next;
             }
-            for (int k = cuts + 1; k >= 2 && closed == 2; k--) facet(s, 0, first + k - 2, k == cuts + 1 ? 1 : first + k - 1);
+            for (int k = cuts + 1; k >= 2 && closed == 2; k--)
+                facet(s, 0, first + k - 2, k == cuts + 1 ? 1 : first + k - 1);
             write_stl(t, soup_mesh(s), 1, 1.0, "", "");
             assert_int_equal(dem_read_stl(t->bytes, t->size, 1.0, 0.0, NULL, &m, &r), DEM_OK);
             assert_int_equal(r.degenerate, closed ? cuts : 0);
@@ -1763,7 +1831,8 @@ static void test_stl_stray_vertex(void **state) {
     memcpy(bytes + 80, &count, 4);
     for (int k = 0; k < n; k++) {
         for (int c = 0; c < 9; c++) {
-            float v = (float)(c % 3 == 0 ? k / 2 + (c / 3 + k % 2) / 2 : c % 3 == 1 ? (c / 3 + k) % 2 : 0); /* a strip */
+            /* a strip */
+            float v = (float)(c % 3 == 0 ? k / 2 + (c / 3 + k % 2) / 2 : c % 3 == 1 ? (c / 3 + k) % 2 : 0);
             if (k == n - 1 && c == 8) v = 1e30f;
             memcpy(bytes + 84 + 50 * (size_t)k + 12 + 4 * c, &v, 4);
         }

@@ -1,5 +1,5 @@
-/* dem.h: faults that users ran into, each with others of its kind: what a caller does between runs stands in the books, records do not
-   pile up, what decays comes to rest. */
+/* dem.h: faults that users ran into, each with others of its kind: what a caller does between runs stands in the books,
+   records do not pile up, what decays comes to rest. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +20,8 @@ static double length_of(dem_vec v) { return sqrt(v.x * v.x + v.y * v.y + v.z * v
 static dem_vec v3(double x, double y, double z) { return dem_vec3(x, y, z); }
 static void run(dem_world *w, double t, int features) {
     const dem_status status = dem_run(w, t, features);
-    if (status != DEM_OK) fail_msg("%s, particle %lu, step %ld", dem_status_text(status), (unsigned long)w->failed_id, (long)w->step);
+    if (status != DEM_OK)
+        fail_msg("%s, particle %lu, step %ld", dem_status_text(status), (unsigned long)w->failed_id, (long)w->step);
 }
 
 /* ---- what decays comes to rest ---- */
@@ -49,7 +50,8 @@ static void on_plane(dem_world *w, double rolling, double tangential_damping, do
     dem_def def = dem_default_def();
     const int m = dem_add_material(&def, 2500.0, 1e8, 0.2);
     dem_pair_def *p = dem_pair(&def, m, m);
-    p->rolling = rolling, p->friction = 0.5, p->restitution = restitution, p->tangential_damping = tangential_damping, p->stiffness = 1e4;
+    p->rolling = rolling, p->friction = 0.5, p->restitution = restitution, p->tangential_damping = tangential_damping,
+    p->stiffness = 1e4;
     def.dt = 5e-6;
     assert_int_equal(dem_init(w, &def, NULL), DEM_OK);
     dem_add_plane(w, m, v3(0, 0, 0), v3(0, 0, 1));
@@ -80,7 +82,8 @@ static void test_no_subnormal_walls(void **state) {
     (void)state;
     dem_world w;
     on_plane(&w, 3e-4, 0.5, 0.2);
-    const int rotor = dem_add_plane(&w, 0, v3(0, 0, 1), v3(0, 0, -1)), piston = dem_add_plane(&w, 0, v3(0, 0, 2), v3(0, 0, -1));
+    const int rotor = dem_add_plane(&w, 0, v3(0, 0, 1), v3(0, 0, -1)),
+              piston = dem_add_plane(&w, 0, v3(0, 0, 2), v3(0, 0, -1));
     assert_int_equal(dem_rotate(&w, rotor, v3(0, 0, 1), v3(0, 0, 1), 3.0), DEM_OK);
     assert_int_equal(dem_control_torque(&w, rotor, v3(0, 0, 1), v3(0, 0, 1), 1e-6, 0.0, 1e-3), DEM_OK);
     assert_int_equal(dem_move(&w, piston, v3(0, 0, 0.01)), DEM_OK);
@@ -96,8 +99,8 @@ static void test_no_subnormal_walls(void **state) {
     dem_free(&w);
 }
 
-/* A ball below its rolling limit: the default law, which resists in proportion to a slow spin, creeps at 5 g sin dt; contact_epsd, which
-   has a spring, stands still (test_dem_laws). */
+/* A ball below its rolling limit: the default law, which resists in proportion to a slow spin, creeps at 5 g sin dt;
+   contact_epsd, which has a spring, stands still (test_dem_laws). */
 static void test_creep_of_the_default_law(void **state) {
     (void)state;
     for (int k = 0; k < 3; k++) {
@@ -139,8 +142,8 @@ static int count_in(const dem_world *w, const dem_region *r) {
     return n;
 }
 
-/* An octahedron of radius r about the origin: volume 4/3 r^3, faces at r/sqrt(3). unwelded: three corners of its own for each face; turned:
-   every other face the wrong way round; faces: 8 or fewer. */
+/* An octahedron of radius r about the origin: volume 4/3 r^3, faces at r/sqrt(3). unwelded: three corners of its own
+   for each face; turned: every other face the wrong way round; faces: 8 or fewer. */
 typedef struct body {
     double vertex[72];
     int32_t triangle[24];
@@ -182,7 +185,8 @@ static void test_fill_around_solids(void **state) {
             dem_free(&w);
             assert_int_equal(dem_load(&w, saved, size, NULL), DEM_OK);
         }
-        if (k == 3) { /* turned by 45 degrees about the vertical through its middle: the corners of the old place are free */
+        /* turned by 45 degrees about the vertical through its middle: the corners of the old place are free */
+        if (k == 3) {
             dem_rotate(&w, block, v3(0.05, 0.05, 0.05), v3(0, 0, 1), RIDDLE_PI / 4.0 / 0.1);
             run(&w, 0.1, DEM_LINEAR);
         }
@@ -257,7 +261,8 @@ static void test_inside_of_a_mesh(void **state) {
     const dem_region r = dem_mesh_region(&o.mesh);
     int inside = 0;
     for (int k = 0; k < 40000; k++) {
-        const dem_vec x = v3((k % 41 - 20) * 0.006, (k / 41 % 41 - 20) * 0.006, (k / 1681 - 11) * 0.0091); /* also above edges, corners */
+        /* Also above edges, corners. */
+        const dem_vec x = v3((k % 41 - 20) * 0.006, (k / 41 % 41 - 20) * 0.006, (k / 1681 - 11) * 0.0091);
         const double above = above_octahedron(x, 0.1);
         if (fabs(above) < 1e-12) continue;
         if (dem_region_holds(&r, x) != (above < 0.0)) fail_msg("%g %g %g", x.x, x.y, x.z);
@@ -278,14 +283,17 @@ static void test_fill_a_mesh(void **state) {
         f.region = dem_mesh_region(&o.mesh);
         assert_int_equal(dem_fill(&w, &f, 500), DEM_OK);
         assert_true(w.count > 300);
-        for (ptrdiff_t i = 0; i < w.count; i++) assert_true(above_octahedron(dem_position(&w, i), 0.1) <= -0.004 + 1e-12);
+        for (ptrdiff_t i = 0; i < w.count; i++)
+            assert_true(above_octahedron(dem_position(&w, i), 0.1) <= -0.004 + 1e-12);
         dem_measure m, box;
         const dem_region all = dem_box_region(v3(-1, -1, -1), v3(1, 1, 1));
         assert_int_equal(dem_measure_region(&w, &f.region, &m), DEM_OK);
         assert_int_equal(dem_measure_region(&w, &all, &box), DEM_OK);
         assert_int_equal(m.count, w.count);
-        near_relative(m.solid_fraction * 4.0 / 3.0 * 1e-3, box.solid_fraction * 8.0, 1e-12, "solid volume"); /* none is cut */
-        body half;                                                                                           /* cuts many */
+        /* None is cut. */
+        near_relative(m.solid_fraction * 4.0 / 3.0 * 1e-3, box.solid_fraction * 8.0, 1e-12, "solid volume");
+        /* Cuts many. */
+        body half;
         octahedron(&half, 0.05, 0, 0, 8);
         const dem_region inner = dem_mesh_region(&half.mesh);
         assert_int_equal(dem_measure_region(&w, &inner, &m), DEM_OK);
@@ -312,7 +320,8 @@ static void test_walls_for_groups(void **state) {
     (void)state;
     dem_world w;
     empty_world(&w);
-    const int plane = dem_add_plane(&w, 0, v3(0, 0, 0), v3(0, 0, 1)), exit = dem_add_exit(&w, v3(0, 0, -0.05), v3(0, 0, 1));
+    const int plane = dem_add_plane(&w, 0, v3(0, 0, 0), v3(0, 0, 1)),
+              exit = dem_add_exit(&w, v3(0, 0, -0.05), v3(0, 0, 1));
     assert_int_equal(dem_set_wall_groups(&w, plane, 1u << 1), DEM_OK);
     assert_int_equal(dem_set_wall_groups(&w, exit, 1u << 31), DEM_OK);
     assert_int_equal(dem_set_wall_groups(&w, 7, 1), DEM_BAD_ARGUMENT);
@@ -323,7 +332,8 @@ static void test_walls_for_groups(void **state) {
         assert_int_equal(dem_add_spheres(&w, 1, c, &d, 0, group[i]), DEM_OK);
     }
     dem_feed f = small_spheres(0.004, 0.1, 0.1045);
-    f.region.low.z = -0.0021, f.region.high.z = 0.002, f.group = 5; /* across the plane: it is not there for this group */
+    /* Across the plane: it is not there for this group. */
+    f.region.low.z = -0.0021, f.region.high.z = 0.002, f.group = 5;
     assert_int_equal(dem_fill(&w, &f, 1), DEM_OK);
     assert_int_equal(f.placed, 1);
     f.group = 1, f.region.low.x = 0.2, f.region.high.x = 0.2045;
@@ -334,7 +344,8 @@ static void test_walls_for_groups(void **state) {
     near_absolute(dem_position(&w, 1).z, 0.002 - 0.5 * 9.81 * 0.04, 1e-9, "fell");
     assert_int_equal(w.passed_count, 1);
     assert_int_equal(w.passed[0].group, 40);
-    assert_int_equal(dem_set_wall_groups(&w, plane, 0), DEM_OK); /* the floor is taken away: what the contact stores is removed */
+    /* the floor is taken away: what the contact stores is removed */
+    assert_int_equal(dem_set_wall_groups(&w, plane, 0), DEM_OK);
     run(&w, 0.1, DEM_LINEAR | DEM_ENERGY);
     assert_true(dem_position(&w, 0).z < -0.04);
     near_absolute(dem_energy(&w).error, 0.0, 1e-9, "ledger");
@@ -536,11 +547,13 @@ static void test_set_pair(void **state) {
     p.stiffness *= 4.0;
     assert_int_equal(dem_set_pair(&w, 0, 0, &p), DEM_OK);
     run(&w, 0.3, features);
-    near_relative(dem_get_contact(&w, 0).gap, -10.0 * dem_mass(&w, 0) / p.stiffness, 1e-3, "overlap of the stiffer contact");
+    near_relative(dem_get_contact(&w, 0).gap, -10.0 * dem_mass(&w, 0) / p.stiffness, 1e-3,
+                  "overlap of the stiffer contact");
     const dem_pair_def good = p;
     for (int k = 0; k < 6; k++) {
         p = good;
-        double *field[] = {&p.stiffness, &p.restitution, &p.friction, &p.rolling, &p.tangential_ratio, &p.tangential_damping};
+        double *field[] = {&p.stiffness, &p.restitution,      &p.friction,
+                           &p.rolling,   &p.tangential_ratio, &p.tangential_damping};
         *field[k] = k == 1 ? 0.0 : -1.0;
         assert_int_equal(dem_set_pair(&w, 0, 0, &p), DEM_BAD_ARGUMENT);
         *field[k] = (double)NAN;
@@ -571,7 +584,8 @@ static void test_set_time_step(void **state) {
         near_absolute(dem_position(&w, 0).z, 1.0 - 5.0 * w.time * w.time, 1e-11, "parabola");
     }
     const double bad[] = {0.0, -1e-6, (double)NAN, (double)INFINITY, 1e9};
-    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) assert_int_equal(dem_set_time_step(&w, bad[k]), DEM_BAD_ARGUMENT);
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
+        assert_int_equal(dem_set_time_step(&w, bad[k]), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_set_time_step(NULL, 1e-6), DEM_BAD_ARGUMENT);
     dem_free(&w);
 }
@@ -702,7 +716,8 @@ static void test_normal_and_point(void **state) {
     dem_free(&w);
 }
 
-/* What a hook of a law reads where a contact begins after a flight: the place of the particle at the end of the step, not a flight ahead. */
+/* What a hook of a law reads where a contact begins after a flight: the place of the particle at the end of the step,
+   not a flight ahead. */
 typedef struct landing {
     int seen;
     double worst; /* height of the lowest sphere of the particle over contact with the floor [m] */
@@ -717,11 +732,13 @@ static void note_landing(struct dem_world *w, const int32_t *slots, ptrdiff_t n,
         l->seen++;
     }
 }
-static const dem_law landing_law = {"landing", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear, note_landing, NULL};
+static const dem_law landing_law = {
+    "landing", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear, note_landing, NULL};
 DEM_KERNEL(landing_kernel, landing_law, DEM_LINEAR)
 static void test_hooks_after_a_flight(void **state) {
     (void)state;
-    const double d[2] = {0.004, 0.004}, centre[6] = {0, 0, 0, 0.002, 0, 0.001}, high[3] = {0, 0, 0.0123}, aside[3] = {0.05, 0, 0.0171};
+    const double d[2] = {0.004, 0.004}, centre[6] = {0, 0, 0, 0.002, 0, 0.001}, high[3] = {0, 0, 0.0123},
+                 aside[3] = {0.05, 0, 0.0171};
     dem_world w;
     dem_clump clump;
     landing l = {0, 0.0};
@@ -745,13 +762,14 @@ static void note_end(dem_world *world, int32_t k, void *user) {
     const int gone = world->alive[c.i] != DEM_PRESENT || (c.j >= 0 && world->alive[c.j] != DEM_PRESENT);
     ended[gone ? 1 : c.j < 0 && !dem_wall_acts(world, -1 - (int)c.j, c.i) ? 2 : 0]++;
 }
-static const dem_law noting_law = {"linear, notes its ends", 1,    0,       0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
-                                   dem_force_linear,         NULL, note_end};
+static const dem_law noting_law = {
+    "linear, notes its ends", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, dem_prepare_linear, dem_force_linear, NULL, note_end};
 DEM_KERNEL(noting, noting_law, DEM_LINEAR)
 
 static void test_why_contacts_end(void **state) {
     (void)state;
-    for (int k = 0; k < 6; k++) { /* bounces off; removed; removed by region; passes an exit; wall disabled; wall for others */
+    /* Bounces off; removed; removed by region; passes an exit; wall disabled; wall for others. */
+    for (int k = 0; k < 6; k++) {
         dem_world w;
         const dem_region all = dem_box_region(v3(-1, -1, -1), v3(1, 1, 1));
         lossless(&w, 0.0);
@@ -827,7 +845,8 @@ static void test_states_set_by_the_caller(void **state) {
 static void two_materials(dem_world *w, dem_def *def) {
     *def = dem_default_def();
     def->dt = 1e-5;
-    dem_add_material(def, 2500.0, 1e7, 0.25), dem_add_material(def, 7800.0, 1e9, 0.3), dem_add_material(def, 1000.0, 1e6, 0.4);
+    dem_add_material(def, 2500.0, 1e7, 0.25), dem_add_material(def, 7800.0, 1e9, 0.3),
+        dem_add_material(def, 1000.0, 1e6, 0.4);
     assert_int_equal(dem_init(w, def, NULL), DEM_OK);
 }
 static void sphere_at(dem_world *w, double x, double z, int material) {
@@ -906,11 +925,13 @@ static void test_unset_pairs_of_every_shape(void **state) {
     }
 }
 
-/* A sphere, a clump or a brick of one material falls on a sphere, a clump or a brick of another that is fixed or free, by itself, with a
-   link between them, or in a force field. */
+/* A sphere, a clump or a brick of one material falls on a sphere, a clump or a brick of another that is fixed or free,
+   by itself, with a link between them, or in a force field. */
 DEM_INLINE dem_vec no_force(const dem_force_point *at) { return dem_vec3(0.0 * at->mass, 0.0, 0.0); }
 DEM_FORCE_FIELD(no_field, no_force)
-DEM_INLINE void weak_force(const dem_contact *c, double *state, dem_response *r) { (void)state, r->normal = -1e-3 * c->gap; }
+DEM_INLINE void weak_force(const dem_contact *c, double *state, dem_response *r) {
+    (void)state, r->normal = -1e-3 * c->gap;
+}
 static const dem_law weak_link = {"weak", 1, 0, 0, 0, 0, NULL, weak_force, NULL, NULL};
 DEM_LINK_KERNEL(weak_kernel, weak_link)
 
@@ -968,7 +989,8 @@ static void test_unset_pairs_of_bodies(void **state) {
     dem_free(&w);
 }
 
-/* Whoever sets the pair goes on, with the bits of a run that had it from the start; saves and loads know what was set. */
+/* Whoever sets the pair goes on, with the bits of a run that had it from the start; saves and loads know
+   what was set. */
 static void test_pair_set_later(void **state) {
     (void)state;
     static char saved[200000];
@@ -1053,7 +1075,8 @@ static void test_fixed_sphere_is_a_wall(void **state) {
         }
         /* friction acts at the middle of the overlap of two spheres, and at the surface of a wall */
         const double close = k == 0 ? 1e-6 : 0.03, turned = k == 0 ? 1e-6 : 0.1;
-        near_absolute(v[0].x, v[1].x, close, "vx"), near_absolute(v[0].y, v[1].y, close, "vy"), near_absolute(v[0].z, v[1].z, close, "vz");
+        near_absolute(v[0].x, v[1].x, close, "vx"), near_absolute(v[0].y, v[1].y, close, "vy"),
+            near_absolute(v[0].z, v[1].z, close, "vz");
         near_absolute(spin[0].x, spin[1].x, turned * length_of(spin[1]), "spin x");
         near_absolute(spin[0].y, spin[1].y, turned * length_of(spin[1]), "spin y");
         near_absolute(impulse.z, -mass * (v[0].z + 1.0), 1e-10, "impulse");
@@ -1062,8 +1085,8 @@ static void test_fixed_sphere_is_a_wall(void **state) {
     }
 }
 
-/* A heap on a floor of fixed spheres that overlap and reach through a wall: no speed, the weight on them, the same bits whatever is skipped
-   and however often it is saved. */
+/* A heap on a floor of fixed spheres that overlap and reach through a wall: no speed, the weight on them, the same bits
+   whatever is skipped and however often it is saved. */
 static void test_heap_on_fixed_spheres(void **state) {
     (void)state;
     static char saved[2000000];
@@ -1076,7 +1099,8 @@ static void test_heap_on_fixed_spheres(void **state) {
         dem_add_cylinder(&w, 0, v3(0, 0, 0), v3(0, 0, 1), 0.022, 1);
         for (int k = 0; k < 36; k++) ball(&w, 0.008 * (k % 6) - 0.02, 0.008 * (k / 6) - 0.02, 0.0, 0.01);
         for (int i = 0; i < 36; i++) assert_int_equal(dem_fix(&w, i, 1), DEM_OK);
-        for (int k = 0; k < 27; k++) ball(&w, 0.011 * (k % 3) - 0.011, 0.011 * (k / 3 % 3) - 0.0107, 0.02 + 0.011 * (k / 9), 0.009);
+        for (int k = 0; k < 27; k++)
+            ball(&w, 0.011 * (k % 3) - 0.011, 0.011 * (k / 3 % 3) - 0.0107, 0.02 + 0.011 * (k / 9), 0.009);
         for (int part = 0; part < 4; part++) {
             run(&w, 0.1, BALLS);
             if (way != 3) continue;
@@ -1106,7 +1130,8 @@ static void test_heap_on_fixed_spheres(void **state) {
     for (int way = 1; way < 4; way++) assert_true(hash[way] == hash[0]);
 }
 
-/* It moves as it is told, through a periodic box, against a load, past an exit and a wall; what it does to others is work. */
+/* It moves as it is told, through a periodic box, against a load, past an exit and a wall; what it does to
+   others is work. */
 static void test_fixed_spheres_that_move(void **state) {
     (void)state;
     dem_world w;
@@ -1127,7 +1152,8 @@ static void test_fixed_spheres_that_move(void **state) {
     run(&w, 0.1, BALLS);
     assert_int_equal(dem_set_gravity(&w, v3(0, 0, -2)), DEM_OK);
     run(&w, 0.1, BALLS);
-    near_absolute(dem_position(&w, 0).x, -0.03 + 0.1 - 0.1, 1e-12, "x"), near_absolute(dem_position(&w, 0).z, 0.0, 0.0, "z");
+    near_absolute(dem_position(&w, 0).x, -0.03 + 0.1 - 0.1, 1e-12, "x"),
+        near_absolute(dem_position(&w, 0).z, 0.0, 0.0, "z");
     near_absolute(dem_position(&w, 2).z, 0.03 + 0.2, 1e-12, "past an exit and a wall");
     assert_true(dem_spin(&w, 0).y == 40.0 && w.passed_total == 0 && dem_energy(&w).external_work > 0.0);
     const dem_energy_ledger e = dem_energy(&w);
@@ -1143,7 +1169,8 @@ static void test_fixed_spheres_that_move(void **state) {
 /* Clumps and polyhedra are fixed as a whole. */
 static void test_fixed_bodies(void **state) {
     (void)state;
-    const double two[6] = {0, 0, 0, 0.008, 0, 0}, diameters[2] = {0.01, 0.01}, at[3] = {0, 0, 0}, above[3] = {0.002, 0, 0.011};
+    const double two[6] = {0, 0, 0, 0.008, 0, 0}, diameters[2] = {0.01, 0.01}, at[3] = {0, 0, 0},
+                 above[3] = {0.002, 0, 0.011};
     for (int shape = 0; shape < 2; shape++) {
         dem_world w;
         dem_clump clump;
@@ -1158,7 +1185,8 @@ static void test_fixed_bodies(void **state) {
         const ptrdiff_t parts = w.count;
         assert_int_equal(dem_fix(&w, parts - 1, 1), DEM_OK);
         assert_true(dem_is_fixed(&w, 0));
-        assert_int_equal(dem_set_motion(&w, 0, v3(0, 0, 0), v3(0, 0, 1)), DEM_BAD_ARGUMENT); /* bodies don't spin while fixed */
+        /* Bodies don't spin while fixed. */
+        assert_int_equal(dem_set_motion(&w, 0, v3(0, 0, 0), v3(0, 0, 1)), DEM_BAD_ARGUMENT);
         ball(&w, above[0], above[1], above[2], 0.01);
         run(&w, 0.5, BALLS);
         const dem_body now = dem_get_body(&w, 0);
@@ -1193,7 +1221,8 @@ static void test_fixing_refused(void **state) {
     assert_int_equal(dem_fix(&w, 0, 1), DEM_OK), assert_int_equal(dem_fix(&w, 0, 1), DEM_OK);
     const dem_advice with = dem_advise(&w, DEM_LINEAR, 1.0);
     const double k = 1e4, m = dem_mass(&w, 1);
-    near_relative(with.contact, dem_contact_time(k, 0.5 * m, dem_damping_ratio(0.5, DEM_CLIPPED), DEM_CLIPPED), 1e-9, "two free ones");
+    near_relative(with.contact, dem_contact_time(k, 0.5 * m, dem_damping_ratio(0.5, DEM_CLIPPED), DEM_CLIPPED), 1e-9,
+                  "two free ones");
     dem_remove(&w, 0);
     assert_int_equal(dem_fix(&w, 0, 1), DEM_BAD_ARGUMENT);
     run(&w, 0.1, BALLS);
@@ -1202,8 +1231,11 @@ static void test_fixing_refused(void **state) {
 }
 
 /* The step's report knows heavy and light ones, parts of bodies and laws of one's own. */
-static double stiff_prepare(const dem_birth *birth, double *constants) { return 100.0 * dem_prepare_linear(birth, constants); }
-static const dem_law stiff_law = {"stiff", 1, 0, 0, 0, DEM_LINEAR_CONSTANTS, stiff_prepare, dem_force_linear, NULL, NULL};
+static double stiff_prepare(const dem_birth *birth, double *constants) {
+    return 100.0 * dem_prepare_linear(birth, constants);
+}
+static const dem_law stiff_law = {"stiff",          1,    0,   0, 0, DEM_LINEAR_CONSTANTS, stiff_prepare,
+                                  dem_force_linear, NULL, NULL};
 DEM_KERNEL(stiff_kernel, stiff_law, DEM_LINEAR)
 
 static void test_step_ratio_of_all_kinds(void **state) {

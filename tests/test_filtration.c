@@ -1,5 +1,6 @@
-/* filtration.h, the resolved fluid: flows with closed solutions, drag of periodic arrays, a moving sphere in two frames, the same bits for
-   any number of threads and after loading, settling, what is refused, divergence with its place, failing memory. */
+/* filtration.h, the resolved fluid: flows with closed solutions, drag of periodic arrays, a moving sphere in two
+   frames, the same bits for any number of threads and after loading, settling, what is refused, divergence with its
+   place, failing memory. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -63,8 +64,8 @@ static void test_plates(void **state) {
             }
 }
 
-/* Pressure faces and walls: a channel; mirrors: half of it. Flux over that of the pressure gradient in the middle: the ends are open, so
-   that the flow enters over less length than the channel has. */
+/* Pressure faces and walls: a channel; mirrors: half of it. Flux over that of the pressure gradient in the middle: the
+   ends are open, so that the flow enters over less length than the channel has. */
 static double channel_flux(int mirror) {
     filtration_fluid_def def = small_box(4);
     def.nodes[0] = mirror ? 5 : 10;
@@ -101,8 +102,8 @@ static void level_flow(void *user, const double point[3], double velocity[3], do
     velocity[0] = velocity[1] = velocity[2] = 0.0, *pressure = *(const double *)user;
 }
 
-/* Three spheres in a liquid at rest at p0: two with a gap [voxels], the third at one of them or cut by a face. Largest force over p0 pi R^2,
-   torque over p0 pi R^3. */
+/* Three spheres in a liquid at rest at p0: two with a gap [voxels], the third at one of them or cut by a face. Largest
+   force over p0 pi R^2, torque over p0 pi R^3. */
 static double level_force(double p0, double gap, filtration_face side, int cut) {
     const double voxel = 7.5e-6, R = 40e-6, z = 16 * voxel, h = R + 0.5 * gap * voxel,
                  x = (side == FILTRATION_SYMMETRY ? 0.0 : 10.5) * voxel;
@@ -125,7 +126,8 @@ static double level_force(double p0, double gap, filtration_face side, int cut) 
     return worst;
 }
 
-/* Spheres on two wires, one of them cut by a face, in a flow between faces at low and low + 100 Pa: forces and places after a while. */
+/* Spheres on two wires, one of them cut by a face, in a flow between faces at low and low + 100 Pa: forces and places
+   after a while. */
 static void level_of_cake(double low, int moves, double out[36]) {
     enum { N = 6 };
     const double voxel = 10e-6, R = 40e-6;
@@ -247,7 +249,8 @@ static void test_vortex_is_second_order(void **state) {
 
 /* ---- periodic arrays ---- */
 
-/* Drag factor K of a simple cubic array of solid volume fraction c on n nodes a side, the sphere's centre shifted by part of a voxel. */
+/* Drag factor K of a simple cubic array of solid volume fraction c on n nodes a side, the sphere's centre shifted by
+   part of a voxel. */
 static double array_drag(double c, int n, double tau, int lattice, int precision, int boundary, const double shift[3]) {
     filtration_fluid_def def = small_box(n);
     def.tau = tau;
@@ -285,8 +288,9 @@ static void test_zick_homsy(void **state) {
     assert_true(fabs(array_drag(3.14159265358979 / 6.0, 20, 3.5, 0, 0, 0, middle) / 42.14 - 1.0) < 0.03);
 }
 
-/* RIDDLE_FINE (scripts/verify filtration_arrays): three solid fractions at 20 and 40 cells a diameter, four places of the centre within a
-   voxel, and at 20 relaxation times 0.6 to 5, both precisions and lattices. At 40 in floats with the largest step, to save time. */
+/* RIDDLE_FINE (scripts/verify filtration_arrays): three solid fractions at 20 and 40 cells a diameter, four places of
+   the centre within a voxel, and at 20 relaxation times 0.6 to 5, both precisions and lattices. At 40 in floats with
+   the largest step, to save time. */
 static void test_fine_arrays(void **state) {
     (void)state;
     const double c[] = {0.064, 0.125, 0.216}, drag[] = {2.8102, 4.2916, 7.442}, tau[] = {0.6, 1.0, 2.0, 5.0};
@@ -328,8 +332,9 @@ static void test_fine_arrays(void **state) {
 
 /* ---- a woven cloth ---- */
 
-/* Resistance [1/m] of the 2/2 twill of 28 um wire and 32 um opening in its unit cell: the mean over four places of the weave within a voxel,
-   because coarse voxels see another cloth at each; *spread: the standard deviation between them. */
+/* Resistance [1/m] of the 2/2 twill of 28 um wire and 32 um opening in its unit cell: the mean over four places of the
+   weave within a voxel, because coarse voxels see another cloth at each; *spread: the standard deviation
+   between them. */
 static double cloth_resistance(double voxel, double tau, int boundary, double pressure, double *spread) {
     double sum = 0.0, squares = 0.0;
     for (int place = 0; place < 4; place++) {
@@ -339,10 +344,12 @@ static double cloth_resistance(double voxel, double tau, int boundary, double pr
         filtration_permeability_result result;
         assert_int_equal(filtration_cloth_make(&cloth, 28e-6, 32e-6, FILTRATION_TWILL_WEAVE, 120e-6), FILTRATION_OK);
         cloth.offset[0] = cloth.offset[1] = 0.25 * place * voxel;
-        def.voxel = voxel, def.tau = tau, def.boundary = (filtration_boundary)boundary, def.precision = FILTRATION_FLOAT;
+        def.voxel = voxel, def.tau = tau, def.boundary = (filtration_boundary)boundary,
+        def.precision = FILTRATION_FLOAT;
         def.solid = filtration_cloth_solid(&cloth);
         assert_int_equal(filtration_fluid_init(&fluid, &def), FILTRATION_OK);
-        assert_int_equal(filtration_fluid_permeability(&fluid, NULL, 2, pressure, 3e-4, 1000000, &result), FILTRATION_OK);
+        assert_int_equal(filtration_fluid_permeability(&fluid, NULL, 2, pressure, 3e-4, 1000000, &result),
+                         FILTRATION_OK);
         filtration_fluid_free(&fluid);
         sum += result.resistance, squares += result.resistance * result.resistance;
     }
@@ -360,10 +367,12 @@ static void test_clean_cloth(void **state) {
     const double expected[2][2] = {{2.27e6, 3.0e6}, {2.41e6, 3.20e6}};
     for (int k = 0; k < 4; k++) {
         const int half_way = k / 2, inertia = k % 2;
-        const double found = cloth_resistance(2.5e-6, inertia ? 0.7 : 1.0, half_way ? FILTRATION_HALF_WAY : FILTRATION_CENTRAL_LINEAR,
-                                              inertia ? 1000.0 : 1e-3, &spread);
-        printf("twill at 2.5 um, %s, %s: %.3e 1/m, places %.1e (expected %.2e)\n", half_way ? "half way" : "central linear",
-               inertia ? "1000 Pa" : "creeping", found, spread, expected[half_way][inertia]);
+        const double found =
+            cloth_resistance(2.5e-6, inertia ? 0.7 : 1.0, half_way ? FILTRATION_HALF_WAY : FILTRATION_CENTRAL_LINEAR,
+                             inertia ? 1000.0 : 1e-3, &spread);
+        printf("twill at 2.5 um, %s, %s: %.3e 1/m, places %.1e (expected %.2e)\n",
+               half_way ? "half way" : "central linear", inertia ? "1000 Pa" : "creeping", found, spread,
+               expected[half_way][inertia]);
         assert_true(fabs(found / expected[half_way][inertia] - 1.0) < (inertia && !half_way ? 0.05 : 0.03));
     }
 }
@@ -395,8 +404,8 @@ static void touch(double *centre, int i, double radius, double side, uint64_t *s
     }
 }
 
-/* Six spheres that touch, thrown about at random and back, at cell Reynolds numbers up to 20 and surface speeds up to Mach 0.2: a thousand
-   motions in all. */
+/* Six spheres that touch, thrown about at random and back, at cell Reynolds numbers up to 20 and surface speeds up to
+   Mach 0.2: a thousand motions in all. */
 static void test_touching_spheres_thrown_about(void **state) {
     (void)state;
     const double tau[] = {0.505, 0.52, 0.6, 1.0, 5.0},
@@ -430,7 +439,8 @@ static void test_touching_spheres_thrown_about(void **state) {
 
 /* ---- two spheres that approach ---- */
 
-/* Reads speed of the first sphere and force on either from tests/reference/filtration/two_spheres.csv. ratio HUGE_VAL: a wall. */
+/* Reads speed of the first sphere and force on either from tests/reference/filtration/two_spheres.csv. ratio
+   HUGE_VAL: a wall. */
 static double exact_force(double ratio, double gap, double *speed) {
     FILE *file = fopen("tests/reference/filtration/two_spheres.csv", "r");
     char line[200];
@@ -448,8 +458,8 @@ static double exact_force(double ratio, double gap, double *speed) {
     return 0.0;
 }
 
-/* Force on two spheres of radii 4 and 4 ratio cells (HUGE_VAL: a wall), gap [radii], that approach along a direction at a place, over the exact one;
-   with the lubrication that filtration_move adds. */
+/* Force on two spheres of radii 4 and 4 ratio cells (HUGE_VAL: a wall), gap [radii], that approach along a direction at
+   a place, over the exact one; with the lubrication that filtration_move adds. */
 static double approach_error(double ratio, double gap, const double along[3], const double place[3]) {
     const double R = 4.0, other = ratio < HUGE_VAL ? ratio * R : R, h = gap * R, v = 1e-5;
     double speed = 1.0, length = 0.0, towards = 0.0;
@@ -471,12 +481,15 @@ static double approach_error(double ratio, double gap, const double along[3], co
     }
     if (wall) centre[2] = n - R - h;
     assert_int_equal(filtration_fluid_run(&fluid, (int64_t)(2.4 * R * other) * 2, &spheres), FILTRATION_OK);
-    for (int a = 0; a < 3; a++) towards += (wall ? -force[a] : 0.5 * (force[3 + a] - force[a])) * along[a] / sqrt(length);
+    for (int a = 0; a < 3; a++)
+        towards += (wall ? -force[a] : 0.5 * (force[3 + a] - force[a])) * along[a] / sqrt(length);
     filtration_fluid_free(&fluid);
-    return (towards + filtration_lubrication_force(R, wall ? HUGE_VAL : other, h, v, 1.0, 2.0 / 3.0, 1e-9)) / exact - 1.0;
+    return (towards + filtration_lubrication_force(R, wall ? HUGE_VAL : other, h, v, 1.0, 2.0 / 3.0, 1e-9)) / exact -
+           1.0;
 }
 
-/* Gaps of 0.1 to 2 cells at 8 cells a diameter, wherever the spheres are on the lattice and whichever way they go; spheres of unequal size; a wall. */
+/* Gaps of 0.1 to 2 cells at 8 cells a diameter, wherever the spheres are on the lattice and whichever way they go;
+   spheres of unequal size; a wall. */
 static void test_two_spheres_approach(void **state) {
     (void)state;
     static const double gaps[] = {0.025, 0.075, 0.125, 0.2, 0.3, 0.5},
@@ -774,7 +787,8 @@ static void test_settling(void **state) {
     filtration_fluid_free(&fluid);
 }
 
-/* Force along z on a sphere of 16 cells that is pulled slowly through a closed box of 40 cells, or through a quarter of it. */
+/* Force along z on a sphere of 16 cells that is pulled slowly through a closed box of 40 cells, or through a
+   quarter of it. */
 static double pulled(filtration_force_mode kind, int quarter) {
     filtration_fluid_def def = small_box(40);
     filtration_fluid fluid;
@@ -1011,8 +1025,8 @@ static void test_products_that_overflow(void **state) {
     }
 }
 
-/* A step that refuses a sphere moves none of the others. A move refuses numbers that would make a speed infinite, and tells when a contact
-   does. */
+/* A step that refuses a sphere moves none of the others. A move refuses numbers that would make a speed infinite, and
+   tells when a contact does. */
 static void test_refused_spheres(void **state) {
     (void)state;
     const double bad[] = {1e80, 1e200, -1e308, (double)NAN, HUGE_VAL};

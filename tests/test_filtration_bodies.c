@@ -1,4 +1,5 @@
-/* Bodies of spheres in the resolved fluid: dem.h moves clumps, filtration.h knows their spheres. The host's part is couple() below. */
+/* Bodies of spheres in the resolved fluid: dem.h moves clumps, filtration.h knows their spheres. The host's part is
+   couple() below. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,8 +23,8 @@ typedef struct suspension {
     double centre[3 * MOST], velocity[3 * MOST], spin[3 * MOST], radius[MOST], force[3 * MOST], torque[3 * MOST];
 } suspension;
 
-/* One step of the fluid: the spheres as dem.h has them, and the fluid's forces as loads. A load on a particle acts on its body. `extra`
-   is shared by the particles; `turn`: a torque on particle 0. */
+/* One step of the fluid: the spheres as dem.h has them, and the fluid's forces as loads. A load on a particle acts on
+   its body. `extra` is shared by the particles; `turn`: a torque on particle 0. */
 static void couple(suspension *s, dem_vec extra, dem_vec turn) {
     const int n = (int)s->spheres.n;
     for (int k = 0; k < n; k++) {
@@ -45,7 +46,8 @@ static void couple(suspension *s, dem_vec extra, dem_vec turn) {
     assert_int_equal(dem_run(&s->world, s->fluid.dt, DEM_LINEAR), DEM_OK);
 }
 
-/* A body of spheres about the middle of a periodic box, a little off the lattice. push: force on it [N], which is taken off the liquid. */
+/* A body of spheres about the middle of a periodic box, a little off the lattice. push: force on it [N], which is taken
+   off the liquid. */
 static void begin(suspension *s, int nodes, int n, const double *centres, const double *diameters, dem_vec push) {
     filtration_fluid_def def = filtration_fluid_default_def();
     dem_def solid = dem_default_def();
@@ -82,9 +84,10 @@ static void end(suspension *s) {
     dem_free(&s->world);
 }
 
-/* Two touching spheres, aslant to the lattice: mobility along and across their line (Stimson and Jeffery 1926: 0.6451 of Stokes for each;
-   Batchelor 1976: 0.7246), less that of the images in a periodic box, 2.8373 / (6 pi mu L) (Hasimoto 1959); spin about their line (Jeffery
-   1915: 3/4 zeta(3) of a single sphere's torque for each). A force does not turn them. */
+/* Two touching spheres, aslant to the lattice: mobility along and across their line (Stimson and Jeffery 1926: 0.6451
+   of Stokes for each;
+   Batchelor 1976: 0.7246), less that of the images in a periodic box, 2.8373 / (6 pi mu L) (Hasimoto 1959); spin about
+   their line (Jeffery 1915: 3/4 zeta(3) of a single sphere's torque for each). A force does not turn them. */
 static void test_rod_of_two_spheres(void **state) {
     (void)state;
     static suspension s;

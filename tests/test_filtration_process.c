@@ -1,5 +1,5 @@
-/* filtration.h, process level: laws against closed forms, operations against integrals by hand, evaluated curves against the line they were
-   made from, stated intervals against how often they hold, bad input. */
+/* filtration.h, process level: laws against closed forms, operations against integrals by hand, evaluated curves
+   against the line they were made from, stated intervals against how often they hold, bad input. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -507,7 +507,8 @@ static double fading_time(double V) {
     return V * (clean + slope * (V - 4e-6 * (1.0 - exp(-V / 1e-6))));
 }
 
-/* Pores that clog between 2 and 6 mL: flat, steep, and then the line of the cake. An S, which a parabola does not see. */
+/* Pores that clog between 2 and 6 mL: flat, steep, and then the line of the cake. An S, which a parabola
+   does not see. */
 static double clogging_time(double V) {
     const double slope = filtration_slope(product, dp, mu, A), clean = filtration_intercept(medium, dp, mu, A);
     const double x = fmin(fmax((V - 2e-6) / 4e-6, 0.0), 1.0), share = x * x * (3.0 - 2.0 * x);
@@ -568,8 +569,8 @@ static void test_coverage(void **state) {
     assert_true(of_product > 0.91 && of_medium > 0.91);
 }
 
-/* A constant error of the clock: t / V errs most at small volumes. The readings tell it; who knows it says so, and knows a little more. Plain
-   least squares of t / V would have 1.7 times the error. */
+/* A constant error of the clock: t / V errs most at small volumes. The readings tell it; who knows it says so, and
+   knows a little more. Plain least squares of t / V would have 1.7 times the error. */
 static void test_weights(void **state) {
     (void)state;
     const double slope = filtration_slope(product, dp, mu, A), intercept = filtration_intercept(medium, dp, mu, A);
@@ -601,12 +602,14 @@ static void test_weights(void **state) {
     assert_true(hits > 450 && hits < 490); /* a bend in 10 of 500 takes the interval away */
 }
 
-/* What no readings can tell, the user says: a drift of the balance in proportion to time enters slope, intercept and prediction. */
+/* What no readings can tell, the user says: a drift of the balance in proportion to time enters slope, intercept
+   and prediction. */
 static void test_drift(void **state) {
     (void)state;
     const double slope = filtration_slope(product, dp, mu, A), intercept = filtration_intercept(medium, dp, mu, A);
     filtration_curve_def d = a_def();
-    int hits[3] = {0, 0, 0}, without = 0, allowed = 0, open = 0, given = 0; /* without: the errors are said to be independent */
+    /* without: the errors are said to be independent */
+    int hits[3] = {0, 0, 0}, without = 0, allowed = 0, open = 0, given = 0;
     d.automatic = 0, d.independent = 1;
     stream = 13;
     for (int k = 0; k < 300; k++) {
@@ -624,7 +627,8 @@ static void test_drift(void **state) {
         if (!(c.remarks & FILTRATION_REMARK_BENT)) without += c.product.low <= product && product <= c.product.high;
         d.independent = 0; /* nothing is said */
         assert_int_equal(filtration_evaluate(&d, READINGS, t, V, &c), FILTRATION_OK);
-        if (!(c.remarks & FILTRATION_REMARK_BENT)) open++, allowed += c.product.low <= product && product <= c.product.high;
+        if (!(c.remarks & FILTRATION_REMARK_BENT))
+            open++, allowed += c.product.low <= product && product <= c.product.high;
         d.drift_error = 0.2e-6, d.independent = 1;
         assert_int_equal(filtration_evaluate(&d, READINGS, t, V, &c), FILTRATION_OK);
         if (c.remarks & FILTRATION_REMARK_BENT) continue;
@@ -845,7 +849,8 @@ static void test_bad_curves(void **state) {
     assert_string_equal(field, "cookie");
 }
 
-/* A power law from runs at several pressures: exact without scatter, and its intervals hold with scatter in and between the runs. */
+/* A power law from runs at several pressures: exact without scatter, and its intervals hold with scatter in and
+   between the runs. */
 static void test_compressibility(void **state) {
     (void)state;
     double p[6] = {0.5e5, 1e5, 1.5e5, 2.5e5, 4e5, 6e5}, value[6], error[6];

@@ -1,4 +1,5 @@
-/* filtration.h against a slow reference: two lattices, one node after the other, every formula written out, links found node by node. */
+/* filtration.h against a slow reference: two lattices, one node after the other, every formula written out, links found
+   node by node. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -39,22 +40,26 @@ static void set_directions(reference *r, int q) {
             if (r->c[i][0] == -r->c[j][0] && r->c[i][1] == -r->c[j][1] && r->c[i][2] == -r->c[j][2]) r->opposite[i] = j;
 }
 
-/* Collision by the moments' definitions: even and odd parts apart, the trace of the stress at its own rate, forcing by parity. */
+/* Collision by the moments' definitions: even and odd parts apart, the trace of the stress at its own rate,
+   forcing by parity. */
 static void collide(const reference *r, double *h, double tau, double bulk, const double F[3]) {
-    const double plus = 1.0 / tau, minus = 1.0 / (0.5 + 3.0 / 16.0 / (tau - 0.5)), rate = 1.0 / (0.5 + 4.5 * bulk * (tau - 0.5) / 3.0);
+    const double plus = 1.0 / tau, minus = 1.0 / (0.5 + 3.0 / 16.0 / (tau - 0.5)),
+                 rate = 1.0 / (0.5 + 4.5 * bulk * (tau - 0.5) / 3.0);
     double rho = 0.0, u[3] = {0.5 * F[0], 0.5 * F[1], 0.5 * F[2]}, trace = 0.0, out[19];
     for (int i = 0; i < r->q; i++) {
         rho += h[i];
         for (int a = 0; a < 3; a++) u[a] += r->c[i][a] * h[i];
     }
     const double uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2], uF = u[0] * F[0] + u[1] * F[1] + u[2] * F[2];
-    for (int i = 0; i < r->q; i++) trace += h[i] * (r->c[i][0] * r->c[i][0] + r->c[i][1] * r->c[i][1] + r->c[i][2] * r->c[i][2]);
+    for (int i = 0; i < r->q; i++)
+        trace += h[i] * (r->c[i][0] * r->c[i][0] + r->c[i][1] * r->c[i][1] + r->c[i][2] * r->c[i][2]);
     trace -= rho + uu;
     for (int i = 0; i < r->q; i++) {
         const int *c = r->c[i], o = r->opposite[i], cc = c[0] * c[0] + c[1] * c[1] + c[2] * c[2];
         const double cu = c[0] * u[0] + c[1] * u[1] + c[2] * u[2], cF = c[0] * F[0] + c[1] * F[1] + c[2] * F[2];
         const double even = 0.5 * (h[i] + h[o]), odd = 0.5 * (h[i] - h[o]);
-        out[i] = h[i] - plus * (even - r->w[i] * (rho + 4.5 * cu * cu - 1.5 * uu)) - minus * (odd - r->w[i] * 3.0 * cu) +
+        out[i] = h[i] - plus * (even - r->w[i] * (rho + 4.5 * cu * cu - 1.5 * uu)) -
+                 minus * (odd - r->w[i] * 3.0 * cu) +
                  r->w[i] * ((1.0 - 0.5 * plus) * (9.0 * cu * cF - 3.0 * uF) + 3.0 * (1.0 - 0.5 * minus) * cF) +
                  (plus - rate) * 1.5 * r->w[i] * (cc - 1.0) * (trace + uF);
     }
@@ -64,14 +69,16 @@ static void collide(const reference *r, double *h, double tau, double bulk, cons
 static int wrap(int x) { return (x + N) % N; }
 
 /* One step around a sphere at rest: central linear interpolation where the node behind is fluid, else half way. */
-static void reference_step(reference *r, double tau, double bulk, const double F[3], const double centre[3], double radius) {
+static void reference_step(reference *r, double tau, double bulk, const double F[3], const double centre[3],
+                           double radius) {
     for (int k = 0; k < N * N * N; k++) collide(r, r->h[k / N / N][k / N % N][k % N], tau, bulk, F);
     for (int k = 0; k < N * N * N; k++) {
         const int p[3] = {k % N, k / N % N, k / N / N};
         if (r->solid[p[2]][p[1]][p[0]]) continue;
         const double *here = r->h[p[2]][p[1]][p[0]];
         for (int i = 0; i < r->q; i++) {
-            const int *c = r->c[i], o = r->opposite[i], to[3] = {wrap(p[0] + c[0]), wrap(p[1] + c[1]), wrap(p[2] + c[2])};
+            const int *c = r->c[i], o = r->opposite[i],
+                      to[3] = {wrap(p[0] + c[0]), wrap(p[1] + c[1]), wrap(p[2] + c[2])};
             const int from[3] = {wrap(p[0] - c[0]), wrap(p[1] - c[1]), wrap(p[2] - c[2])};
             if (!r->solid[to[2]][to[1]][to[0]]) {
                 r->next[to[2]][to[1]][to[0]][i] = here[i];
@@ -86,7 +93,8 @@ static void reference_step(reference *r, double tau, double bulk, const double F
             }
             r->next[p[2]][p[1]][p[0]][o] = here[i];
             if (!r->solid[from[2]][from[1]][from[0]])
-                r->next[p[2]][p[1]][p[0]][o] += (1.0 - 2.0 * low) / (1.0 + 2.0 * low) * (r->h[from[2]][from[1]][from[0]][i] - here[o]);
+                r->next[p[2]][p[1]][p[0]][o] +=
+                    (1.0 - 2.0 * low) / (1.0 + 2.0 * low) * (r->h[from[2]][from[1]][from[0]][i] - here[o]);
         }
     }
     memcpy(r->h, r->next, sizeof r->h);
@@ -98,7 +106,8 @@ static double largest_difference(int q, double tau, double bulk, int precision) 
     filtration_fluid fluid;
     const double F[3] = {2e-5, -1e-5, 3e-5}, centre[3] = {6.6, 6.9, 6.3}, lattice_radius = 3.7;
     def.nodes[0] = def.nodes[1] = def.nodes[2] = N;
-    def.voxel = 1.0, def.density = 1.0, def.tau = tau, def.viscosity = (tau - 0.5) / 3.0; /* lattice units are SI units */
+    /* Lattice units are SI units. */
+    def.voxel = 1.0, def.density = 1.0, def.tau = tau, def.viscosity = (tau - 0.5) / 3.0;
     def.bulk_ratio = bulk;
     def.lattice = q == 19 ? FILTRATION_D3Q19 : FILTRATION_D3Q15;
     def.precision = (filtration_precision)precision;

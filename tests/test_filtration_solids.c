@@ -1,5 +1,5 @@
-/* filtration.h, solids: signed distances against closed forms and brute force, fractions of links, open area, voxel images, failing
-   allocators, bad input. */
+/* filtration.h, solids: signed distances against closed forms and brute force, fractions of links, open area, voxel
+   images, failing allocators, bad input. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -377,7 +377,8 @@ static filtration_status run_jet(int face, filtration_face kind, int steps, doub
     return status;
 }
 
-/* Vortices leave through an outlet; at a face of given pressure what they bring back feeds itself until the run diverges. */
+/* Vortices leave through an outlet; at a face of given pressure what they bring back feeds itself until the
+   run diverges. */
 static void test_vortices_leave(void **state) {
     double backflow;
     (void)state;
@@ -389,7 +390,8 @@ static void test_vortices_leave(void **state) {
     }
 }
 
-/* What comes in through an outlet has the energy of a vessel at rest: its pressure is less by rho u^2 / 2; what goes has the given one. */
+/* What comes in through an outlet has the energy of a vessel at rest: its pressure is less by rho u^2 / 2; what goes
+   has the given one. */
 static void test_outlet_by_bernoulli(void **state) {
     (void)state;
     for (int face = 0; face < 6; face++)
@@ -413,7 +415,8 @@ static void test_outlet_by_bernoulli(void **state) {
         }
 }
 
-/* A channel with an even inflow and a given pressure at its end, along each axis: all of the inflow arrives, as the parabola. */
+/* A channel with an even inflow and a given pressure at its end, along each axis: all of the inflow arrives, as
+   the parabola. */
 static void test_channel_with_inflow(void **state) {
     (void)state;
     for (int axis = 0; axis < 3; axis++) {
@@ -448,7 +451,8 @@ static void test_channel_with_inflow(void **state) {
         const double velocity[3] = {0.0, 0.0, 0.0}; /* it can be stopped; a wall lets nothing through */
         assert_int_equal(filtration_fluid_set_face_velocity(&fluid, 2 * axis, velocity), FILTRATION_OK);
         assert_int_equal(filtration_fluid_run(&fluid, 3000, NULL), FILTRATION_OK);
-        const double rest = filtration_fluid_flux(&fluid, axis, length / 2) + filtration_fluid_flux(&fluid, axis, length / 2 + 1);
+        const double rest =
+            filtration_fluid_flux(&fluid, axis, length / 2) + filtration_fluid_flux(&fluid, axis, length / 2 + 1);
         assert_true(fabs(rest) < 2e-4 * inflow);
         filtration_fluid_free(&fluid);
         def.face[2 * axis] = FILTRATION_WALL;

@@ -1,4 +1,5 @@
-/* granulation.h against numbers that others computed: 40-digit laws, analytic population balances, the prototype of the paper's studies. */
+/* granulation.h against numbers that others computed: 40-digit laws, analytic population balances, the prototype of the
+   paper's studies. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +21,8 @@ static csv_data reference(const char *name) {
 }
 
 static void within(const char *name, double value, double expected, double plus_minus) {
-    if (!(fabs(value - expected) <= plus_minus)) fail_msg("%s: %g instead of %g +- %g", name, value, expected, plus_minus);
+    if (!(fabs(value - expected) <= plus_minus))
+        fail_msg("%s: %g instead of %g +- %g", name, value, expected, plus_minus);
 }
 
 /* ---- laws ---- */
@@ -65,13 +67,15 @@ static void state_of_a_granule(results *r) {
         put(r, names[k][3], granulation_film_unclipped(&later, 0.85));
     }
     const char *times_of[4] = {"film_time_15", "film_time_25", "film_time_33", "film_time_40"};
-    const granulation_granule binder[4] = {{0.7, 0.15, 0.15}, {0.6, 0.25, 0.15}, {0.52, 0.33, 0.15}, {0.45, 0.40, 0.15}};
+    const granulation_granule binder[4] = {
+        {0.7, 0.15, 0.15}, {0.6, 0.25, 0.15}, {0.52, 0.33, 0.15}, {0.45, 0.40, 0.15}};
     for (int k = 0; k < 4; k++) put(r, times_of[k], granulation_film_time(binder + k, 0.85));
     put(r, "rate_for_film_at_20", granulation_film_time(binder + 2, 0.85) / 20.0);
 }
 
 static void collisions(results *r) {
-    const double m = granulation_reduced(mass1, mass2), d = granulation_reduced(d1, d2), mu = 0.05, y = 4e5, ratio = 4e5 / 8e6;
+    const double m = granulation_reduced(mass1, mass2), d = granulation_reduced(d1, d2), mu = 0.05, y = 4e5,
+                 ratio = 4e5 / 8e6;
     const granulation_convention paper = GRANULATION_PRINTED, cons = GRANULATION_CONSISTENT;
     const double lam = granulation_film_logarithm(1e-6, ha);
     put(r, "reduced_mass", m);
@@ -125,7 +129,8 @@ static void collisions(results *r) {
     put(r, "dry_paper_deformation", deformation);
     put(r, "dry_paper_u2", u2);
     put(r, "dry_paper_u3",
-        granulation_dry_separation_speed(paper, u2, 3.0, granulation_viscous_stokes(paper, m, 3.0, mu, d), deformation, ha));
+        granulation_dry_separation_speed(paper, u2, 3.0, granulation_viscous_stokes(paper, m, 3.0, mu, d), deformation,
+                                         ha));
     put(r, "dry_cons_st_v", st_v);
     put(r, "dry_cons_deformation", granulation_relative_deformation(st_def, 1.0, ratio) * d);
     put(r, "dry_cons_u2", u2);
@@ -163,7 +168,8 @@ static void test_laws(void **state) {
         for (int row = 0; row < data.rows; row++) {
             if (strcmp(data.cells[row * data.columns], r.list[i].name) != 0) continue;
             /* the film at step 20 is the difference of two numbers that agree to four digits */
-            near_to(r.list[i].name, r.list[i].value, csv_value(&data, row, "value"), strcmp(r.list[i].name, "film_20") ? 1e-12 : 1e-11);
+            near_to(r.list[i].name, r.list[i].value, csv_value(&data, row, "value"),
+                    strcmp(r.list[i].name, "film_20") ? 1e-12 : 1e-11);
             used[row]++;
             found++;
         }
@@ -174,13 +180,14 @@ static void test_laws(void **state) {
     csv_free(&data);
 }
 
-/* The printed 840 rpm -> 7 m/s uses turns, the tip speed is 2 pi larger; Johnson's constant; the three thresholds by the laws
-   themselves. */
+/* The printed 840 rpm -> 7 m/s uses turns, the tip speed is 2 pi larger; Johnson's constant; the three thresholds by
+   the laws themselves. */
 static void test_thresholds(void **state) {
     (void)state;
     near_to("printed tip speed", granulation_tip_speed(GRANULATION_PRINTED, 14.0, 1.0), 7.0, 1e-15);
     const double ratio = 0.04, r4 = ratio * ratio * ratio * ratio;
-    double exact = GRANULATION_RECOVERY * GRANULATION_RECOVERY * GRANULATION_RECOVERY * GRANULATION_RECOVERY; /* 2941.1; 2934.3 with 7.36 */
+    /* 2941.1; 2934.3 with 7.36 */
+    double exact = GRANULATION_RECOVERY * GRANULATION_RECOVERY * GRANULATION_RECOVERY * GRANULATION_RECOVERY;
     assert_true(granulation_relative_deformation(exact * r4 * (1.0 - 1e-9), 1.0, ratio) < 0.0);
     assert_true(granulation_relative_deformation(exact * r4 * (1.0 + 1e-9), 1.0, ratio) > 0.0);
     assert_true(granulation_rebound_speed(1.0, 1.0, ratio, 1341.16081736353 * r4 * (1.0 - 1e-9)) == 1.0);
@@ -218,7 +225,8 @@ static void test_verdicts(void **state) {
         a.film = b.film = 1e-6;
         assert_int_equal(granulation_collide(&laws, &a, &b, 0.3).reason, GRANULATION_TYPE_I);
         granulation_collision c = granulation_collide(&laws, &a, &b, 6.0);
-        assert_int_equal(c.reason, convention == GRANULATION_PRINTED ? GRANULATION_REBOUND_PLASTIC : GRANULATION_REBOUND_ELASTIC);
+        assert_int_equal(c.reason,
+                         convention == GRANULATION_PRINTED ? GRANULATION_REBOUND_PLASTIC : GRANULATION_REBOUND_ELASTIC);
         near_to("u3", c.u3, convention == GRANULATION_PRINTED ? 0.121086430144172 : 0.700406054137941, 1e-11);
         a.film = b.film = 0.0;
         laws.dry_rule = true;
@@ -259,14 +267,16 @@ static void prepare(prepared *p, granulation_balance_def def, int cells, double 
         numbers[i] = exponential_cell(p->edges[i], p->edges[i + 1], p->pivots + i);
         if (!at_mean) p->pivots[i] = 0.5 * (p->edges[i] + p->edges[i + 1]);
     }
-    assert_int_equal(granulation_balance_init(&p->balance, &def, cells, p->edges, p->pivots, 0, NULL, NULL), GRANULATION_OK);
+    assert_int_equal(granulation_balance_init(&p->balance, &def, cells, p->edges, p->pivots, 0, NULL, NULL),
+                     GRANULATION_OK);
     for (int i = 0; i < cells; i++) {
         granulation_granule g = {p->pivots[i], 0.0, 0.0};
         assert_int_equal(granulation_balance_add(&p->balance, &g, numbers[i]), GRANULATION_OK);
     }
 }
 
-static const granulation_kernel kernels[3] = {granulation_constant_kernel, granulation_sum_kernel, granulation_product_kernel};
+static const granulation_kernel kernels[3] = {granulation_constant_kernel, granulation_sum_kernel,
+                                              granulation_product_kernel};
 
 static void test_schemes(void **state) {
     (void)state;
@@ -302,7 +312,8 @@ static void test_schemes(void **state) {
 static double density(const granulation_balance *b, double v) {
     int i = 0;
     while (b->pivot[0][i + 1] < v) i++;
-    double n0 = b->number[i] / (b->edge[0][i + 1] - b->edge[0][i]), n1 = b->number[i + 1] / (b->edge[0][i + 2] - b->edge[0][i + 1]);
+    double n0 = b->number[i] / (b->edge[0][i + 1] - b->edge[0][i]),
+           n1 = b->number[i + 1] / (b->edge[0][i + 2] - b->edge[0][i + 1]);
     double f = (v - b->pivot[0][i]) / (b->pivot[0][i + 1] - b->pivot[0][i]);
     return exp((1.0 - f) * log(n0) + f * log(n1));
 }
@@ -325,13 +336,16 @@ static void test_moments_and_densities(void **state) {
         prepared p;
         prepare(&p, def, 160, 1e-3, k ? 5e3 : 2e3, 1);
         assert_int_equal(granulation_balance_run(&p.balance, csv_value(&data, row, "time")), GRANULATION_OK);
-        near_to("M0", granulation_balance_moment(&p.balance, 0.0, 0.0), csv_value(&data, row, "m0"), 1e-6); /* the integrator alone */
-        near_to("M1", granulation_balance_moment(&p.balance, 1.0, 0.0), granulation_balance_totals(&p.balance).s, 1e-12);
+        /* the integrator alone */
+        near_to("M0", granulation_balance_moment(&p.balance, 0.0, 0.0), csv_value(&data, row, "m0"), 1e-6);
+        near_to("M1", granulation_balance_moment(&p.balance, 1.0, 0.0), granulation_balance_totals(&p.balance).s,
+                1e-12);
         near_to("M1", granulation_balance_moment(&p.balance, 1.0, 0.0), 1.0, 1e-9);
         near_to("M2", granulation_balance_moment(&p.balance, 2.0, 0.0), csv_value(&data, row, "m2"), 5e-3);
         near_to("M3", granulation_balance_moment(&p.balance, 3.0, 0.0), csv_value(&data, row, "m3"), 3e-2);
         near_to("n(1)", density(&p.balance, 1.0), csv_value(&data, row, "n1"), 5e-3);
-        near_to("n(10)", density(&p.balance, 10.0), csv_value(&data, row, "n10"), 2e-2); /* the cell is a tenth of its size wide */
+        /* the cell is a tenth of its size wide */
+        near_to("n(10)", density(&p.balance, 10.0), csv_value(&data, row, "n10"), 2e-2);
         granulation_balance_free(&p.balance);
     }
     csv_free(&data);
@@ -364,7 +378,9 @@ static void test_smoluchowski(void **state) {
     csv_free(&data);
 }
 
-static double proportional(const granulation_granule *g, const void *user) { return *(const double *)user * granulation_volume(g); }
+static double proportional(const granulation_granule *g, const void *user) {
+    return *(const double *)user * granulation_volume(g);
+}
 
 static double one_each_second(const granulation_granule *g, const void *user) {
     (void)g, (void)user;
@@ -408,8 +424,8 @@ static double square_of(double z, double mother, const void *user) {
     return z * z; /* two daughters, uniform in volume */
 }
 
-/* A breakage function of one's own: uniform daughters as by the built-in ones, Austin's by its moments, where every granule breaks once a
-   second: d ln M0/dt = m/(m - 1) - 1 and d ln M2/dt = m/(m + 1) - 1 with the share z^m. */
+/* A breakage function of one's own: uniform daughters as by the built-in ones, Austin's by its moments, where every
+   granule breaks once a second: d ln M0/dt = m/(m - 1) - 1 and d ln M2/dt = m/(m + 1) - 1 with the share z^m. */
 static void test_own_breakage(void **state) {
     (void)state;
     double factor = 1.0, errors[2] = {0.0, 0.0};
@@ -428,7 +444,8 @@ static void test_own_breakage(void **state) {
         double all = 0.0;
         for (int cell = 0; cell < p.balance.n; cell++) all += granulation_balance_number(&p.balance, cell);
         near_to("number", all, granulation_balance_moment(&p.balance, 0.0, 0.0), 1e-12);
-        assert_true(isnan(granulation_balance_number(&p.balance, -1)) && isnan(granulation_balance_number(&p.balance, p.balance.n)));
+        assert_true(isnan(granulation_balance_number(&p.balance, -1)) &&
+                    isnan(granulation_balance_number(&p.balance, p.balance.n)));
         granulation_balance_free(&p.balance);
     }
     assert_true(errors[1] < 2e-3 && errors[0] / errors[1] > 3.5);
@@ -439,18 +456,25 @@ static void test_own_breakage(void **state) {
         prepared p;
         def.breakage_user = &austin;
         prepare(&p, def, 260, 1e-9, 200.0, 1); /* broken twice on average, many are tiny */
-        const double zeroth = granulation_balance_moment(&p.balance, 0.0, 0.0), second = granulation_balance_moment(&p.balance, 2.0, 0.0);
+        const double zeroth = granulation_balance_moment(&p.balance, 0.0, 0.0),
+                     second = granulation_balance_moment(&p.balance, 2.0, 0.0);
         assert_int_equal(granulation_balance_run(&p.balance, 2.0), GRANULATION_OK);
-        near_to("M0 of Austin", granulation_balance_moment(&p.balance, 0.0, 0.0) / zeroth, exp(2.0 * (m[k] / (m[k] - 1.0) - 1.0)), 2e-3);
+        near_to("M0 of Austin", granulation_balance_moment(&p.balance, 0.0, 0.0) / zeroth,
+                exp(2.0 * (m[k] / (m[k] - 1.0) - 1.0)), 2e-3);
         near_to("M1 of Austin", granulation_balance_moment(&p.balance, 1.0, 0.0), 1.0, 1e-9);
-        near_to("M2 of Austin", granulation_balance_moment(&p.balance, 2.0, 0.0) / second, exp(2.0 * (m[k] / (m[k] + 1.0) - 1.0)), 5e-3);
+        near_to("M2 of Austin", granulation_balance_moment(&p.balance, 2.0, 0.0) / second,
+                exp(2.0 * (m[k] / (m[k] + 1.0) - 1.0)), 5e-3);
         granulation_balance_free(&p.balance);
     }
 }
 
-static double falling(double z, double mother, const void *user) { return (void)mother, (void)user, z < 0.5 ? 2.0 * z : 2.0 - z; }
+static double falling(double z, double mother, const void *user) {
+    return (void)mother, (void)user, z < 0.5 ? 2.0 * z : 2.0 - z;
+}
 static double never_one(double z, double mother, const void *user) { return (void)mother, (void)user, 0.9 * z; }
-static double no_number(double z, double mother, const void *user) { return (void)mother, (void)user, z > 0.3 ? (double)NAN : z; }
+static double no_number(double z, double mother, const void *user) {
+    return (void)mother, (void)user, z > 0.3 ? (double)NAN : z;
+}
 
 static void test_bad_breakage(void **state) {
     (void)state;
@@ -487,7 +511,8 @@ static void test_two_components(void **state) {
         granulation_balance_def def = granulation_balance_default_def();
         def.scheme = (granulation_scheme)scheme;
         granulation_balance b;
-        assert_int_equal(granulation_balance_init(&b, &def, CELLS, edges, pivots, CELLS, edges, pivots), GRANULATION_OK);
+        assert_int_equal(granulation_balance_init(&b, &def, CELLS, edges, pivots, CELLS, edges, pivots),
+                         GRANULATION_OK);
         for (int i = 0; i < CELLS; i++)
             for (int j = 0; j < CELLS; j++) {
                 granulation_granule g = {pivots[i], pivots[j], 0.1 * (pivots[i] + pivots[j])};
@@ -501,8 +526,10 @@ static void test_two_components(void **state) {
         near_to("s", after.s + b.lost.s, before.s, 1e-12);
         near_to("l", after.l + b.lost.l, before.l, 1e-12);
         near_to("a", after.a + b.lost.a, before.a, 1e-12);
-        /* the product of the keys is bilinear: the fixed pivot keeps it pair by pair, the cell average only in the mean of a cell */
-        near_to("M11", granulation_balance_moment(&b, 1.0, 1.0) - start, 2.0, scheme == GRANULATION_FIXED_PIVOT ? 1e-4 : 3e-2);
+        /* the product of the keys is bilinear: the fixed pivot keeps it pair by pair, the cell average only in the
+           mean of a cell */
+        near_to("M11", granulation_balance_moment(&b, 1.0, 1.0) - start, 2.0,
+                scheme == GRANULATION_FIXED_PIVOT ? 1e-4 : 3e-2);
         /* air follows the composition: a tenth of the wet volume in every cell */
         for (int i = 0; i < b.n; i++)
             if (b.number[i] > 1e-12) {
@@ -526,7 +553,8 @@ static void test_monte_carlo(void **state) {
             sample[i].l = sample[i].a = 0.0;
         }
         granulation_montecarlo mc;
-        assert_int_equal(granulation_montecarlo_init(&mc, sample, SAMPLE, SAMPLE, granulation_constant_kernel, NULL, (uint64_t)run, NULL),
+        assert_int_equal(granulation_montecarlo_init(&mc, sample, SAMPLE, SAMPLE, granulation_constant_kernel, NULL,
+                                                     (uint64_t)run, NULL),
                          GRANULATION_OK);
         assert_int_equal(granulation_montecarlo_run(&mc, 10.0), GRANULATION_OK);
         m0[run] = granulation_montecarlo_moment(&mc, 0.0);
@@ -564,7 +592,8 @@ static granulation_replicate replicate(granulation_def def, double rpm, double l
     return r;
 }
 
-static void mean_of(granulation_def def, double rpm, double liquid, int runs, double mean[GRANULATION_REPLICATE_FIELDS]) {
+static void mean_of(granulation_def def, double rpm, double liquid, int runs,
+                    double mean[GRANULATION_REPLICATE_FIELDS]) {
     granulation_replicate r[50];
     double values[50][GRANULATION_REPLICATE_FIELDS];
     for (int i = 0; i < runs; i++) r[i] = replicate(def, rpm, liquid, (uint64_t)i + 1);

@@ -1,5 +1,5 @@
-/* The energy ledger of dem.h where callers act on links, on force fields and on bodies between runs: what they do is booked, and the
-   ledger's error stays the error of integration. */
+/* The energy ledger of dem.h where callers act on links, on force fields and on bodies between runs: what they do is
+   booked, and the ledger's error stays the error of integration. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +19,8 @@
 static dem_vec v3(double x, double y, double z) { return dem_vec3(x, y, z); }
 static void run(dem_world *w, double t, int features) {
     const dem_status status = dem_run(w, t, features);
-    if (status != DEM_OK) fail_msg("%s, particle %lu, step %ld", dem_status_text(status), (unsigned long)w->failed_id, (long)w->step);
+    if (status != DEM_OK)
+        fail_msg("%s, particle %lu, step %ld", dem_status_text(status), (unsigned long)w->failed_id, (long)w->step);
 }
 /* Saves a world and replaces it by what is loaded. */
 static void reload(dem_world *w) {
@@ -63,7 +64,8 @@ static double in_play(const dem_energy_ledger *l) { return l->kinetic + l->rotat
 
 /* ---- links ---- */
 
-/* A bond: it pulls the gap to 0, resists slip as a spring and as a dashpot, and twist by a torque. It tears at a gap. */
+/* A bond: it pulls the gap to 0, resists slip as a spring and as a dashpot, and twist by a torque. It
+   tears at a gap. */
 enum { STIFF, LIMIT, DRAG, TWIST, STATES };
 DEM_INLINE void bond_force(const dem_contact *c, double *state, dem_response *r) {
     r->normal = -state[STIFF] * c->gap + state[DRAG] * c->closing;
@@ -104,10 +106,10 @@ enum {
     LEDGER_PAUSED,
     LINK_ACTS
 };
-static const char *const link_acts[LINK_ACTS] = {"nothing",  "link added",    "link to a wall", "law replaced",    "law off",    "shorter",
-                                                 "longer",   "near changed",  "step changed",   "gravity changed", "struck",     "loaded",
-                                                 "held",     "let go",        "removed",        "turned",          "wall moved", "wall off",
-                                                 "reloaded", "ledger begins", "ledger paused"};
+static const char *const link_acts[LINK_ACTS] = {
+    "nothing",      "link added",   "link to a wall",  "law replaced", "law off",  "shorter",       "longer",
+    "near changed", "step changed", "gravity changed", "struck",       "loaded",   "held",          "let go",
+    "removed",      "turned",       "wall moved",      "wall off",     "reloaded", "ledger begins", "ledger paused"};
 static void none_force(const dem_contact *c, double *state, dem_response *r) { (void)c, (void)state, (void)r; }
 static const dem_law none = {"bond, none", 1, STATES, 0, 0, 0, NULL, none_force, NULL, NULL};
 DEM_LINK_KERNEL(none_kernel, none)
@@ -149,12 +151,14 @@ static void act_on_links(dem_world *w, int act, int plane, int features) {
     assert_int_equal(status, DEM_OK);
 }
 
-/* A chain of three, of spheres or with a clump at its end, and a tie to a wall; acts between two evaluations and at one. */
+/* A chain of three, of spheres or with a clump at its end, and a tie to a wall; acts between two
+   evaluations and at one. */
 static void test_acts_on_links(void **state) {
     (void)state;
     const double soft[STATES] = {2.0, 0.01, 1e-4, 1e-9};
     for (int k = 0; k < 4 * LINK_ACTS; k++) {
-        const int act = k / 4, has_clump = k & 1, between = k >> 1 & 1, features = DEM_LINEAR | DEM_FRICTION | DEM_ENERGY;
+        const int act = k / 4, has_clump = k & 1, between = k >> 1 & 1,
+                  features = DEM_LINEAR | DEM_FRICTION | DEM_ENERGY;
         const ptrdiff_t second = has_clump ? 3 : 1;
         char what[80];
         dem_world w;
@@ -174,9 +178,11 @@ static void test_acts_on_links(void **state) {
         for (int part = 0; part < 5; part++) {
             run(&w, (part + 0.3) * interval, features);
             const dem_energy_ledger l = dem_energy(&w);
-            snprintf(what, sizeof what, "%s%s%s, part %d", link_acts[act], has_clump ? ", clump" : "", between ? ", between" : "", part);
+            snprintf(what, sizeof what, "%s%s%s, part %d", link_acts[act], has_clump ? ", clump" : "",
+                     between ? ", between" : "", part);
             assert_true(in_play(&l) > 1e-7);
-            near_absolute(l.error / in_play(&l), 0.0, has_clump ? 1e-4 : 1e-9, what); /* a clump's arms turn between two evaluations */
+            /* a clump's arms turn between two evaluations */
+            near_absolute(l.error / in_play(&l), 0.0, has_clump ? 1e-4 : 1e-9, what);
         }
         dem_free(&w);
     }
@@ -213,8 +219,8 @@ typedef struct swirl {
 } swirl;
 DEM_INLINE dem_vec swirl_force(const dem_force_point *at) {
     const swirl *s = (const swirl *)at->user;
-    return dem_vec3(-s->push * at->position.y - s->drag * at->velocity.x, s->push * at->position.x - s->drag * at->velocity.y,
-                    -s->drag * at->velocity.z);
+    return dem_vec3(-s->push * at->position.y - s->drag * at->velocity.x,
+                    s->push * at->position.x - s->drag * at->velocity.y, -s->drag * at->velocity.z);
 }
 DEM_FORCE_FIELD(swirl_field, swirl_force)
 
@@ -347,7 +353,9 @@ static void test_removed_in_field(void **state) {
 /* ---- the order of sums ---- */
 
 /* A tide, in which the work of all often changes its sign: only where a sum is small do its bits show its order. */
-DEM_INLINE dem_vec tide_force(const dem_force_point *at) { return dem_vec3(at->mass * 10.0 * riddle_cos(2000.0 * at->time), 0.0, 0.0); }
+DEM_INLINE dem_vec tide_force(const dem_force_point *at) {
+    return dem_vec3(at->mass * 10.0 * riddle_cos(2000.0 * at->time), 0.0, 0.0);
+}
 DEM_FORCE_FIELD(tide_field, tide_force)
 
 enum { IN_FIELD, AROUND_FIXED, DOWN_A_SLOPE, CROWDS };
@@ -371,7 +379,8 @@ static void crowd(dem_world *w, int kind, int features, int reloads) {
         const int fixed = kind == AROUND_FIXED && k % 5 == 0;
         const double speed = fixed ? 0.02 : 1.0;
         double v[3];
-        for (int a = 0; a < 3; a++) draw = draw * 1664525u + 1013904223u, v[a] = speed * ((double)(draw >> 8) / 16777216.0 - 0.5);
+        for (int a = 0; a < 3; a++)
+            draw = draw * 1664525u + 1013904223u, v[a] = speed * ((double)(draw >> 8) / 16777216.0 - 0.5);
         ball(w, (0.5 + k % SIDE) * apart, (0.5 + k / SIDE % SIDE) * apart, (0.5 + k / SIDE / SIDE) * apart);
         if (fixed) assert_int_equal(dem_fix(w, k, 1), DEM_OK);
         assert_int_equal(dem_set_motion(w, k, v3(v[0], v[1], v[2]), v3(0, 0, 0)), DEM_OK);
@@ -405,7 +414,8 @@ static void test_order_of_sums(void **state) {
 
 /* ---- a bed of bricks that is struck ---- */
 
-/* The points of a face's edges come and go with the bodies' places: neither their friction nor their damping leaves a remainder. */
+/* The points of a face's edges come and go with the bodies' places: neither their friction nor their damping leaves
+   a remainder. */
 static void test_struck_bed(void **state) {
     (void)state;
     const double apart = 0.011;
@@ -437,8 +447,8 @@ static void test_struck_bed(void **state) {
     run(&w, 0.02, features);
     const dem_energy_ledger l = dem_energy(&w);
     assert_int_equal(dem_core_overlaps(&w), 0);
-    print_message("struck with %.2e J: error of settling %.1e J of %.1e J, of the stroke %.1e J\n", struck, before.error, before.released,
-                  l.error - before.error);
+    print_message("struck with %.2e J: error of settling %.1e J of %.1e J, of the stroke %.1e J\n", struck,
+                  before.error, before.released, l.error - before.error);
     near_absolute(before.error, 0.0, 3e-3 * before.released, "settling");
     near_absolute(l.error - before.error, 0.0, 0.01 * struck, "the stroke");
     dem_free(&w);
@@ -446,8 +456,9 @@ static void test_struck_bed(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_acts_on_links),    cmocka_unit_test(test_links_that_end), cmocka_unit_test(test_acts_in_fields),
-        cmocka_unit_test(test_removed_in_field), cmocka_unit_test(test_order_of_sums),  cmocka_unit_test(test_struck_bed),
+        cmocka_unit_test(test_acts_on_links),  cmocka_unit_test(test_links_that_end),
+        cmocka_unit_test(test_acts_in_fields), cmocka_unit_test(test_removed_in_field),
+        cmocka_unit_test(test_order_of_sums),  cmocka_unit_test(test_struck_bed),
     };
     return cmocka_run_group_tests_name("ledger", tests, NULL, NULL);
 }

@@ -43,7 +43,8 @@ static bridge_pair prepared(const bridge_pair_def *def) {
 
 static bridge formed(const bridge_pair *pair, double volume) {
     bridge b;
-    assert_int_equal(bridge_form(pair, pair->def.radius_i, pair->def.radius_j, 0.5 * volume, 0.5 * volume, 0, &b), BRIDGE_OK);
+    assert_int_equal(bridge_form(pair, pair->def.radius_i, pair->def.radius_j, 0.5 * volume, 0.5 * volume, 0, &b),
+                     BRIDGE_OK);
     return b;
 }
 
@@ -80,9 +81,10 @@ static void test_reference_values(void **state) {
     /* the first term of eq 13 as printed is the printed force less its tension term */
     for (int k = 0; k < 2; k++) {
         double gap = k ? 1e-4 : 0.0, mean = 0.5 * (th + tw);
-        double tension = 2.0 * RIDDLE_PI * sigma * r * riddle_sin(mean) * riddle_sin(mean + bridge_printed_filling_angle_wall(gap, V, r));
-        near_relative(bridge_printed_force_wall(gap, V, r, th, tw, sigma) - tension, k ? 1.0135923874533200e-3 : 1.9118652526483964e-3, t,
-                      "13 printed");
+        double tension = 2.0 * RIDDLE_PI * sigma * r * riddle_sin(mean) *
+                         riddle_sin(mean + bridge_printed_filling_angle_wall(gap, V, r));
+        near_relative(bridge_printed_force_wall(gap, V, r, th, tw, sigma) - tension,
+                      k ? 1.0135923874533200e-3 : 1.9118652526483964e-3, t, "13 printed");
     }
     near_relative(0.1 * bridge_drag_normal(1.25e-6, V, 0.5 * r, eta), 2.3240658938033955e-3, t, "eq 16, contact");
     near_relative(0.1 * bridge_drag_normal(1e-4, V, 0.5 * r, eta), 6.4911135992213393e-6, t, "eq 16, 1e-4");
@@ -96,7 +98,8 @@ static void test_reference_values(void **state) {
     near_relative(bridge_goldman_translation_far(6.0), 1.0870388079083698, t, "f_t far 6");
     near_relative(0.1 * bridge_drag_tangential(1.25e-6, V, 0.5 * r, eta), 3.8163376150533345e-6, t, "R1, contact");
     near_relative(0.1 * bridge_drag_tangential(1e-4, V, 0.5 * r, eta), 4.9813376492890878e-7, t, "R1, 1e-4");
-    near_relative(bridge_rupture_gap(V, bridge_harmonic_radius(5e-3, r), 0.5, th, th), 4.9908081898080435e-4, t, "eq 19, 1:2");
+    near_relative(bridge_rupture_gap(V, bridge_harmonic_radius(5e-3, r), 0.5, th, th), 4.9908081898080435e-4, t,
+                  "eq 19, 1:2");
     near_relative(bridge_rupture_gap(V, 2.0 * r, 0.0, th, tw), 5.0542554286216811e-4, t, "eq 19, plate");
 }
 
@@ -117,33 +120,39 @@ static void test_limits_without_cancellation(void **state) {
     }
     assert_true(bridge_neck_factor(0.0, 1e-300) == 1.0 && bridge_neck_factor(1.0, 0.0) == 0.0 &&
                 bridge_neck_factor(1.0, 1e-300) == 0.5e-300);
-    /* eq 7: the share of i over that of the other is the ratio of squares, for a million to one either way; plate as a limit: L/2 */
+    /* eq 7: the share of i over that of the other is the ratio of squares, for a million to one either way; plate as
+       a limit: L/2 */
     near_relative(bridge_share_sphere(1.0, 1e-6, 1.0), 0.5 * (1.0 - 1.4142132088196604e-3), 1e-9, "eq 7, 1:1e6");
     near_relative(bridge_share_sphere(1.0, 1.0, plate), 0.5, 1e-15, "eq 7, plate");
     near_relative(bridge_share_sphere(1.0, 1e6, 1.0), 0.25e-12 * (1.0 - 2e-6 + 3.25e-12), 1e-14, "eq 7, 1e6:1");
     near_relative(bridge_share_sphere(1.0, 1e150, 1.0), 0.25e-300, 1e-14, "eq 7, extreme");
     /* V -> 0: forces vanish at any gap, and the contact force does not depend on V */
     for (double V = 1e-12; V > 1e-290; V *= 1e-20) {
-        near_relative(bridge_force_energy(0.0, V, r, th, th, sigma), 2.0 * RIDDLE_PI * sigma * r * riddle_cos(th), 1e-14, "12a in contact");
+        near_relative(bridge_force_energy(0.0, V, r, th, th, sigma), 2.0 * RIDDLE_PI * sigma * r * riddle_cos(th),
+                      1e-14, "12a in contact");
         double a = 2.0 * V / (RIDDLE_PI * r), gap = 1e-3;
         if (V < 1e-20)
-            near_relative(bridge_force_energy(gap, V, r, th, th, sigma), RIDDLE_PI * sigma * r * riddle_cos(th) * a / gap / gap, 1e-9,
-                          "12a far");
+            near_relative(bridge_force_energy(gap, V, r, th, th, sigma),
+                          RIDDLE_PI * sigma * r * riddle_cos(th) * a / gap / gap, 1e-9, "12a far");
         if (V < 1e-20)
-            near_relative(bridge_drag_tangential(gap, V, 0.5 * r, eta), RIDDLE_PI * eta * 0.5 * r * a / gap / gap, 1e-9, "R1 far");
+            near_relative(bridge_drag_tangential(gap, V, 0.5 * r, eta), RIDDLE_PI * eta * 0.5 * r * a / gap / gap, 1e-9,
+                          "R1 far");
         if (V < 1e-20 && V > 1e-140)
             near_relative(bridge_drag_normal(gap, V, 0.5 * r, eta),
-                          6.0 * RIDDLE_PI * eta * 0.25 * r * r * a * a / (4.0 * gap * gap * gap * gap * gap), 1e-9, "16 far");
+                          6.0 * RIDDLE_PI * eta * 0.25 * r * r * a * a / (4.0 * gap * gap * gap * gap * gap), 1e-9,
+                          "16 far");
     }
     /* lubrication limit of eq 16, and the work between contact and infinity */
-    near_relative(bridge_drag_normal(1e-12, 1e-10, 0.5 * r, eta), 6.0 * RIDDLE_PI * eta * 0.25 * r * r / 1e-12, 1e-6, "16 near");
+    near_relative(bridge_drag_normal(1e-12, 1e-10, 0.5 * r, eta), 6.0 * RIDDLE_PI * eta * 0.25 * r * r / 1e-12, 1e-6,
+                  "16 near");
     near_relative(bridge_work_energy(1e3, 1e-10, r, th, th, sigma),
                   2.0 * RIDDLE_PI * sigma * r * riddle_cos(th) * sqrt(2e-10 / (RIDDLE_PI * r)), 1e-6, "work");
-    near_relative(bridge_work_energy(1e-15, 1e-10, r, th, th, sigma), 1e-15 * bridge_force_energy(0.0, 1e-10, r, th, th, sigma), 1e-9,
-                  "work, small gap");
+    near_relative(bridge_work_energy(1e-15, 1e-10, r, th, th, sigma),
+                  1e-15 * bridge_force_energy(0.0, 1e-10, r, th, th, sigma), 1e-9, "work, small gap");
     assert_true(bridge_effective_angle(0.3, 0.3) > 0.3 - 1e-15 && bridge_effective_angle(0.3, 0.3) < 0.3 + 1e-15);
     near_relative(bridge_effective_angle(1e-9, 1e-9), 1e-9, 1e-14, "effective angle near 0");
-    near_relative(riddle_cos(bridge_effective_angle(0.2, 0.9)), 0.5 * (riddle_cos(0.2) + riddle_cos(0.9)), 1e-15, "effective angle");
+    near_relative(riddle_cos(bridge_effective_angle(0.2, 0.9)), 0.5 * (riddle_cos(0.2) + riddle_cos(0.9)), 1e-15,
+                  "effective angle");
 }
 
 static void test_force_is_derivative_of_energy(void **state) {
@@ -152,11 +161,11 @@ static void test_force_is_derivative_of_energy(void **state) {
     for (double gap = 1e-6; gap < 1e-3; gap *= 2.0) {
         double h = 1e-3 * gap, w[4];
         for (int k = 0; k < 4; k++) w[k] = bridge_work_energy(gap + h * (k < 2 ? k - 2 : k - 1), V, r, th, 0.5, sigma);
-        near_relative((8.0 * (w[2] - w[1]) - (w[3] - w[0])) / (12.0 * h), bridge_force_energy(gap, V, r, th, 0.5, sigma), 1e-8,
-                      "12a = dW/dS");
+        near_relative((8.0 * (w[2] - w[1]) - (w[3] - w[0])) / (12.0 * h),
+                      bridge_force_energy(gap, V, r, th, 0.5, sigma), 1e-8, "12a = dW/dS");
         for (int k = 0; k < 4; k++) w[k] = bridge_force_energy(gap + h * (k < 2 ? k - 2 : k - 1), V, r, th, 0.5, sigma);
-        near_relative((8.0 * (w[2] - w[1]) - (w[3] - w[0])) / (12.0 * h), bridge_stiffness_energy(gap, V, r, th, 0.5, sigma), 1e-8,
-                      "dF/dS");
+        near_relative((8.0 * (w[2] - w[1]) - (w[3] - w[0])) / (12.0 * h),
+                      bridge_stiffness_energy(gap, V, r, th, 0.5, sigma), 1e-8, "dF/dS");
     }
     /* the series of a bridge and its own work */
     bridge_pair_def def = pair_of(r, plate, 15.0, 45.0);
@@ -165,10 +174,12 @@ static void test_force_is_derivative_of_energy(void **state) {
     for (double x = 0.01; x < 1.3; x += 0.0437) {
         double gap = x * b.rupture_gap, h = 1e-3 * fmin(gap, fabs(b.rupture_gap - gap)), w[4];
         for (int k = 0; k < 4; k++) w[k] = bridge_work(&b, 0.0, gap + h * (k < 2 ? k - 2 : k - 1));
-        near_relative((8.0 * (w[2] - w[1]) - (w[3] - w[0])) / (12.0 * h), bridge_attraction(&b, gap), 1e-8, "series = dW/dS");
+        near_relative((8.0 * (w[2] - w[1]) - (w[3] - w[0])) / (12.0 * h), bridge_attraction(&b, gap), 1e-8,
+                      "series = dW/dS");
     }
     near_relative(bridge_work(&b, -1e-6, 0.0), 1e-6 * bridge_attraction(&b, 0.0), 1e-12, "work in overlap");
-    near_relative(bridge_work(&b, -1e-6, 2e-4), bridge_work(&b, -1e-6, 1e-4) + bridge_work(&b, 1e-4, 2e-4), 1e-9, "work adds up");
+    near_relative(bridge_work(&b, -1e-6, 2e-4), bridge_work(&b, -1e-6, 1e-4) + bridge_work(&b, 1e-4, 2e-4), 1e-9,
+                  "work adds up");
     near_relative(bridge_work(&b, 2e-4, 1e-4), -bridge_work(&b, 1e-4, 2e-4), 1e-15, "work back");
     /* Young-Laplace: force = d energy/d gap at constant volume */
     const double kinds[][4] = {{r, r, 15, 15}, {r, r, 0, 40}, {r, plate, 15, 45}, {r, 4.0 * r, 30, 20}};
@@ -178,11 +189,13 @@ static void test_force_is_derivative_of_energy(void **state) {
             double h = 2e-3 * gap, e[4];
             bridge_shape shape;
             for (int j = 0; j < 4; j++) {
-                assert_int_equal(bridge_young_laplace(&solid, 1e-10, gap + h * (j < 2 ? j - 2 : j - 1), &shape), BRIDGE_OK);
+                assert_int_equal(bridge_young_laplace(&solid, 1e-10, gap + h * (j < 2 ? j - 2 : j - 1), &shape),
+                                 BRIDGE_OK);
                 e[j] = shape.energy;
             }
             assert_int_equal(bridge_young_laplace(&solid, 1e-10, gap, &shape), BRIDGE_OK);
-            near_relative((8.0 * (e[2] - e[1]) - (e[3] - e[0])) / (12.0 * h), shape.force, 1e-8, "Young-Laplace: F = dE/dS");
+            near_relative((8.0 * (e[2] - e[1]) - (e[3] - e[0])) / (12.0 * h), shape.force, 1e-8,
+                          "Young-Laplace: F = dE/dS");
         }
     }
 }
@@ -197,7 +210,8 @@ static void test_domains(void **state) {
         assert_true(isnan(bridge_neck_factor(x, 1.0)) && isnan(bridge_neck_factor(1.0, x)));
         assert_true(isnan(bridge_share_sphere(x, 1.0, 1.0)) && isnan(bridge_share_sphere(1.0, x, 1.0)) &&
                     isnan(bridge_share_sphere(1.0, 1.0, x)));
-        assert_true(isnan(bridge_share_wall(x)) && isnan(bridge_share_wall_film(x, 1.0)) && isnan(bridge_share_wall_film(1.0, x)));
+        assert_true(isnan(bridge_share_wall(x)) && isnan(bridge_share_wall_film(x, 1.0)) &&
+                    isnan(bridge_share_wall_film(1.0, x)));
         assert_true(isnan(bridge_share_wire(x, 1.0, 1.0)) && isnan(bridge_share_wire(1.0, x, 1.0)) &&
                     isnan(bridge_share_wire(1.0, 1.0, x)));
         assert_true(isnan(bridge_share_wire_film(x, 1.0, 1.0)) && isnan(bridge_share_wire_film(1.0, x, 1.0)) &&
@@ -224,49 +238,61 @@ static void test_domains(void **state) {
         }
         assert_true(isnan(bridge_drag_normal(x, 1e-10, 1e-3, eta)) && isnan(bridge_drag_normal(1e-5, x, 1e-3, eta)));
         assert_true(isnan(bridge_drag_normal(1e-5, 1e-10, x, eta)) && isnan(bridge_drag_normal(1e-5, 1e-10, 1e-3, x)));
-        assert_true(isnan(bridge_drag_tangential(x, 1e-10, 1e-3, eta)) && isnan(bridge_drag_tangential(1e-5, 1e-10, 1e-3, x)));
+        assert_true(isnan(bridge_drag_tangential(x, 1e-10, 1e-3, eta)) &&
+                    isnan(bridge_drag_tangential(1e-5, 1e-10, 1e-3, x)));
         assert_true(isnan(bridge_goldman_translation_near(x)) && isnan(bridge_goldman_translation_far(x)) &&
                     isnan(bridge_goldman_rotation(x)));
         assert_true(isnan(bridge_goldman_coupling_near(x)) && isnan(bridge_goldman_coupling_far(x)));
-        assert_true(isnan(bridge_rupture_gap_dynamic(x, 0.0, sigma, eta)) && isnan(bridge_rupture_gap_dynamic(1e-4, 0.0, x, eta)));
+        assert_true(isnan(bridge_rupture_gap_dynamic(x, 0.0, sigma, eta)) &&
+                    isnan(bridge_rupture_gap_dynamic(1e-4, 0.0, x, eta)));
         assert_true(isnan(bridge_sticking_velocity(x, 1.0, 0.5)) && isnan(bridge_sticking_velocity(1.0, x, 0.5)) &&
                     isnan(bridge_sticking_velocity(1.0, 1.0, x)));
         assert_true(isnan(bridge_wet_restitution(x, 1.0, 0.5, 1.0)) && isnan(bridge_wet_restitution(1.0, 1.0, 0.5, x)));
         assert_true(isnan(bridge_quantum(x)));
     }
-    assert_true(isnan(bridge_viscous_gap(nan_value, 1.0, 1e-3)) && isnan(bridge_rupture_gap_dynamic(1e-4, nan_value, sigma, eta)));
+    assert_true(isnan(bridge_viscous_gap(nan_value, 1.0, 1e-3)) &&
+                isnan(bridge_rupture_gap_dynamic(1e-4, nan_value, sigma, eta)));
     assert_true(isnan(bridge_force_willett(1e-5, 1e-14, 2.5e-3, 0.2, sigma)) &&
                 isnan(bridge_force_willett(1e-5, 1e-10, 2.5e-3, 1.0, sigma)));
-    assert_true(isnan(bridge_force_energy(1e-5, 0.0, 1.0, 0.1, 0.1, sigma)) && isnan(bridge_force_energy(1e-5, 1.0, 1.0, 1.6, 0.1, sigma)));
-    assert_true(isnan(bridge_rupture_gap(20.0, 1.0, 0.0, 0.1, 0.1)) && bridge_rupture_gap(0.0, 1.0, 0.5, 0.1, 0.1) == 0.0);
+    assert_true(isnan(bridge_force_energy(1e-5, 0.0, 1.0, 0.1, 0.1, sigma)) &&
+                isnan(bridge_force_energy(1e-5, 1.0, 1.0, 1.6, 0.1, sigma)));
+    assert_true(isnan(bridge_rupture_gap(20.0, 1.0, 0.0, 0.1, 0.1)) &&
+                bridge_rupture_gap(0.0, 1.0, 0.5, 0.1, 0.1) == 0.0);
     assert_true(isnan(bridge_share_wire(1.0, 1.0, 6.5)) && isnan(bridge_share_sphere(1.0, plate, 1.0)));
     assert_true(bridge_wet_restitution(1.0, 1.0, 0.5, 1e-3) == 0.0 && bridge_sticking_velocity(0.0, 1.0, 1.0) == 0.0);
     /* Willett at contact, and where f4 > 0 could blow up */
     assert_true(bridge_force_willett(0.0, 1e-10, 2.5e-3, 0.2618, sigma) > 0.0);
-    near_relative(bridge_force_willett(1e-12, 1e-10, 2.5e-3, 0.2618, sigma), bridge_force_willett(0.0, 1e-10, 2.5e-3, 0.2618, sigma), 1e-2,
-                  "Willett, S -> 0");
+    near_relative(bridge_force_willett(1e-12, 1e-10, 2.5e-3, 0.2618, sigma),
+                  bridge_force_willett(0.0, 1e-10, 2.5e-3, 0.2618, sigma), 1e-2, "Willett, S -> 0");
     assert_string_equal(bridge_status_text(BRIDGE_OK), "ok");
     for (int k = 0; k < BRIDGE_STATUS_COUNT; k++) assert_true(strlen(bridge_status_text((bridge_status)k)) >= 2);
     assert_string_equal(bridge_status_text((bridge_status)99), "unknown status");
     assert_string_equal(bridge_status_text(BRIDGE_STATUS_COUNT), "unknown status");
 }
 
-/* Closed forms of the rupture distance against each other, and the sticking speed of the specification (12a: W = 1.504e-7 J, 0.078 m/s). */
+/* Closed forms of the rupture distance against each other, and the sticking speed of the specification (12a:
+   W = 1.504e-7 J, 0.078 m/s). */
 static void test_rupture_and_rebound(void **state) {
     (void)state;
     const double r = 2.5e-3, V = 1e-10, th = 15.0 * DEGREES, v = riddle_cbrt(V) / r;
-    near_relative(bridge_rupture_gap(V, r, 1.0, th, th), r * (1.0 + 0.5 * th) * (v + 0.1 * v * v), 1e-14, "equal spheres");
-    near_relative(bridge_rupture_gap_unequal(V, r, 0.5, th, th), bridge_rupture_gap(V, r, 0.5, th, th), 0.05, "correction, equal angles");
-    assert_true(bridge_rupture_gap_unequal(V, r, 1.0, th, 3.0 * th) == bridge_rupture_gap_unequal(V, r, 1.0, 3.0 * th, th));
-    near_relative(bridge_rupture_gap_unequal(8.0 * V, 2.0 * r, 0.3, th, 0.0), 2.0 * bridge_rupture_gap_unequal(V, r, 0.3, th, 0.0), 1e-14,
-                  "lengths scale");
+    near_relative(bridge_rupture_gap(V, r, 1.0, th, th), r * (1.0 + 0.5 * th) * (v + 0.1 * v * v), 1e-14,
+                  "equal spheres");
+    near_relative(bridge_rupture_gap_unequal(V, r, 0.5, th, th), bridge_rupture_gap(V, r, 0.5, th, th), 0.05,
+                  "correction, equal angles");
+    assert_true(bridge_rupture_gap_unequal(V, r, 1.0, th, 3.0 * th) ==
+                bridge_rupture_gap_unequal(V, r, 1.0, 3.0 * th, th));
+    near_relative(bridge_rupture_gap_unequal(8.0 * V, 2.0 * r, 0.3, th, 0.0),
+                  2.0 * bridge_rupture_gap_unequal(V, r, 0.3, th, 0.0), 1e-14, "lengths scale");
     for (int k = 0; k <= 10; k++) { /* beyond its range the factor stays */
         const double much = 0.1 * r * r * r, ratio = 0.1 * k;
-        near_relative(bridge_rupture_gap_unequal(50.0 * much, r, ratio, th, 0.0) / bridge_rupture_gap(50.0 * much, r, ratio, th, 0.0),
-                      bridge_rupture_gap_unequal(much, r, ratio, th, 0.0) / bridge_rupture_gap(much, r, ratio, th, 0.0), 1e-12, "held");
+        near_relative(bridge_rupture_gap_unequal(50.0 * much, r, ratio, th, 0.0) /
+                          bridge_rupture_gap(50.0 * much, r, ratio, th, 0.0),
+                      bridge_rupture_gap_unequal(much, r, ratio, th, 0.0) / bridge_rupture_gap(much, r, ratio, th, 0.0),
+                      1e-12, "held");
     }
     assert_true(bridge_rupture_gap_dynamic(1e-4, -3.0, sigma, eta) == 1e-4);
-    near_relative(bridge_rupture_gap_dynamic(1e-4, 0.1, sigma, eta), 1e-4 * (1.0 + sqrt(eta * 0.1 / sigma)), 1e-15, "eq 20");
+    near_relative(bridge_rupture_gap_dynamic(1e-4, 0.1, sigma, eta), 1e-4 * (1.0 + sqrt(eta * 0.1 / sigma)), 1e-15,
+                  "eq 20");
     double rupture = bridge_rupture_gap(V, r, 1.0, th, th), work = bridge_work_energy(rupture, V, r, th, th, sigma);
     near_relative(work, 1.504e-7, 1e-3, "work to rupture");
     near_relative(bridge_sticking_velocity(work, 8.18e-5, 0.7808), 0.078, 6e-3, "sticking velocity");
@@ -282,8 +308,10 @@ static void test_printed_laws_are_as_printed(void **state) {
     const double r = 2.5e-3, th = 15.0 * DEGREES;
     double limit = 2.0 * RIDDLE_PI * sigma * r * riddle_sin(th) * riddle_sin(th);
     near_relative(bridge_printed_force(1.0, 1e-30, r, th, th, sigma), limit, 1e-6, "eq 12 attracts without liquid");
-    assert_true(bridge_printed_force(1e-4, 1e-10, r, 0.0, 0.0, sigma) == bridge_force_energy(1e-4, 1e-10, r, 0.0, 0.0, sigma));
-    assert_true(bridge_printed_drag_translation(6.03 * r, r, eta) > 0.0 && bridge_printed_drag_translation(6.04 * r, r, eta) < 0.0);
+    assert_true(bridge_printed_force(1e-4, 1e-10, r, 0.0, 0.0, sigma) ==
+                bridge_force_energy(1e-4, 1e-10, r, 0.0, 0.0, sigma));
+    assert_true(bridge_printed_drag_translation(6.03 * r, r, eta) > 0.0 &&
+                bridge_printed_drag_translation(6.04 * r, r, eta) < 0.0);
     assert_true(bridge_printed_drag_spin(1e-3 * r, r, eta) < 0.0);
     assert_true(bridge_printed_filling_angle_wall(0.1, 1e-10, r) > 8.0);
     double rupture = bridge_rupture_gap(1e-2 * r * r * r, 2.0 * r, 0.0, th, 45.0 * DEGREES);
@@ -295,7 +323,8 @@ static void test_printed_laws_are_as_printed(void **state) {
     near_relative(-(ft * 1.0 - fr * 2.0) * (1.0 - 2.0), 3.306, 1e-3, "power injected by eqs 17, 18");
     for (double x = 1e-6; x <= 10.0; x *= 1.3) { /* while Goldman's full matrix is positive definite */
         double t = x < 0.1 ? bridge_goldman_translation_near(x) : bridge_goldman_translation_far(x);
-        double c = x < 0.1 ? bridge_goldman_coupling_near(x) : bridge_goldman_coupling_far(x), rr = bridge_goldman_rotation(x);
+        double c = x < 0.1 ? bridge_goldman_coupling_near(x) : bridge_goldman_coupling_far(x),
+               rr = bridge_goldman_rotation(x);
         double smallest = 0.5 * (t + rr - sqrt((t - rr) * (t - rr) + 4.0 * c * c));
         assert_true(smallest >= 1.0);
     }
@@ -326,7 +355,8 @@ static void test_definitions(void **state) {
         for (size_t j = 0; j < 5; j++) {
             bridge_pair_def def = good;
             memcpy((char *)&def + fields[k].offset, &bad[j], sizeof(double));
-            int angle = strncmp(fields[k].name, "angle", 5) == 0, viscosity = strcmp(fields[k].name, "liquid.viscosity") == 0;
+            int angle = strncmp(fields[k].name, "angle", 5) == 0,
+                viscosity = strcmp(fields[k].name, "liquid.viscosity") == 0;
             if ((bad[j] == 0.0 && (angle || viscosity)) ||
                 (bad[j] == 1e300 && (viscosity || strcmp(fields[k].name, "liquid.surface_tension") == 0))) {
                 assert_int_equal(bridge_pair_check_def(&def, &field), BRIDGE_OK); /* zero is a legal angle */
@@ -336,10 +366,12 @@ static void test_definitions(void **state) {
             bridge_shape shape;
             bridge b;
             assert_int_equal(bridge_pair_check_def(&def, &field), BRIDGE_INVALID);
-            assert_true(strcmp(field, fields[k].name) == 0 || (fields[k].offset < 8 && strcmp(field, "radius_j") == 0) ||
+            assert_true(strcmp(field, fields[k].name) == 0 ||
+                        (fields[k].offset < 8 && strcmp(field, "radius_j") == 0) ||
                         (strcmp(fields[k].name, "volume_min") == 0 && strcmp(field, "volume_max") == 0));
             assert_int_equal(bridge_pair_prepare(&pair, &def), BRIDGE_INVALID);
-            assert_int_equal(bridge_form(&pair, 2.5e-3, 2.5e-3, 1e-10, 0.0, 0, &b), BRIDGE_INVALID); /* unusable, and says so */
+            /* Unusable, and says so. */
+            assert_int_equal(bridge_form(&pair, 2.5e-3, 2.5e-3, 1e-10, 0.0, 0, &b), BRIDGE_INVALID);
             assert_int_equal(bridge_young_laplace(&def, 1e-10, 0.0, &shape), BRIDGE_INVALID);
             assert_int_equal(bridge_young_laplace_rupture(&def, 1e-10, &shape, NULL), BRIDGE_INVALID);
         }
@@ -370,8 +402,10 @@ static void test_young_laplace_refuses(void **state) {
     near_relative(fold, rupture.gap, 1e-12, "15 degrees: the fold is first");
     assert_int_equal(bridge_young_laplace(&def, 1e-2 * R3, fold * (1.0 - 1e-9), &shape), BRIDGE_OK);
     assert_int_equal(bridge_young_laplace(&def, 1e-2 * R3, fold * (1.0 + 1e-9), &shape), BRIDGE_RUPTURED);
-    assert_true(isnan(shape.force) && isnan(shape.pressure) && isnan(shape.gap) && isnan(shape.neck) && isnan(shape.ring_i));
-    assert_true(isnan(shape.ring_j) && isnan(shape.filling_i) && isnan(shape.filling_j) && isnan(shape.share_i) && isnan(shape.energy));
+    assert_true(isnan(shape.force) && isnan(shape.pressure) && isnan(shape.gap) && isnan(shape.neck) &&
+                isnan(shape.ring_i));
+    assert_true(isnan(shape.ring_j) && isnan(shape.filling_i) && isnan(shape.filling_j) && isnan(shape.share_i) &&
+                isnan(shape.energy));
     assert_int_equal(bridge_young_laplace_rupture(&def, 10.0, &rupture, &not_found), BRIDGE_NO_SOLUTION);
     assert_true(isnan(rupture.force) && isnan(rupture.gap) && isnan(not_found));
     assert_int_equal(bridge_young_laplace(&def, 1e-2 * R3, 1e300, &shape), BRIDGE_RUPTURED);
@@ -395,7 +429,8 @@ static void test_young_laplace_refuses(void **state) {
     near_relative(x.energy, y.energy, 1e-10, "energy");
 }
 
-/* Nearly equal spheres break a little before equal ones do, not at the fold of a solution that equal ones have left behind. */
+/* Nearly equal spheres break a little before equal ones do, not at the fold of a solution that equal ones have
+   left behind. */
 static void test_nearly_equal_spheres(void **state) {
     (void)state;
     for (double degrees = 35.0; degrees < 51.0; degrees += 5.0)
@@ -465,8 +500,9 @@ static errors table_errors(const bridge_pair *pair, double ri, double rj, double
 
 static void test_tables_against_young_laplace(void **state) {
     (void)state;
-    const double kinds[][4] = {{1, 1, 0, 0},  {1, 1, 15, 15}, {1, 1, 30, 30},   {1, 1.4, 15, 15},   {1, 2, 15, 15},     {1, 4, 30, 30},
-                               {1, 1, 0, 30}, {1, 2, 30, 5},  {1, plate, 0, 0}, {1, plate, 15, 15}, {1, plate, 30, 30}, {3, 1, 7, 22}};
+    const double kinds[][4] = {{1, 1, 0, 0},     {1, 1, 15, 15},     {1, 1, 30, 30},     {1, 1.4, 15, 15},
+                               {1, 2, 15, 15},   {1, 4, 30, 30},     {1, 1, 0, 30},      {1, 2, 30, 5},
+                               {1, plate, 0, 0}, {1, plate, 15, 15}, {1, plate, 30, 30}, {3, 1, 7, 22}};
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
         bridge_pair_def def = pair_of(kinds[k][0], kinds[k][1], kinds[k][2], kinds[k][3]);
         bridge_pair pair = prepared(&def);
@@ -475,7 +511,8 @@ static void test_tables_against_young_laplace(void **state) {
             fail_msg("pair %d: force %.2g, rupture %.2g, split %.2g", (int)k, e.to_09, e.rupture, e.split);
         assert_true(pair.deviation > 0.2 * e.to_09 && pair.deviation < 1.5e-3);
     }
-    /* the main job's plates and wires, 15/45 degrees: the table is cut where the neck jumps from one solid to the other */
+    /* the main job's plates and wires, 15/45 degrees: the table is cut where the neck jumps from one solid
+       to the other */
     for (double r = 2.5e-3; r <= 5e-3; r += 1.25e-3) {
         bridge_pair_def def = pair_of(r, plate, 15.0, 45.0);
         bridge_pair pair = prepared(&def);
@@ -500,24 +537,28 @@ static void test_stated_deviation(void **state) {
     int cut = 0, unsolved = 0;
     double worst = 0.0, worst_rupture = 0.0;
     for (int n = 0; n < 50; n++) {
-        double kind = uniform(), ratio = riddle_exp(between(-3.0, 3.0)), angle_i = between(0.0, 45.0), angle_j = between(0.0, 45.0);
+        double kind = uniform(), ratio = riddle_exp(between(-3.0, 3.0)), angle_i = between(0.0, 45.0),
+               angle_j = between(0.0, 45.0);
         bridge_pair_def def = pair_of(1.0, kind < 0.4 ? plate : ratio, angle_i, angle_j);
         def.volume_min = riddle_exp(between(-14.0, -9.0));
         def.volume_max = fmax(2.0 * def.volume_min, between(0.0, 0.1));
         bridge_pair pair;
         if (bridge_pair_prepare(&pair, &def) != BRIDGE_OK)
-            fail_msg("ratio %g, angles %g, %g, volumes %g to %g", def.radius_j, angle_i, angle_j, def.volume_min, def.volume_max);
+            fail_msg("ratio %g, angles %g, %g, volumes %g to %g", def.radius_j, angle_i, angle_j, def.volume_min,
+                     def.volume_max);
         cut += pair.pieces > 1;
         for (int k = 0; k < 200; k++) {
             double force = pair.deviation, rupture = pair.rupture_deviation;
             unsolved += bridge__compare(&pair, between(pair.ln_min, pair.ln_max)) != BRIDGE_OK;
             if (pair.deviation > force || pair.rupture_deviation > rupture)
-                fail_msg("pair %d: says %.3g, %.3g, is %.3g, %.3g", n, force, rupture, pair.deviation, pair.rupture_deviation);
+                fail_msg("pair %d: says %.3g, %.3g, is %.3g, %.3g", n, force, rupture, pair.deviation,
+                         pair.rupture_deviation);
         }
         worst = fmax(worst, pair.deviation);
         worst_rupture = fmax(worst_rupture, pair.rupture_deviation);
     }
-    print_message("    50 pairs, %d with a jump: force within %.2g, rupture gap within %.2g\n", cut, worst, worst_rupture);
+    print_message("    50 pairs, %d with a jump: force within %.2g, rupture gap within %.2g\n", cut, worst,
+                  worst_rupture);
     assert_true(unsolved <= 5);                                   /* of 10000: next to a jump */
     assert_true(cut > 0 && worst < 5e-3 && worst_rupture < 0.03); /* the largest: a jump whose table could not be cut */
 }
@@ -529,7 +570,8 @@ static void test_random_pairs(void **state) {
     double force = 0.0, rupture = 0.0;
     for (int n = 0; n < 150; n++) {
         double r = riddle_exp(between(-14.0, -4.0)), ratio = riddle_exp(between(-3.0, 3.0)), kind = uniform();
-        double angle_i = between(0.0, 45.0), angle_j = between(0.0, 45.0); /* one after the other: arguments have no order */
+        /* one after the other: arguments have no order */
+        double angle_i = between(0.0, 45.0), angle_j = between(0.0, 45.0);
         bridge_pair_def def = pair_of(r, kind < 0.2 ? plate : (kind < 0.4 ? r : ratio * r), angle_i, angle_j);
         if (kind > 0.3 && kind < 0.6) def.angle_j = def.angle_i;
         if (def.radius_j == def.radius_i || fabs(ratio - 1.0) > 0.01) {
@@ -557,13 +599,14 @@ static void test_scattered_radii(void **state) {
             def.volume_max = j < 3 ? 0.1 : 0.02;
             bridge_pair pair = prepared(&def);
             for (int k = 0; k < 4; k++) {
-                errors e = table_errors(&pair, classes[i] + (k & 1 ? off : -off), j < 3 ? rj + (k & 2 ? off : -off) : rj, 1.2e-6,
-                                        0.9 * def.volume_max);
+                errors e = table_errors(&pair, classes[i] + (k & 1 ? off : -off),
+                                        j < 3 ? rj + (k & 2 ? off : -off) : rj, 1.2e-6, 0.9 * def.volume_max);
                 worst = fmax(worst, e.to_09);
                 worst_rupture = fmax(worst_rupture, e.rupture);
             }
         }
-    print_message("    radii off by up to 2 %%: force within %.3f %%, rupture gap within %.3f %%\n", 100.0 * worst, 100.0 * worst_rupture);
+    print_message("    radii off by up to 2 %%: force within %.3f %%, rupture gap within %.3f %%\n", 100.0 * worst,
+                  100.0 * worst_rupture);
     assert_true(worst < 3e-3 && worst_rupture < 7e-3);
 }
 
@@ -594,8 +637,8 @@ static void test_forming(void **state) {
     assert_int_equal(bridge_form(&pair, 5e-3, 10e-3, 24e-10, 8e-10, 0, &scaled), BRIDGE_OK);
     near_relative(scaled.rupture_gap, 2.0 * b.rupture_gap, 1e-14, "rupture scales");
     for (double x = 0.0; x < 1.2; x += 0.1)
-        near_relative(bridge_attraction(&scaled, x * scaled.rupture_gap), 2.0 * bridge_attraction(&b, x * b.rupture_gap), 1e-12,
-                      "force scales");
+        near_relative(bridge_attraction(&scaled, x * scaled.rupture_gap),
+                      2.0 * bridge_attraction(&b, x * b.rupture_gap), 1e-12, "force scales");
     def.split = BRIDGE_SPLIT_HALF;
     pair = prepared(&def);
     assert_int_equal(bridge_form(&pair, 2.5e-3, 5e-3, 3e-10, 1e-10, 0, &b), BRIDGE_OK);
@@ -605,7 +648,8 @@ static void test_forming(void **state) {
     assert_int_equal(bridge_form(&pair, 2.5e-3, 5e-3, 3e-10, 1e-10, 0, &b), BRIDGE_OK);
     assert_true(b.split == 0.75);
     assert_int_equal(bridge_form_printed(&pair, 2.5e-3, 5e-3, 3e-10, 1e-10, 0, &b), BRIDGE_OK);
-    near_relative(b.rupture_gap, bridge_rupture_gap(4e-10, bridge_harmonic_radius(2.5e-3, 5e-3), 0.5, def.angle_i, def.angle_j), 1e-15,
+    near_relative(b.rupture_gap,
+                  bridge_rupture_gap(4e-10, bridge_harmonic_radius(2.5e-3, 5e-3), 0.5, def.angle_i, def.angle_j), 1e-15,
                   "eq 19");
     assert_int_equal(bridge_form_printed(&pair, 2.5e-3, 5e-3, 0.0, 0.0, 0, &b), BRIDGE_VOLUME);
     /* where bridges of touching spheres meet */
@@ -636,12 +680,14 @@ static void test_step_is_the_laws(void **state) {
         bridge_pair pair = prepared(&def);
         for (int n = 0; n < 20000; n++) {
             double rs = bridge_reduced_radius(def.radius_i, def.radius_j),
-                   V = riddle_exp(between(riddle_log(1.1e-6), riddle_log(0.09))) * pair.radius * pair.radius * pair.radius;
+                   V = riddle_exp(between(riddle_log(1.1e-6), riddle_log(0.09))) * pair.radius * pair.radius *
+                       pair.radius;
             bridge_liquid liquid = def.liquid;
             liquid.roughness = riddle_exp(between(riddle_log(2e-4), riddle_log(0.1)));
             bridge b = formed(&pair, V);
             double gap = between(-0.2, 1.4) * b.rupture_gap, v = between(-1.0, 1.0);
-            double sv = bridge_viscous_gap(gap, rs, liquid.roughness), normal = bridge_drag_normal(sv, V, rs, liquid.viscosity);
+            double sv = bridge_viscous_gap(gap, rs, liquid.roughness),
+                   normal = bridge_drag_normal(sv, V, rs, liquid.viscosity);
             bridge_forces f = bridge_evaluate(&b, &liquid, gap, v);
             assert_true(fabs(f.normal - bridge_attraction(&b, gap) - normal * v) <=
                         1e-12 * (fabs(normal * v) + bridge_attraction(&b, gap)));
@@ -660,16 +706,19 @@ static void test_step_is_the_laws(void **state) {
     bridge_pair pair = prepared(&def);
     bridge b = formed(&pair, 1e-10), none = b;
     none.volume = 0.0;
-    bridge_forces zero = bridge_evaluate(&none, &def.liquid, 0.0, 1.0), printed = bridge_evaluate_printed(&pair, &none, 0.0, 1.0);
-    assert_true(zero.normal == 0.0 && zero.tangential == 0.0 && zero.spin == 0.0 && printed.normal == 0.0 && printed.spin == 0.0);
+    bridge_forces zero = bridge_evaluate(&none, &def.liquid, 0.0, 1.0),
+                  printed = bridge_evaluate_printed(&pair, &none, 0.0, 1.0);
+    assert_true(zero.normal == 0.0 && zero.tangential == 0.0 && zero.spin == 0.0 && printed.normal == 0.0 &&
+                printed.spin == 0.0);
     def.liquid.viscosity = 0.0;
     assert_true(bridge_evaluate(&b, &def.liquid, 1e-5, 1.0).tangential == 0.0);
-    assert_true(bridge_is_ruptured(&b, &def.liquid, 1.0001 * b.rupture_gap, 5.0) && !bridge_is_ruptured(&b, &def.liquid, nan_value, 5.0));
+    assert_true(bridge_is_ruptured(&b, &def.liquid, 1.0001 * b.rupture_gap, 5.0) &&
+                !bridge_is_ruptured(&b, &def.liquid, nan_value, 5.0));
     assert_true(isnan(bridge_work(&b, nan_value, 1.0)) && isnan(bridge_work(&b, 0.0, nan_value)));
     /* continuous through contact and through static rupture, falling all the way */
     near_relative(bridge_attraction(&b, 1e-15), bridge_attraction(&b, -1e-3), 1e-9, "through contact");
-    near_relative(bridge_attraction(&b, b.rupture_gap * (1.0 + 1e-14)), bridge_attraction(&b, b.rupture_gap * (1.0 - 1e-14)), 1e-6,
-                  "through rupture");
+    near_relative(bridge_attraction(&b, b.rupture_gap * (1.0 + 1e-14)),
+                  bridge_attraction(&b, b.rupture_gap * (1.0 - 1e-14)), 1e-6, "through rupture");
     for (double x = 0.0; x < 1.5; x += 0.01)
         assert_true(bridge_attraction(&b, (x + 0.01) * b.rupture_gap) < bridge_attraction(&b, x * b.rupture_gap));
     /* time-step advice */
@@ -678,14 +727,16 @@ static void test_step_is_the_laws(void **state) {
     double h = 1e-9;
     near_relative(s.capillary, (bridge_attraction(&b, 0.0) - bridge_attraction(&b, h)) / h, 1e-3, "stiffness");
     near_relative(s.normal, bridge_drag_normal(1e-3 * 1.25e-3, 1e-10, 1.25e-3, eta), 1e-9, "normal resistance");
-    near_relative(s.tangential, bridge_drag_tangential(1e-3 * 1.25e-3, 1e-10, 1.25e-3, eta), 2e-5, "tangential resistance");
+    near_relative(s.tangential, bridge_drag_tangential(1e-3 * 1.25e-3, 1e-10, 1.25e-3, eta), 2e-5,
+                  "tangential resistance");
     assert_true(bridge_contact_stiffness(&none, &def.liquid).capillary == 0.0);
 }
 
 /* A bridge forms in contact and breaks at rupture: the work of one cycle is what the liquid dissipates. */
 static void test_work_of_a_closed_cycle(void **state) {
     (void)state;
-    const double kinds[][4] = {{2.5e-3, 2.5e-3, 15, 15}, {2.5e-3, 5e-3, 15, 15}, {2.5e-3, plate, 15, 45}, {5e-3, plate, 15, 45}};
+    const double kinds[][4] = {
+        {2.5e-3, 2.5e-3, 15, 15}, {2.5e-3, 5e-3, 15, 15}, {2.5e-3, plate, 15, 45}, {5e-3, plate, 15, 45}};
     for (int k = 0; k < 4; k++) {
         bridge_pair_def def = pair_of(kinds[k][0], kinds[k][1], kinds[k][2], kinds[k][3]);
         bridge_pair pair = prepared(&def);
@@ -706,7 +757,8 @@ static void test_work_of_a_closed_cycle(void **state) {
             assert_int_equal(bridge_young_laplace(&def, V, 0.0, &contact), BRIDGE_OK);
             assert_int_equal(bridge_young_laplace_rupture(&def, V, &rupture, NULL), BRIDGE_OK);
             near_relative(work, stated, 1e-3, "cycle against bridge_work");
-            near_relative(stated, rupture.energy - contact.energy, 1e-3, "bridge_work against the surface energy of Young-Laplace");
+            near_relative(stated, rupture.energy - contact.energy, 1e-3,
+                          "bridge_work against the surface energy of Young-Laplace");
         }
     }
 }
@@ -753,7 +805,8 @@ static loads wet_loads(const bridge *b, const bridge_liquid *liquid, const spher
 }
 
 static sphere random_sphere(double r) {
-    sphere s = {random_vec(1e-2), random_vec(0.3), random_vec(100.0), r, 2534.1 * 4.0 / 3.0 * RIDDLE_PI * r * r * r, 0.0};
+    sphere s = {
+        random_vec(1e-2), random_vec(0.3), random_vec(100.0), r, 2534.1 * 4.0 / 3.0 * RIDDLE_PI * r * r * r, 0.0};
     s.inertia = 0.4 * s.m * r * r;
     return s;
 }
@@ -785,14 +838,15 @@ static void test_law_is_passive_and_objective(void **state) {
         worst_rigid = fmax(worst_rigid, norm(add(rigid.force, mul(rigid.capillary, unit))) /
                                             bridge_contact_stiffness(&b, &def.liquid).normal / (norm(spin) * D));
     }
-    print_message("    over 1e6 random motions: moment left %.2g |F| D, largest viscous power %.2g |F||v|, drag of a rigid rotation %.2g "
+    print_message("    over 1e6 random motions: moment left %.2g |F| D, largest viscous power %.2g |F||v|, drag of a "
+                  "rigid rotation %.2g "
                   "of lubrication\n",
                   worst_moment, worst_power, worst_rigid);
     assert_true(worst_moment < 1e-14 && worst_power < 1e-14 && worst_rigid < 1e-13);
 }
 
-/* A tumbling doublet in a two-body integrator of its own: contact spring, capillary attraction, viscous drag; velocity Verlet whose drag is
-   taken with predicted velocities. */
+/* A tumbling doublet in a two-body integrator of its own: contact spring, capillary attraction, viscous drag; velocity
+   Verlet whose drag is taken with predicted velocities. */
 static void test_free_doublet(void **state) {
     (void)state;
     bridge_pair_def def = pair_of(2.5e-3, 3.5e-3, 15.0, 15.0);
@@ -814,8 +868,10 @@ static void test_free_doublet(void **state) {
         for (int n = 0; n <= 50000; n++) {
             double gap = norm(sub(i.x, j.x)) - i.r - j.r;
             vec p = add(mul(i.m, i.v), mul(j.m, j.v));
-            vec l = add(add(mul(i.m, cross(i.x, i.v)), mul(j.m, cross(j.x, j.v))), add(mul(i.inertia, i.w), mul(j.inertia, j.w)));
-            energy = 0.5 * (i.m * dot(i.v, i.v) + j.m * dot(j.v, j.v) + i.inertia * dot(i.w, i.w) + j.inertia * dot(j.w, j.w)) +
+            vec l = add(add(mul(i.m, cross(i.x, i.v)), mul(j.m, cross(j.x, j.v))),
+                        add(mul(i.inertia, i.w), mul(j.inertia, j.w)));
+            energy = 0.5 * (i.m * dot(i.v, i.v) + j.m * dot(j.v, j.v) + i.inertia * dot(i.w, i.w) +
+                            j.inertia * dot(j.w, j.w)) +
                      bridge_work(&b, 0.0, gap) + (gap < 0.0 ? 0.5 * k * gap * gap : 0.0);
             if (n == 0) {
                 p0 = p;
@@ -828,7 +884,8 @@ static void test_free_doublet(void **state) {
             worst_gain = fmax(worst_gain, (energy - highest) / e0);
             if (energy < highest) highest = energy;
             assert_false(bridge_is_ruptured(&b, &def.liquid, gap, 0.0));
-            /* kick, drift, kick; the force acts at the positions of its own moment, so the moments of both kicks balance exactly */
+            /* kick, drift, kick; the force acts at the positions of its own moment, so the moments of both kicks
+               balance exactly */
             for (int half = 0; half < 2; half++) {
                 loads f = wet_loads(&b, &def.liquid, &i, &j);
                 vec d = sub(i.x, j.x);
@@ -846,7 +903,8 @@ static void test_free_doublet(void **state) {
         }
         lost = fmax(lost, 1.0 - energy / e0);
     }
-    print_message("    20 doublets, 1e6 steps: momentum kept to %.2g, angular momentum to %.2g, energy never up by more than %.2g, down by "
+    print_message("    20 doublets, 1e6 steps: momentum kept to %.2g, angular momentum to %.2g, energy never up by "
+                  "more than %.2g, down by "
                   "up to %.2g\n",
                   worst_p, worst_l, worst_gain, lost);
     assert_true(worst_l < 1e-12 && worst_p < 1e-12 && worst_gain < 1e-6 && lost > 0.01);
@@ -893,8 +951,8 @@ static void test_liquid_is_conserved(void **state) {
                                                    : (size_t)(uniform() * PATCHES);
             c[k].radius_i = 2.5e-3;
             c[k].radius_j = c[k].partner == BRIDGE_WIRE ? 1e-3 : 2.5e-3;
-            bridge_volume_range(c[k].partner == BRIDGE_SPHERE ? &pair : &wall, 2.5e-3, c[k].partner == BRIDGE_SPHERE ? 2.5e-3 : plate,
-                                &c[k].volume_min, &c[k].volume_max);
+            bridge_volume_range(c[k].partner == BRIDGE_SPHERE ? &pair : &wall, 2.5e-3,
+                                c[k].partner == BRIDGE_SPHERE ? 2.5e-3 : plate, &c[k].volume_min, &c[k].volume_max);
             shared += seen[c[k].i]++ > 0;
         }
         assert_int_equal(bridge_allocate(&films, c, (size_t)asked), BRIDGE_OK);
@@ -904,7 +962,8 @@ static void test_liquid_is_conserved(void **state) {
             if (n == LIVING) { /* no room: it breaks at once */
                 bridge b;
                 assert_int_equal(bridge_form(c[k].partner == BRIDGE_SPHERE ? &pair : &wall, 2.5e-3,
-                                             c[k].partner == BRIDGE_SPHERE ? 2.5e-3 : plate, c[k].given_i, c[k].given_j, 0, &b),
+                                             c[k].partner == BRIDGE_SPHERE ? 2.5e-3 : plate, c[k].given_i, c[k].given_j,
+                                             0, &b),
                                  BRIDGE_OK);
                 assert_int_equal(bridge_release(&films, &b, c[k].i, c[k].j, c[k].partner), BRIDGE_OK);
                 ruptures++;
@@ -916,7 +975,8 @@ static void test_liquid_is_conserved(void **state) {
             one->j = c[k].j;
             one->partner = c[k].partner;
             assert_int_equal(bridge_form(c[k].partner == BRIDGE_SPHERE ? &pair : &wall, 2.5e-3,
-                                         c[k].partner == BRIDGE_SPHERE ? 2.5e-3 : plate, c[k].given_i, c[k].given_j, 0, &one->b),
+                                         c[k].partner == BRIDGE_SPHERE ? 2.5e-3 : plate, c[k].given_i, c[k].given_j, 0,
+                                         &one->b),
                              BRIDGE_OK);
             formations++;
         }
@@ -928,7 +988,8 @@ static void test_liquid_is_conserved(void **state) {
         int breaking = (int)(uniform() * 2.0 * asked) + (n > 300 ? 30 : 0);
         for (int k = 0; k < breaking && n > 0; k++) {
             int which = (int)(uniform() * n);
-            assert_int_equal(bridge_release(&films, &list[which].b, list[which].i, list[which].j, list[which].partner), BRIDGE_OK);
+            assert_int_equal(bridge_release(&films, &list[which].b, list[which].i, list[which].j, list[which].partner),
+                             BRIDGE_OK);
             assert_true(list[which].b.volume == 0.0);
             list[which] = list[--n];
             ruptures++;
@@ -936,8 +997,9 @@ static void test_liquid_is_conserved(void **state) {
         if (ruptures % 64 == 0 || ruptures >= 1000000)
             worst = fmax(worst, fabs(grand_total(&films, list, n) - (films.added - films.evaporated)));
     }
-    print_message("    %d formations, %d ruptures, %d requests beside another on their particle: liquid off by %.3g of %.3g m3\n",
-                  formations, ruptures, shared, worst, start);
+    print_message(
+        "    %d formations, %d ruptures, %d requests beside another on their particle: liquid off by %.3g of %.3g m3\n",
+        formations, ruptures, shared, worst, start);
     assert_true(worst == 0.0); /* exact: every volume is a multiple of the quantum */
     assert_true(shared > 100000);
     assert_true(films.added > start && films.evaporated > 0.0);
@@ -949,7 +1011,8 @@ static void test_allocation(void **state) {
     bridge_films films = {particle, 6, patch, area, 2, scratch, 0.0, 0.0, 0.0};
     films.quantum = bridge_quantum(1e-8);
     const double q = films.quantum, film = bridge_quantised(1e-9, q);
-    assert_true(q > 0.0 && bridge_quantised(1e-9, q) <= 1e-9 && 1e-9 - bridge_quantised(1e-9, q) < q && 1e-8 / q < 0x1p52);
+    assert_true(q > 0.0 && bridge_quantised(1e-9, q) <= 1e-9 && 1e-9 - bridge_quantised(1e-9, q) < q &&
+                1e-8 / q < 0x1p52);
     for (int k = 0; k < 6; k++) particle[k] = film;
     /* one pair: eq 7 */
     bridge_contact one = {0, 1, BRIDGE_SPHERE, 1e-3, 2e-3, 0.0, 1.0, 0.0, 0.0};
@@ -957,7 +1020,8 @@ static void test_allocation(void **state) {
     near_relative(one.given_i, bridge_share_sphere(film, 1e-3, 2e-3), 1e-9, "eq 7 for i");
     near_relative(one.given_j, bridge_share_sphere(film, 2e-3, 1e-3), 1e-9, "eq 7 for j");
     assert_true(particle[0] == film - one.given_i && particle[1] == film - one.given_j);
-    /* a tiny particle among five big ones: asks for 5 times almost half of its film, and gets all of it in equal parts */
+    /* a tiny particle among five big ones: asks for 5 times almost half of its film, and gets all of it
+       in equal parts */
     for (int k = 0; k < 6; k++) particle[k] = film;
     bridge_contact crowd[5], other[5];
     for (size_t k = 0; k < 5; k++) crowd[k] = (bridge_contact){0, k + 1, BRIDGE_SPHERE, 1e-6, 1e-3, 0.0, 1.0, 0.0, 0.0};
@@ -974,10 +1038,12 @@ static void test_allocation(void **state) {
     assert_int_equal(bridge_allocate(&films, other, 5), BRIDGE_OK);
     for (int k = 0; k < 6; k++) assert_true(particle[k] == left[k]);
     for (size_t k = 0; k < 5; k++)
-        assert_true(other[k].given_j == crowd[(k * 2 + 3) % 5].given_i && other[k].given_i == crowd[(k * 2 + 3) % 5].given_j);
+        assert_true(other[k].given_j == crowd[(k * 2 + 3) % 5].given_i &&
+                    other[k].given_i == crowd[(k * 2 + 3) % 5].given_j);
     /* a dry wall gives nothing, a wet one eq 9; a wire eq 11; too wet: capped, too dry: none */
     for (int k = 0; k < 6; k++) particle[k] = film;
-    bridge_contact w[2] = {{0, 0, BRIDGE_WALL, 1e-3, 0.0, 0.0, 1.0, 0.0, 0.0}, {1, 1, BRIDGE_WIRE, 1e-3, 0.5e-3, 0.0, 1.0, 0.0, 0.0}};
+    bridge_contact w[2] = {{0, 0, BRIDGE_WALL, 1e-3, 0.0, 0.0, 1.0, 0.0, 0.0},
+                           {1, 1, BRIDGE_WIRE, 1e-3, 0.5e-3, 0.0, 1.0, 0.0, 0.0}};
     assert_true(bridge_add(&films, &patch[1], 5e-10) <= 5e-10);
     assert_int_equal(bridge_allocate(&films, w, 2), BRIDGE_OK);
     assert_true(w[0].given_j == 0.0);
@@ -1008,11 +1074,12 @@ static void test_allocation(void **state) {
     assert_true(dry.given_i == 0.0 && dry.given_j == 0.0 && memcmp(left, particle, sizeof left) == 0);
     assert_int_equal(bridge_allocate(&films, NULL, 0), BRIDGE_OK);
     /* bad input changes nothing */
-    const bridge_contact bad[] = {{6, 0, BRIDGE_SPHERE, 1e-3, 1e-3, 0, 1, 0, 0},         {0, 6, BRIDGE_SPHERE, 1e-3, 1e-3, 0, 1, 0, 0},
-                                  {0, 2, BRIDGE_WALL, 1e-3, 1e-3, 0, 1, 0, 0},           {2, 2, BRIDGE_SPHERE, 1e-3, 1e-3, 0, 1, 0, 0},
-                                  {0, 1, BRIDGE_SPHERE, nan_value, 1e-3, 0, 1, 0, 0},    {0, 1, BRIDGE_SPHERE, 1e-3, plate, 0, 1, 0, 0},
-                                  {0, 1, BRIDGE_SPHERE, 1e-3, 1e-3, nan_value, 1, 0, 0}, {0, 1, BRIDGE_SPHERE, 1e-3, 1e-3, 1, 0.5, 0, 0},
-                                  {0, 1, BRIDGE_WIRE, 1e-3, 7e-3, 0, 1, 0, 0},           {0, 1, BRIDGE_WIRE, 1e-3, -1.0, 0, 1, 0, 0}};
+    const bridge_contact bad[] = {
+        {6, 0, BRIDGE_SPHERE, 1e-3, 1e-3, 0, 1, 0, 0},         {0, 6, BRIDGE_SPHERE, 1e-3, 1e-3, 0, 1, 0, 0},
+        {0, 2, BRIDGE_WALL, 1e-3, 1e-3, 0, 1, 0, 0},           {2, 2, BRIDGE_SPHERE, 1e-3, 1e-3, 0, 1, 0, 0},
+        {0, 1, BRIDGE_SPHERE, nan_value, 1e-3, 0, 1, 0, 0},    {0, 1, BRIDGE_SPHERE, 1e-3, plate, 0, 1, 0, 0},
+        {0, 1, BRIDGE_SPHERE, 1e-3, 1e-3, nan_value, 1, 0, 0}, {0, 1, BRIDGE_SPHERE, 1e-3, 1e-3, 1, 0.5, 0, 0},
+        {0, 1, BRIDGE_WIRE, 1e-3, 7e-3, 0, 1, 0, 0},           {0, 1, BRIDGE_WIRE, 1e-3, -1.0, 0, 1, 0, 0}};
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         bridge_contact two[2] = {crowd[0], bad[k]};
         assert_int_equal(bridge_allocate(&films, two, 2), BRIDGE_INVALID);
@@ -1047,14 +1114,16 @@ static void test_allocation(void **state) {
     assert_memory_equal(first, again, sizeof first);
     assert_true(isnan(bridge_add(&films, &particle[0], nan_value)) && isnan(bridge_add(&films, &particle[0], -1.0)) &&
                 isnan(bridge_add(&films, &particle[0], plate)));
-    assert_true(isnan(bridge_evaporate(&films, &particle[0], nan_value)) && isnan(bridge_evaporate(&films, &particle[0], -1.0)));
+    assert_true(isnan(bridge_evaporate(&films, &particle[0], nan_value)) &&
+                isnan(bridge_evaporate(&films, &particle[0], -1.0)));
     double all = particle[0];
     assert_true(bridge_evaporate(&films, &particle[0], 1.0) == all && particle[0] == 0.0);
     assert_true(bridge_evaporate(&films, &particle[0], 1.0) == 0.0);
     b = before;
     assert_true(isnan(bridge_evaporate_bridge(&films, &pair, &b, nan_value)));
     double taken = bridge_evaporate_bridge(&films, &pair, &b, 0.3 * b.volume);
-    assert_true(taken > 0.0 && b.volume == before.volume - taken && b.rupture_gap < before.rupture_gap && b.split == before.split);
+    assert_true(taken > 0.0 && b.volume == before.volume - taken && b.rupture_gap < before.rupture_gap &&
+                b.split == before.split);
     assert_true(bridge_evaporate_bridge(&films, &pair, &b, b.volume) == 0.0 && b.volume > 0.0);
     assert_true(bridge_evaporate_bridge(&films, &pair, &b, plate) == 0.0);
     const double sums[] = {1.0, 1e100, 1.0, -1e100};
@@ -1070,7 +1139,8 @@ static void test_golden_bits(void **state) {
     bridge b = formed(&pair, 1e-10);
     for (int k = 0; k < 64; k++) {
         bridge_forces f = bridge_evaluate(&b, &def.liquid, b.rupture_gap * (k - 4) / 50.0, 0.05 * (k - 30));
-        double values[4] = {f.normal, f.tangential, (&pair.table[0][0][0])[k], bridge_force_willett(1e-5 * k, 1e-10, 2.5e-3, 0.2, sigma)};
+        double values[4] = {f.normal, f.tangential, (&pair.table[0][0][0])[k],
+                            bridge_force_willett(1e-5 * k, 1e-10, 2.5e-3, 0.2, sigma)};
         unsigned char bytes[sizeof values];
         memcpy(bytes, values, sizeof values);
         for (size_t i = 0; i < sizeof bytes; i++)
@@ -1115,7 +1185,8 @@ static void test_null_pointers_and_broken_books(void **state) {
     assert_int_equal(bridge_allocate(NULL, NULL, 0), BRIDGE_INVALID);
     assert_int_equal(bridge_allocate(&films, NULL, 1), BRIDGE_INVALID);
     assert_int_equal(bridge_release(&films, NULL, 0, 1, BRIDGE_SPHERE), BRIDGE_INVALID);
-    const double splits[] = {-0.1, 1.1, (double)NAN, (double)INFINITY}, quanta[] = {0.0, (double)INFINITY, (double)NAN, -1.0};
+    const double splits[] = {-0.1, 1.1, (double)NAN, (double)INFINITY},
+                 quanta[] = {0.0, (double)INFINITY, (double)NAN, -1.0};
     for (int k = 0; k < 4; k++) {
         wrong = b;
         wrong.split = splits[k];
@@ -1147,9 +1218,11 @@ static void test_outside(void **state) {
     assert_int_equal(bridge_outside(&pair, r, 1.05 * r, 1e-3 * R3), BRIDGE_OUTSIDE_RADII);
     assert_int_equal(bridge_outside(&pair, r, (double)INFINITY, 1e-3 * R3), BRIDGE_OUTSIDE_RADII);
     assert_int_equal(bridge_outside(&pair, r, r, 1e-5 * R3), BRIDGE_OUTSIDE_WILLETT);
-    assert_int_equal(bridge_outside(&pair, r, r, 0.5e-6 * R3), BRIDGE_OUTSIDE_WILLETT | BRIDGE_OUTSIDE_UNEQUAL | BRIDGE_OUTSIDE_TABLE);
+    assert_int_equal(bridge_outside(&pair, r, r, 0.5e-6 * R3),
+                     BRIDGE_OUTSIDE_WILLETT | BRIDGE_OUTSIDE_UNEQUAL | BRIDGE_OUTSIDE_TABLE);
     assert_int_equal(bridge_outside(&pair, r, r, 0.09 * R3), BRIDGE_OUTSIDE_PENDULAR);
-    assert_int_equal(bridge_outside(&pair, r, r, 0.11 * R3), BRIDGE_OUTSIDE_PENDULAR | BRIDGE_OUTSIDE_UNEQUAL | BRIDGE_OUTSIDE_TABLE);
+    assert_int_equal(bridge_outside(&pair, r, r, 0.11 * R3),
+                     BRIDGE_OUTSIDE_PENDULAR | BRIDGE_OUTSIDE_UNEQUAL | BRIDGE_OUTSIDE_TABLE);
     assert_int_equal(bridge_outside(&pair, r, r, (double)NAN), 1 | 2 | 4 | 16);
     def.angle_j = 55.0 * degree;
     assert_int_equal(bridge_pair_prepare(&pair, &def), BRIDGE_OK);

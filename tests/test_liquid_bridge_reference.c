@@ -1,5 +1,5 @@
-/* liquid_bridge.h against tables computed elsewhere (tests/reference/liquid_bridge) and against a slow solver of its own kind: the
-   meridian of the meniscus, integrated step by step. */
+/* liquid_bridge.h against tables computed elsewhere (tests/reference/liquid_bridge) and against a slow solver of its
+   own kind: the meridian of the meniscus, integrated step by step. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +17,8 @@
 #define FOLDER "tests/reference/liquid_bridge/"
 #define DEGREES (RIDDLE_PI / 180.0)
 
-/* Of long tables every so many rows are compared. The numbers are the same with and without sanitizers, which look at memory. */
+/* Of long tables every so many rows are compared. The numbers are the same with and without sanitizers, which
+   look at memory. */
 #ifdef __has_feature
 #if __has_feature(address_sanitizer)
 #define EVERY 8
@@ -65,16 +66,19 @@ static void test_force_to_1e_9(void **state) {
     double force = 0.0, pressure = 0.0, neck = 0.0, filling = 0.0;
     assert_int_equal(t.rows, 378);
     for (int r = 0; r < t.rows; r++) {
-        bridge_pair_def def = solids(number(&t, r, "r1"), number(&t, r, "r2"), number(&t, r, "theta1_deg"), number(&t, r, "theta2_deg"));
+        bridge_pair_def def =
+            solids(number(&t, r, "r1"), number(&t, r, "r2"), number(&t, r, "theta1_deg"), number(&t, r, "theta2_deg"));
         bridge_shape s = {0};
         assert_int_equal(bridge_young_laplace(&def, number(&t, r, "V"), number(&t, r, "S"), &s), BRIDGE_OK);
         force = fmax(force, off(s.force / (2.0 * RIDDLE_PI), number(&t, r, "F_over_2pi_sigma_r1")));
         pressure = fmax(pressure, off(s.pressure, number(&t, r, "dp_r1_over_sigma")));
         neck = fmax(neck, off(s.neck, number(&t, r, "neck_y0")));
         filling = fmax(filling, off(s.filling_i, number(&t, r, "phi1_rad")));
-        if (!isnan(number(&t, r, "phi2_rad")) && !isinf(def.radius_j)) filling = fmax(filling, off(s.filling_j, number(&t, r, "phi2_rad")));
+        if (!isnan(number(&t, r, "phi2_rad")) && !isinf(def.radius_j))
+            filling = fmax(filling, off(s.filling_j, number(&t, r, "phi2_rad")));
     }
-    print_message("    off by: force %.2g, pressure %.2g, neck %.2g, filling angle %.2g\n", force, pressure, neck, filling);
+    print_message("    off by: force %.2g, pressure %.2g, neck %.2g, filling angle %.2g\n", force, pressure, neck,
+                  filling);
     assert_true(force < 1e-9 && pressure < 1e-9 && neck < 1e-9 && filling < 1e-9);
     csv_free(&t);
 }
@@ -86,7 +90,8 @@ static void test_rupture_to_1e_9(void **state) {
     int unstable = 0;
     assert_int_equal(t.rows, 14);
     for (int r = 0; r < t.rows; r++) {
-        bridge_pair_def def = solids(number(&t, r, "r1"), number(&t, r, "r2"), number(&t, r, "theta1_deg"), number(&t, r, "theta2_deg"));
+        bridge_pair_def def =
+            solids(number(&t, r, "r1"), number(&t, r, "r2"), number(&t, r, "theta1_deg"), number(&t, r, "theta2_deg"));
         double V = number(&t, r, "V"), fold = 0.0, first = t.values[r * t.columns + t.columns - 1];
         bridge_shape rupture = {0}, s = {0};
         assert_int_equal(bridge_young_laplace_rupture(&def, V, &rupture, &fold), BRIDGE_OK);
@@ -100,12 +105,14 @@ static void test_rupture_to_1e_9(void **state) {
         }
         assert_int_equal(bridge_young_laplace(&def, V, 0.0, &s), BRIDGE_OK);
         contact = fmax(contact, off(s.force / (2.0 * RIDDLE_PI), number(&t, r, "F_contact_over_2pi_sigma")));
-        double eq19 = bridge_rupture_gap(V, bridge_harmonic_radius(def.radius_i, def.radius_j),
-                                         isinf(def.radius_j) ? 0.0 : def.radius_i / def.radius_j, def.angle_i, def.angle_j);
+        double eq19 =
+            bridge_rupture_gap(V, bridge_harmonic_radius(def.radius_i, def.radius_j),
+                               isinf(def.radius_j) ? 0.0 : def.radius_i / def.radius_j, def.angle_i, def.angle_j);
         assert_true(off(eq19, number(&t, r, "Srup_willett_eq19_harmonic")) < 1e-7);
     }
-    print_message("    off by: fold %.2g, force there %.2g, contact %.2g; %d first instabilities, off by %.2g (six digits given)\n", gap,
-                  force, contact, unstable, instability);
+    print_message("    off by: fold %.2g, force there %.2g, contact %.2g; %d first instabilities, off by %.2g (six "
+                  "digits given)\n",
+                  gap, force, contact, unstable, instability);
     assert_true(gap < 1e-9 && force < 1e-9 && contact < 1e-9 && instability < 1e-5 && unstable == 3);
     csv_free(&t);
 }
@@ -117,7 +124,8 @@ static void test_neck_split(void **state) {
     double solved = 0.0, tabulated = 0.0;
     assert_int_equal(t.rows, 50);
     for (int r = 0; r < t.rows; r += EVERY) {
-        bridge_pair_def def = solids(number(&t, r, "r1"), number(&t, r, "r2"), number(&t, r, "theta1"), number(&t, r, "theta2"));
+        bridge_pair_def def =
+            solids(number(&t, r, "r1"), number(&t, r, "r2"), number(&t, r, "theta1"), number(&t, r, "theta2"));
         double V = number(&t, r, "V"), fold = 0.0, share = number(&t, r, "share_1_at_rupture");
         bridge_shape s = {0};
         assert_int_equal(bridge_young_laplace_rupture(&def, V, &s, &fold), BRIDGE_OK);
@@ -144,7 +152,8 @@ static void test_unequal_angles(void **state) {
     double fold_off = 0.0, contact = 0.0, sum_table = 0.0, sum_19 = 0.0, sum_corrected = 0.0, sum_equal = 0.0;
     int unequal = 0, equal = 0, instabilities = 0;
     for (int r = 0; r < t.rows; r += EVERY) {
-        const double *row = t.values + r * t.columns; /* k, V/R_h^3, small, large, fold, F, F contact, share, first instability */
+        /* k, V/R_h^3, small, large, fold, F, F contact, share, first instability */
+        const double *row = t.values + r * t.columns;
         bridge_pair_def def = solids(1.0, row[0] > 0.0 ? 1.0 / row[0] : (double)INFINITY, row[2], row[3]);
         double R = bridge_harmonic_radius(1.0, def.radius_j), V = row[1] * R * R * R, fold = 0.0;
         bridge_shape s = {0}, c = {0};
@@ -153,7 +162,8 @@ static void test_unequal_angles(void **state) {
         if (isnan(row[4])) continue; /* not solved there; here it is */
         fold_off = fmax(fold_off, off(fold / R, row[4]));
         contact = fmax(contact, off(c.force / (2.0 * RIDDLE_PI * R), row[6]));
-        if (s.gap == fold) assert_true(fabs(s.share_i - row[7]) < 1e-8 && off(s.force / (2.0 * RIDDLE_PI * R), row[5]) < 1e-8);
+        if (s.gap == fold)
+            assert_true(fabs(s.share_i - row[7]) < 1e-8 && off(s.force / (2.0 * RIDDLE_PI * R), row[5]) < 1e-8);
         if (!isnan(row[8])) {
             assert_true(off(s.gap / fold, row[8]) < 1e-4);
             instabilities++;
@@ -175,7 +185,8 @@ static void test_unequal_angles(void **state) {
         sum_corrected += e20 * e20;
         unequal++;
     }
-    print_message("    %d bridges: fold off by %.2g, contact force by %.2g. Unequal angles, rms: table %.3f %%, eq 19 %.1f %%, corrected "
+    print_message("    %d bridges: fold off by %.2g, contact force by %.2g. Unequal angles, rms: table %.3f %%, eq 19 "
+                  "%.1f %%, corrected "
                   "%.2f %%; equal, eq 19: %.1f %%\n",
                   unequal + equal, fold_off, contact, 100.0 * sqrt(sum_table / unequal), 100.0 * sqrt(sum_19 / unequal),
                   100.0 * sqrt(sum_corrected / unequal), 100.0 * sqrt(sum_equal / equal));
@@ -186,9 +197,11 @@ static void test_unequal_angles(void **state) {
     csv_free(&t);
 }
 
-/* The global Chebyshev table of the specification: ln(F/F_energy) in (k, ln V, theta, t). It is another fit to other solutions. */
+/* The global Chebyshev table of the specification: ln(F/F_energy) in (k, ln V, theta, t). It is another fit to
+   other solutions. */
 static double chebyshev_table(const csv_data *t, double k, double v, double theta, double tau) {
-    double x[4] = {2.0 * k - 1.0, 2.0 * (log(v) - log(1e-6)) / (log(0.1) - log(1e-6)) - 1.0, 2.0 * theta / 52.0 - 1.0, 2.0 * tau - 1.0},
+    double x[4] = {2.0 * k - 1.0, 2.0 * (log(v) - log(1e-6)) / (log(0.1) - log(1e-6)) - 1.0, 2.0 * theta / 52.0 - 1.0,
+                   2.0 * tau - 1.0},
            sum = 0.0;
     for (int r = 0; r < t->rows; r++) {
         const double *row = t->values + r * t->columns;
@@ -218,14 +231,17 @@ static void test_against_the_global_table(void **state) {
                 for (double x = 0.0; x <= 0.9; x += 0.15) {
                     double gap = x * b.rupture_gap;
                     double energy = bridge_force_energy(gap, V, pair.radius, def.angle_i, def.angle_j, 1.0);
-                    double e = bridge_attraction(&b, gap) / (energy * exp(chebyshev_table(&t, ratios[k], v, degrees, sqrt(1.0 - x)))) - 1.0;
+                    double e = bridge_attraction(&b, gap) /
+                                   (energy * exp(chebyshev_table(&t, ratios[k], v, degrees, sqrt(1.0 - x)))) -
+                               1.0;
                     worst = fmax(worst, fabs(e));
                     sum += e * e;
                     n++;
                 }
             }
         }
-    print_message("    %d forces: rms %.3f %%, at most %.2f %% from the global table\n", n, 100.0 * sqrt(sum / n), 100.0 * worst);
+    print_message("    %d forces: rms %.3f %%, at most %.2f %% from the global table\n", n, 100.0 * sqrt(sum / n),
+                  100.0 * worst);
     assert_true(sqrt(sum / n) < 1e-3 && worst < 5e-3);
     csv_free(&t);
 }
@@ -237,7 +253,8 @@ typedef struct meridian {
 } meridian;
 
 static meridian slope_of(meridian m, double K) {
-    meridian d = {cos(m.psi), sin(m.psi), cos(m.psi) / m.y - K, RIDDLE_PI * m.y * m.y * cos(m.psi), 2.0 * RIDDLE_PI * m.y};
+    meridian d = {cos(m.psi), sin(m.psi), cos(m.psi) / m.y - K, RIDDLE_PI * m.y * m.y * cos(m.psi),
+                  2.0 * RIDDLE_PI * m.y};
     return d;
 }
 
@@ -259,13 +276,18 @@ static meridian integrated(double neck, double K, double length) {
     return m;
 }
 
-/* A solution of the header is taken by its neck and pressure only; the meniscus is then integrated to the wetted circle of each
-   solid, and contact angle, gap, volume, force and energy are compared. Nothing of the closed form is used. */
+/* A solution of the header is taken by its neck and pressure only; the meniscus is then integrated to the wetted circle
+   of each solid, and contact angle, gap, volume, force and energy are compared. Nothing of the closed form is used. */
 static void test_against_step_by_step_integration(void **state) {
     (void)state;
-    const double kinds[][5] = {
-        {1, 1, 15, 15, 1e-2},   {1, 3, 0, 0, 1e-3},   {1, (double)INFINITY, 15, 45, 1e-2}, {1, (double)INFINITY, 45, 15, 0.4},
-        {1, 1.5, 40, 10, 5e-2}, {1, 1, 35, 35, 1e-1}, {1, (double)INFINITY, 0, 0, 1e-4},   {1, 8, 25, 50, 2e-2}};
+    const double kinds[][5] = {{1, 1, 15, 15, 1e-2},
+                               {1, 3, 0, 0, 1e-3},
+                               {1, (double)INFINITY, 15, 45, 1e-2},
+                               {1, (double)INFINITY, 45, 15, 0.4},
+                               {1, 1.5, 40, 10, 5e-2},
+                               {1, 1, 35, 35, 1e-1},
+                               {1, (double)INFINITY, 0, 0, 1e-4},
+                               {1, 8, 25, 50, 2e-2}};
     double worst = 0.0;
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
         bridge_pair_def def = solids(kinds[k][0], kinds[k][1], kinds[k][2], kinds[k][3]);
@@ -275,9 +297,12 @@ static void test_against_step_by_step_integration(void **state) {
             double gap = last.gap * (double[]){0.0, 0.2, 0.7, 0.98}[g], heights = 0.0, volume = 0.0, energy = 0.0;
             assert_int_equal(bridge_young_laplace(&def, kinds[k][4], gap, &s), BRIDGE_OK);
             for (int side = 0; side < 2; side++) {
-                double R = side ? def.radius_j : def.radius_i, theta = side ? def.angle_j : def.angle_i, ring = side ? s.ring_j : s.ring_i;
-                double at_ring = isinf(R) ? 0.5 * RIDDLE_PI - theta : 0.5 * RIDDLE_PI - theta - asin(ring / R); /* psi there */
-                /* the arc's length, by secant, from where it is widest just short of the ring; behind the neck for psi < 0 */
+                double R = side ? def.radius_j : def.radius_i, theta = side ? def.angle_j : def.angle_i,
+                       ring = side ? s.ring_j : s.ring_i;
+                /* psi there */
+                double at_ring = isinf(R) ? 0.5 * RIDDLE_PI - theta : 0.5 * RIDDLE_PI - theta - asin(ring / R);
+                /* the arc's length, by secant, from where it is widest just short of the ring; behind the
+                   neck for psi < 0 */
                 double sign = at_ring < 0.0 ? -1.0 : 1.0, l0 = 0.0, y0 = s.neck, l1 = sign * 0.02 * ring;
                 meridian m = integrated(s.neck, s.pressure, l1);
                 while (m.y < ring) {
@@ -294,11 +319,13 @@ static void test_against_step_by_step_integration(void **state) {
                     m = integrated(s.neck, s.pressure, l1);
                 }
                 worst = fmax(worst, fabs(m.psi - at_ring));
-                double cosine = isinf(R) ? 1.0 : cos(asin(ring / R)), cap = isinf(R) ? 0.0 : ring * ring / (R * (1.0 + cosine));
+                double cosine = isinf(R) ? 1.0 : cos(asin(ring / R)),
+                       cap = isinf(R) ? 0.0 : ring * ring / (R * (1.0 + cosine));
                 heights += m.x - cap;
                 volume += m.volume - RIDDLE_PI * cap * (3.0 * ring * ring + cap * cap) / 6.0;
                 energy += m.area - cos(theta) * 2.0 * RIDDLE_PI * ring * ring / (1.0 + cosine);
-                double force = 2.0 * RIDDLE_PI * (m.y * cos(m.psi) - 0.5 * s.pressure * m.y * m.y); /* at the ring, not at the neck */
+                /* at the ring, not at the neck */
+                double force = 2.0 * RIDDLE_PI * (m.y * cos(m.psi) - 0.5 * s.pressure * m.y * m.y);
                 worst = fmax(worst, off(force, s.force));
             }
             worst = fmax(worst, fabs(heights - gap) / last.gap);

@@ -1,4 +1,5 @@
-/* The SVG figures: data stand where the axes say, the text is well-formed whatever the data are, the legend keeps off the data. */
+/* The SVG figures: data stand where the axes say, the text is well-formed whatever the data are, the legend keeps
+   off the data. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -42,7 +43,8 @@ static void expect_well_formed(const char *text) {
     char stack[20][16];
     int depth = 0;
     for (const char *c = text; *c; c++) {
-        if (*c == '&') assert_true(strncmp(c, "&amp;", 5) == 0 || strncmp(c, "&lt;", 4) == 0 || strncmp(c, "&gt;", 4) == 0);
+        if (*c == '&')
+            assert_true(strncmp(c, "&amp;", 5) == 0 || strncmp(c, "&lt;", 4) == 0 || strncmp(c, "&gt;", 4) == 0);
         if (*c != '<') continue;
         const char *end = strchr(c, '>');
         assert_non_null(end);
@@ -70,7 +72,8 @@ static void frame(const char *text, double box[4]) {
     const char *at = strstr(text, "class=\"frame\"");
     assert_non_null(at);
     while (at > text && *at != '<') at--;
-    assert_int_equal(sscanf(at, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\" height=\"%lf\"", &box[0], &box[1], &box[2], &box[3]), 4);
+    assert_int_equal(
+        sscanf(at, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\" height=\"%lf\"", &box[0], &box[1], &box[2], &box[3]), 4);
 }
 
 static bool has_tick(const char *text, const char *label) {
@@ -178,6 +181,7 @@ static void test_hostile_data(void **state) {
                 if (kind & 1) riddle_plot_log_x(p);
                 if (kind & 2) riddle_plot_log_y(p);
                 if (kind & 4) riddle_plot_equal(p);
+                if (kind == 6) riddle_plot_scale_bar(p, "m");
                 riddle_plot_line(p, "line", x, y, 4);
                 riddle_plot_style(p, RIDDLE_PLOT_MARKED | RIDDLE_PLOT_DASHED | RIDDLE_PLOT_STEPS, RIDDLE_PLOT_NEXT);
                 riddle_plot_band(p, "band", x, y, x, 4);
@@ -193,6 +197,43 @@ static void test_hostile_data(void **state) {
                 expect_well_formed(text);
                 free(text);
             }
+}
+
+/* A panel to scale has no axes, and a bar that is as long as it says, whatever the shape of the panel; NULL brings the
+   axes back. */
+static void test_scale_bar(void **state) {
+    (void)state;
+    static const double scales[] = {1e-3, 1.0, 37.0, 4e5};
+    for (int k = 0; k < 8; k++) {
+        const double unit = scales[k % 4], x[] = {unit, 3.0 * unit}, y[] = {unit, 1.5 * unit},
+                     r[] = {0.5 * unit, 0.1 * unit};
+        double cx[2], length, shown;
+        riddle_plot *p = riddle_plot_new(NULL, 1, 1);
+        riddle_plot_panel_size(p, k < 4 ? 700.0 : 300.0, k < 4 ? 200.0 : 500.0);
+        riddle_plot_panel(p, 0, 0, "x [mm]", "z [mm]");
+        riddle_plot_scale_bar(p, "m<m");
+        riddle_plot_discs(p, NULL, x, y, r, 2);
+        char *text = drawn(p), *at = text;
+        expect_well_formed(text);
+        assert_true(!strstr(text, "class=\"frame\"") && !strstr(text, "x [mm]") && !strstr(text, "class=\"grid\""));
+        for (int i = 0; i < 2; i++)
+            assert_int_equal(sscanf(at = strstr(at + 1, "<circle"), "<circle cx=\"%lf\"", &cx[i]), 1);
+        assert_non_null(at = strstr(at, "class=\"bar\""));
+        assert_int_equal(sscanf(strchr(at, 'h'), "h%lf", &length), 1);
+        assert_non_null(at = strstr(at, "class=\"tick\">"));
+        assert_int_equal(sscanf(at, "class=\"tick\">%lf m&lt;m<", &shown), 1);
+        assert_true(fabs(length / shown / ((cx[1] - cx[0]) / (2.0 * unit)) - 1.0) < 1e-3);
+        assert_true(length > 0.09 * (k < 4 ? 700.0 : 300.0) && length <= 0.2501 * (k < 4 ? 700.0 : 300.0));
+        free(text);
+    }
+    riddle_plot_scale_bar(NULL, "mm");
+    riddle_plot *p = riddle_plot_new(NULL, 1, 1);
+    riddle_plot_panel(p, 0, 0, "x [mm]", "z [mm]");
+    riddle_plot_scale_bar(p, "mm");
+    riddle_plot_scale_bar(p, NULL);
+    char *text = drawn(p);
+    assert_true(strstr(text, "class=\"frame\"") && strstr(text, "x [mm]") && !strstr(text, "class=\"bar\""));
+    free(text);
 }
 
 static void test_wrong_calls(void **state) {
@@ -220,8 +261,8 @@ static void test_wrong_calls(void **state) {
     assert_int_not_equal(riddle_plot_write(riddle_plot_new("x", 1, 1), "/dev/null", "x.svg"), 0);
 }
 
-/* A heat map of classes has their names, and no number, beside its colours; the label of a vertical line that has no room on either side
-   stands along it. */
+/* A heat map of classes has their names, and no number, beside its colours; the label of a vertical line that has no
+   room on either side stands along it. */
 static void test_classes_and_long_labels(void **state) {
     (void)state;
     const double values[4] = {0.0, 1.0, 2.0, 1.0};
@@ -255,7 +296,8 @@ static bool legend_box(const char *text, double box[4]) {
     const char *at = strstr(text, "rx=\"4\"");
     if (!at) return false;
     while (at > text && *at != '<') at--;
-    return sscanf(at, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\" height=\"%lf\"", &box[0], &box[1], &box[2], &box[3]) == 4;
+    return sscanf(at, "<rect x=\"%lf\" y=\"%lf\" width=\"%lf\" height=\"%lf\"", &box[0], &box[1], &box[2], &box[3]) ==
+           4;
 }
 
 static void test_legend_keeps_off_the_data(void **state) {
@@ -318,7 +360,8 @@ static void test_text_stays_in_its_panel(void **state) {
     char *svg = drawn(p);
     const double begin = text_x(svg, ">begin<"), middle = text_x(svg, ">middle<"), end = text_x(svg, ">I<");
     assert_true(end > middle && 2.0 * (middle - begin) > end - begin && 2.0 * (middle - begin) < end - begin + 30.0);
-    const double one = text_x(svg, ">a text of forty letters, which"), two = text_x(svg, ">a text of forty letters, at");
+    const double one = text_x(svg, ">a text of forty letters, which"),
+                 two = text_x(svg, ">a text of forty letters, at");
     assert_true(one > begin && one + 40.0 * 14.0 * 0.35 < end);
     assert_true(two > begin && two + 40.0 * 14.0 * 0.35 < end);
     free(svg);
@@ -343,7 +386,8 @@ static void test_discs_are_to_scale(void **state) {
         at = strstr(at + 1, "<circle");
         assert_non_null(at);
         assert_int_equal(sscanf(at, "<circle cx=\"%lf\" cy=\"%lf\" r=\"%lf\"", &cx, &cy, &radius), 3);
-        assert_true(fabs(cx - box[0] - box[2] * (x[i] + 2.0) / 4.0) < 0.1 && fabs(cy - box[1] - box[3] * (2.0 - y[i]) / 4.0) < 0.1);
+        assert_true(fabs(cx - box[0] - box[2] * (x[i] + 2.0) / 4.0) < 0.1 &&
+                    fabs(cy - box[1] - box[3] * (2.0 - y[i]) / 4.0) < 0.1);
         assert_true(fabs(radius - 100.0 * r[i]) < 0.1);
     }
     free(text);
@@ -370,6 +414,7 @@ int main(void) {
         cmocka_unit_test(test_log_axes),
         cmocka_unit_test(test_small_numbers_share_an_exponent),
         cmocka_unit_test(test_hostile_data),
+        cmocka_unit_test(test_scale_bar),
         cmocka_unit_test(test_wrong_calls),
         cmocka_unit_test(test_classes_and_long_labels),
         cmocka_unit_test(test_legend_keeps_off_the_data),

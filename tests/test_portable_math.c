@@ -1,4 +1,5 @@
-/* The portable functions against the C library's long double, and their bits against a fixed hash: the same on every machine. */
+/* The portable functions against the C library's long double, and their bits against a fixed hash: the same on
+   every machine. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -28,7 +29,8 @@ static double ulps(double value, long double truth) {
 static double worst_ulps(function f, true_function truth, double low, double high, int n, int logarithmic) {
     double worst = 0.0;
     for (int i = 0; i <= n; i++) {
-        double s = (double)i / n, x = logarithmic ? pow(10.0, log10(low) + s * (log10(high) - log10(low))) : low + (high - low) * s;
+        double s = (double)i / n,
+               x = logarithmic ? pow(10.0, log10(low) + s * (log10(high) - log10(low))) : low + (high - low) * s;
         double e = ulps(f(x), truth((long double)x));
         if (!(e <= worst)) worst = e;
     }
@@ -82,7 +84,8 @@ static void test_pow(void **state) {
             if (!(e <= worst)) worst = e;
         }
     expect_at_most(worst, 1.0, "pow, relative [(2 + |y log x|) * 2.2e-16]");
-    assert_true(riddle_pow(0.0, 0.0) == 1.0 && riddle_pow(0.0, 2.0) == 0.0 && riddle_pow(5.0, 0.0) == 1.0 && riddle_pow(1.0, 1e300) == 1.0);
+    assert_true(riddle_pow(0.0, 0.0) == 1.0 && riddle_pow(0.0, 2.0) == 0.0 && riddle_pow(5.0, 0.0) == 1.0 &&
+                riddle_pow(1.0, 1e300) == 1.0);
 }
 
 static void test_atan2(void **state) {
@@ -94,24 +97,28 @@ static void test_atan2(void **state) {
         if (!(e <= worst)) worst = e;
     }
     expect_at_most(worst, 1e-15, "atan2, absolute [rad]");
-    assert_true(riddle_atan2(0.0, -1.0) == RIDDLE_PI && riddle_atan2(1.0, 0.0) == RIDDLE_PI / 2 && riddle_atan2(0.0, 0.0) == 0.0);
+    assert_true(riddle_atan2(0.0, -1.0) == RIDDLE_PI && riddle_atan2(1.0, 0.0) == RIDDLE_PI / 2 &&
+                riddle_atan2(0.0, 0.0) == 0.0);
 }
 
 static void test_edges(void **state) {
     (void)state;
     double nan = (double)NAN, inf = HUGE_VAL;
-    assert_true(riddle_exp(0.0) == 1.0 && riddle_exp(-inf) == 0.0 && riddle_exp(-1e308) == 0.0 && riddle_exp(inf) == inf);
+    assert_true(riddle_exp(0.0) == 1.0 && riddle_exp(-inf) == 0.0 && riddle_exp(-1e308) == 0.0 &&
+                riddle_exp(inf) == inf);
     assert_true(riddle_exp(709.0) < inf && riddle_exp(710.0) == inf && riddle_exp(-744.0) > 0.0);
     assert_true(riddle_log(1.0) == 0.0 && riddle_log(0.0) == -inf && riddle_log(inf) == inf);
     assert_true(fabs(riddle_log(4.9e-324) + 744.44007192138122) < 1e-12);
-    assert_true(riddle_expm1(0.0) == 0.0 && riddle_log1p(0.0) == 0.0 && riddle_cbrt(0.0) == 0.0 && riddle_sin(0.0) == 0.0 &&
-                riddle_cos(0.0) == 1.0);
-    assert_true(riddle_cbrt(-27.0) == -3.0 && riddle_cbrt(8.0) == 2.0 && riddle_cbrt(inf) == inf && riddle_atan(inf) == RIDDLE_PI / 2);
+    assert_true(riddle_expm1(0.0) == 0.0 && riddle_log1p(0.0) == 0.0 && riddle_cbrt(0.0) == 0.0 &&
+                riddle_sin(0.0) == 0.0 && riddle_cos(0.0) == 1.0);
+    assert_true(riddle_cbrt(-27.0) == -3.0 && riddle_cbrt(8.0) == 2.0 && riddle_cbrt(inf) == inf &&
+                riddle_atan(inf) == RIDDLE_PI / 2);
     assert_true(riddle_acos(1.0) == 0.0 && riddle_acos(-1.0) == RIDDLE_PI && riddle_asin(1.0) == RIDDLE_PI / 2);
-    double outside[] = {riddle_log(-1e-300),    riddle_log1p(-1.5),     riddle_acos(1.0000001), riddle_asin(-1.1),    riddle_sin(1.1e6),
-                        riddle_cos(-inf),       riddle_pow(-1.0, 0.5),  riddle_exp(nan),        riddle_expm1(nan),    riddle_log(nan),
-                        riddle_log1p(nan),      riddle_cbrt(nan),       riddle_sin(nan),        riddle_cos(nan),      riddle_atan(nan),
-                        riddle_atan2(nan, 1.0), riddle_atan2(1.0, nan), riddle_acos(nan),       riddle_pow(nan, 2.0), riddle_pow(2.0, nan)};
+    double outside[] = {riddle_log(-1e-300),    riddle_log1p(-1.5), riddle_acos(1.0000001), riddle_asin(-1.1),
+                        riddle_sin(1.1e6),      riddle_cos(-inf),   riddle_pow(-1.0, 0.5),  riddle_exp(nan),
+                        riddle_expm1(nan),      riddle_log(nan),    riddle_log1p(nan),      riddle_cbrt(nan),
+                        riddle_sin(nan),        riddle_cos(nan),    riddle_atan(nan),       riddle_atan2(nan, 1.0),
+                        riddle_atan2(1.0, nan), riddle_acos(nan),   riddle_pow(nan, 2.0),   riddle_pow(2.0, nan)};
     for (int i = 0; i < (int)(sizeof outside / sizeof *outside); i++)
         if (outside[i] == outside[i]) fail_msg("case %d is not NaN", i);
 }
@@ -149,7 +156,10 @@ static void test_same_bits_everywhere(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_long_double),  cmocka_unit_test(test_pow), cmocka_unit_test(test_atan2), cmocka_unit_test(test_edges),
+        cmocka_unit_test(test_against_long_double),
+        cmocka_unit_test(test_pow),
+        cmocka_unit_test(test_atan2),
+        cmocka_unit_test(test_edges),
         cmocka_unit_test(test_same_bits_everywhere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,5 @@
-/* Every example and benchmark as its user meets it: help, version, wrong options and input files, a quick run with its files, too little memory,
-   standard streams that are closed, a device and a disk that are full, signals.
+/* Every example and benchmark as its user meets it: help, version, wrong options and input files, a quick run with its
+   files, too little memory, standard streams that are closed, a device and a disk that are full, signals.
    The programs' paths stand in RIDDLE_PROGRAMS, one a line (meson.build sets it); none: nothing to test. */
 #define _XOPEN_SOURCE 700
 #include <setjmp.h>
@@ -251,14 +251,16 @@ static bool is_json(const char *text) {
 static void test_json_reader(void **state) {
     (void)state;
     assert_true(is_json("{\"a\": [1, -2e3, null, {\"b\": \"x\\\"y\"}], \"c\": true}\n") && is_json("{}"));
-    assert_false(is_json("{\"a\": nan}") || is_json("{\"a\": 1,}") || is_json("{\"a\" 1}") || is_json("{\"a\": [1 2]}") ||
-                 is_json("{\"a\": 1") || is_json("") || is_json("{} x") || is_json("{\"a\": inf}"));
+    assert_false(is_json("{\"a\": nan}") || is_json("{\"a\": 1,}") || is_json("{\"a\" 1}") ||
+                 is_json("{\"a\": [1 2]}") || is_json("{\"a\": 1") || is_json("") || is_json("{} x") ||
+                 is_json("{\"a\": inf}"));
 }
 
 /* ---- the tests; *state is the program's path ---- */
 
 static void test_help(void **state) {
-    static const char *const common[] = {"--help", "--out DIR", "--threads N", "--seed N", "--quiet", "--json FILE", "--quick"};
+    static const char *const common[] = {"--help",  "--out DIR",   "--threads N", "--seed N",
+                                         "--quiet", "--json FILE", "--quick"};
     const char *words[] = {"--help", NULL};
     result r = run_program(*state, words, 0, 0.0);
     assert_int_equal(r.status, 0);
@@ -288,15 +290,17 @@ static void test_wrong_options(void **state) {
     snprintf(in_a_file, sizeof in_a_file, "%s/file/sub", folder);
     fclose(fopen(file, "w"));
     const char *const bad[][3] = {
-        {"--no-such-thing", NULL, NULL}, {"--threads", "0", NULL}, {"--threads", "1000000000", NULL}, {"--threads", "2x", NULL},
-        {"--threads", NULL, NULL},       {"--seed", "-1", NULL},   {"--seed", "nan", NULL},           {"--seed=1.5", NULL, NULL},
-        {"--out", in_a_file, NULL},      {"--out=", NULL, NULL},   {"--json", in_a_file, NULL},       {"--quiet=1", NULL, NULL},
-        {"stray", NULL, NULL},           {"--json", folder, NULL}, {"--out", endless + 1, NULL},      {"--out", endless + 4100, NULL},
-        {"--json", endless + 1, NULL},
+        {"--no-such-thing", NULL, NULL}, {"--threads", "0", NULL},      {"--threads", "1000000000", NULL},
+        {"--threads", "2x", NULL},       {"--threads", NULL, NULL},     {"--seed", "-1", NULL},
+        {"--seed", "nan", NULL},         {"--seed=1.5", NULL, NULL},    {"--out", in_a_file, NULL},
+        {"--out=", NULL, NULL},          {"--json", in_a_file, NULL},   {"--quiet=1", NULL, NULL},
+        {"stray", NULL, NULL},           {"--json", folder, NULL},      {"--out", endless + 1, NULL},
+        {"--out", endless + 4100, NULL}, {"--json", endless + 1, NULL},
     };
     for (int i = 0; i < (int)(sizeof bad / sizeof *bad); i++) {
         result r = run_program(*state, bad[i], 0, 0.0);
-        if (r.status != 2 || lines(r.err) != 1 || r.out[0] || !strstr(r.err, strncmp(bad[i][0], "--", 2) == 0 ? "--" : bad[i][0]))
+        if (r.status != 2 || lines(r.err) != 1 || r.out[0] ||
+            !strstr(r.err, strncmp(bad[i][0], "--", 2) == 0 ? "--" : bad[i][0]))
             fail_msg("%s %s: status %d, said '%s'", bad[i][0], bad[i][1] ? bad[i][1] : "", r.status, r.err);
         forget(&r);
     }
@@ -304,7 +308,8 @@ static void test_wrong_options(void **state) {
     assert_int_equal(n_files, 1);
 }
 
-/* Each option with a value in --help, given numbers that are none: refused if it takes numbers, with status 2 and one line. */
+/* Each option with a value in --help, given numbers that are none: refused if it takes numbers, with status 2
+   and one line. */
 static void test_its_own_options(void **state) {
     const char *help[] = {"--help", NULL};
     result r = run_program(*state, help, 0, 0.0);
@@ -328,7 +333,8 @@ static void test_its_own_options(void **state) {
     assert_true(numeric > 0); /* --threads at least */
 }
 
-/* Each option that takes a file, given none that it can read: refused with status 2 and one line that names the option or the file. */
+/* Each option that takes a file, given none that it can read: refused with status 2 and one line that names the option
+   or the file. */
 static void test_input_files(void **state) {
     static const char *const name[] = {"missing.csv", "folder", "empty", "noise"};
     char path[4][LONGEST_PATH + 20];
@@ -358,8 +364,8 @@ static void test_input_files(void **state) {
     assert_int_equal(n_files, 2);
 }
 
-/* What would take more memory than there is: refused in one line that tells both, before it is begun. The address sanitizer reserves more than
-   any limit of the address space. */
+/* What would take more memory than there is: refused in one line that tells both, before it is begun. The address
+   sanitizer reserves more than any limit of the address space. */
 static void test_memory(void **state) {
     if (SANITIZED) skip();
     static const struct {
@@ -397,14 +403,16 @@ static void test_streams(void **state) {
     forget(&r);
     odd.output = 2;
     r = run_program(*state, loud, 0, 0.0);
-    if (r.status != 128 + SIGPIPE && r.status != 0) fail_msg("a pipe that nobody reads: status %d, said '%s'", r.status, r.err);
+    if (r.status != 128 + SIGPIPE && r.status != 0)
+        fail_msg("a pipe that nobody reads: status %d, said '%s'", r.status, r.err);
     forget(&r);
     count_files(folder);
     assert_int_equal(n_parts, 0);
 }
 
-/* A quick run, and its files; and one whose standard streams are closed, so that no file may take their place. What an example writes does not
-   depend on the number of threads: figures, tables and particles of one and of two are the same bytes. (A benchmark's hold times.) */
+/* A quick run, and its files; and one whose standard streams are closed, so that no file may take their place. What an
+   example writes does not depend on the number of threads: figures, tables and particles of one and of two are the same
+   bytes. (A benchmark's hold times.) */
 static char one_thread[LONGEST_PATH + 20], two_threads[LONGEST_PATH + 20];
 static int n_compared, n_different;
 
@@ -437,6 +445,20 @@ static void assert_json(const char *path) {
     free(text);
 }
 
+/* Figures that a quick run has nothing for are not written. */
+static void assert_no_empty_figures(const char *program_path, const char *out) {
+    static const char *const nothing[][2] = {{"/settling", "bottom.svg"},
+                                             {"/filter_cake", "spheres.svg"},
+                                             {"/filter_cake", "curve.svg"},
+                                             {"/batch_screening", "apertures.svg"}};
+    char path[LONGEST_PATH + 60];
+    for (size_t k = 0; k < sizeof nothing / sizeof *nothing; k++) {
+        snprintf(path, sizeof path, "%s/%s", out, nothing[k][1]);
+        if (strcmp(strrchr(program_path, '/'), nothing[k][0]) == 0 && access(path, F_OK) == 0)
+            fail_msg("%s shows nothing", path);
+    }
+}
+
 static void test_quick_run(void **state) {
     char json[LONGEST_PATH + 20];
     snprintf(one_thread, sizeof one_thread, "%s/o u t/deep", folder);
@@ -454,6 +476,7 @@ static void test_quick_run(void **state) {
     count_files(folder);
     assert_int_equal(n_parts, 0);
     assert_true(n_svg >= 1);
+    assert_no_empty_figures(*state, one_thread);
     if (SANITIZED) return; /* one run shows what they look for, and takes ten times as long */
     odd.closed = true;
     r = run_program(*state, two, 0, 0.0);
@@ -506,7 +529,8 @@ static void test_terminate(void **state) {
 static void test_screening_studies(void **state) {
     const char *slash = strrchr(*state, '/');
     if (!slash || strcmp(slash, "/batch_screening") != 0) skip();
-    static const char *const wrong[][3] = {{"--all-cases", "--vary", NULL}, {"--resume", NULL, NULL}, {"--all-cases", "--case=3", NULL}};
+    static const char *const wrong[][3] = {
+        {"--all-cases", "--vary", NULL}, {"--resume", NULL, NULL}, {"--all-cases", "--case=3", NULL}};
     for (int i = 0; i < 3; i++) {
         result r = run_program(*state, wrong[i], 0, 0.0);
         if (r.status != 2 || lines(r.err) != 1) fail_msg("%s: status %d, said '%s'", wrong[i][0], r.status, r.err);
@@ -516,16 +540,19 @@ static void test_screening_studies(void **state) {
     const char *again[] = {"--quick", "--quiet", "--all-cases", "--seeds",   "2", "--time", "0.1",
                            "--out",   "all",     "--resume",    "--threads", "1", NULL};
     char path[6][LONGEST_PATH + 60];
-    static const char *const name[6] = {"curves.csv", "case_05.json", "runs/case_05_seed_2_run.csv", "runs/case_07_seed_1.csv",
-                                        "cases.svg",  "summary.json"};
+    static const char *const name[6] = {
+        "curves.csv", "case_05.json", "runs/case_05_seed_2_run.csv", "runs/case_07_seed_1.csv",
+        "cases.svg",  "summary.json"};
     for (int i = 0; i < 6; i++) snprintf(path[i], sizeof path[i], "%s/all/%s", folder, name[i]);
     result r = run_program(*state, first, 0, 0.0);
     if (r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
     forget(&r);
     char *curves = file_text(path[0]), *summary = file_text(path[5]), *run = file_text(path[3]);
     assert_true(curves && summary && run && is_json(summary) && lines(curves) == 1 + 27 * 2);
-    assert_int_equal(remove(path[1]) | remove(path[2]) | remove(path[4]), 0); /* one run is done again, all reports are written again */
-    char *half = strstr(run, "\n0,1,1,");                                     /* another answer in a file shows that it is read, not run */
+    /* one run is done again, all reports are written again */
+    assert_int_equal(remove(path[1]) | remove(path[2]) | remove(path[4]), 0);
+    /* Another answer in a file shows that it is read, not run. */
+    char *half = strstr(run, "\n0,1,1,");
     assert_non_null(half);
     memcpy(half, "\n0,1,7,", 7);
     FILE *f = fopen(path[3], "wb");
@@ -541,17 +568,20 @@ static void test_screening_studies(void **state) {
     assert_string_equal(resumed, curves);
     free(curves), free(summary), free(run), free(resumed), free(redone), free(drawn);
 
-    const char *plate[] = {"--quick", "--quiet", "--scene", "closed-plate", "--vary", "--json", "plate.json", "--out", "plate", NULL};
+    const char *plate[] = {"--quick", "--quiet",    "--scene", "closed-plate", "--vary",
+                           "--json",  "plate.json", "--out",   "plate",        NULL};
     r = run_program(*state, plate, 0, 0.0);
     if (r.status != 0) fail_msg("status %d, said '%s'", r.status, r.err);
     forget(&r);
     snprintf(path[0], sizeof path[0], "%s/plate.json", folder);
     char *report = file_text(path[0]);
-    assert_true(report && is_json(report) && strstr(report, "\"h_star_m\": [") && strstr(report, "closed plate: water slows"));
+    assert_true(report && is_json(report) && strstr(report, "\"h_star_m\": [") &&
+                strstr(report, "closed plate: water slows"));
     free(report);
 }
 
-/* What only wet_screen_designer does: from test curves of one's own, in three manners of writing them, to a prediction. */
+/* What only wet_screen_designer does: from test curves of one's own, in three manners of writing them, to
+   a prediction. */
 static void test_own_screen(void **state) {
     char *at = strstr(*state, "/wet_screen_designer");
     if (!at) skip();
@@ -563,8 +593,9 @@ static void test_own_screen(void **state) {
         "case,amplitude_mm,frequency_hz,moisture,aperture_mm,time_s,size_mm,retained",
         "Case,Amplitude [mm],Frequency [rpm],Moisture [%],Aperture [mm],Time [min],Size [um],Retained [%]",
         "case,amplitude,frequency,moisture,aperture,time,size,retained"};
-    static const double unit[3][7] = {
-        {1e3, 1.0, 1.0, 1e3, 1.0, 1e3, 1.0}, {1e3, 60.0, 100.0, 1e3, 1.0 / 60.0, 1e6, 100.0}, {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0}};
+    static const double unit[3][7] = {{1e3, 1.0, 1.0, 1e3, 1.0, 1e3, 1.0},
+                                      {1e3, 60.0, 100.0, 1e3, 1.0 / 60.0, 1e6, 100.0},
+                                      {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0}};
     double seconds[3];
     for (int f = 0; f < 3; f++) {
         FILE *file = fopen(place, "w");
@@ -573,8 +604,10 @@ static void test_own_screen(void **state) {
         for (int k = 0; k < 5; k++)
             for (int c = 0; c < 3; c++)
                 for (int j = 1; j <= 6; j++) {
-                    double A = 0.001 + 0.0002 * (k % 3), hz = 45.0 + 5.0 * (k % 2), M = 0.025 * (k % 4), d = 0.003 + 0.002 * c, t = 1.5 * j;
-                    double y = exp(-0.5 * (A * hz / 0.05) * (1.0 - M) * (0.006 / d) * t) + 0.02 * sin(17.0 * k + 5.0 * c + 3.0 * j);
+                    double A = 0.001 + 0.0002 * (k % 3), hz = 45.0 + 5.0 * (k % 2), M = 0.025 * (k % 4),
+                           d = 0.003 + 0.002 * c, t = 1.5 * j;
+                    double y = exp(-0.5 * (A * hz / 0.05) * (1.0 - M) * (0.006 / d) * t) +
+                               0.02 * sin(17.0 * k + 5.0 * c + 3.0 * j);
                     double row[7] = {A, hz, M, 0.008, t, d, y < 0.0 ? 0.0 : y > 1.0 ? 1.0 : y};
                     fprintf(file, "%d", k + 1);
                     for (int i = 0; i < 7; i++) fprintf(file, ",%.12g", row[i] * unit[f][i]);
@@ -585,9 +618,18 @@ static void test_own_screen(void **state) {
         result r = run_program(fitter, fit, 0, 0.0);
         if (r.status != 0 || r.err[0]) fail_msg("screen_fit, file %d: %d, '%s'", f, r.status, r.err);
         forget(&r);
-        const char *predict[] = {
-            "--quiet", "--parameters", "lab/parameters.json", "--rosin-rammler", "6,2.5", "--classes", "3", "--out", "lab", "--json", json,
-            NULL};
+        const char *predict[] = {"--quiet",
+                                 "--parameters",
+                                 "lab/parameters.json",
+                                 "--rosin-rammler",
+                                 "6,2.5",
+                                 "--classes",
+                                 "3",
+                                 "--out",
+                                 "lab",
+                                 "--json",
+                                 json,
+                                 NULL};
         r = run_program(*state, predict, 0, 0.0);
         if (r.status != 0 || r.err[0]) fail_msg("wet_screen_designer, file %d: %d, '%s'", f, r.status, r.err);
         forget(&r);
@@ -658,7 +700,8 @@ static void test_own_screen(void **state) {
     const char *const named[] = {"parameters", "tests", "tests", "tests", "feed-kg-s", "feed-kg-s"};
     for (int i = 0; i < (int)(sizeof bad / sizeof *bad); i++) {
         r = run_program(*state, bad[i], 0, 0.0);
-        if (r.status != 2 || lines(r.err) != 1 || r.out[0] || !strstr(r.err, named[i])) fail_msg("%d: %d, '%s'", i, r.status, r.err);
+        if (r.status != 2 || lines(r.err) != 1 || r.out[0] || !strstr(r.err, named[i]))
+            fail_msg("%d: %d, '%s'", i, r.status, r.err);
         forget(&r);
     }
     const char *percent[] = {"--quick", "--data", "lab.csv", "--out", "lab", NULL};
@@ -670,12 +713,14 @@ static void test_own_screen(void **state) {
     if (r.status != 2 || lines(r.err) != 1 || !strstr(r.err, "percent")) fail_msg("%d, '%s'", r.status, r.err);
     forget(&r);
     /* a column twice, and columns that would be left out although they mean something */
-    static const char *const columns[] = {"retained_percent", "moistur_percent", "moisture_ppm", "Load [t]", "wires_mm"};
+    static const char *const columns[] = {"retained_percent", "moistur_percent", "moisture_ppm", "Load [t]",
+                                          "wires_mm"};
     static const char *const row[] = {"50", "2.5", "2.5", "1", "2"};
     for (int k = 0; k < 5; k++) {
         file = fopen(place, "w");
         assert_non_null(file);
-        fprintf(file, "case,amplitude_mm,frequency_hz,aperture_mm,time_s,size_mm,retained,%s\n1,1,50,8,1,5,0.5,%s\n", columns[k], row[k]);
+        fprintf(file, "case,amplitude_mm,frequency_hz,aperture_mm,time_s,size_mm,retained,%s\n1,1,50,8,1,5,0.5,%s\n",
+                columns[k], row[k]);
         fclose(file);
         r = run_program(fitter, percent, 0, 0.0);
         if (r.status != 2 || lines(r.err) != 1 || r.out[0] || !strstr(r.err, k ? columns[k] : "several"))
@@ -688,7 +733,8 @@ static void test_own_screen(void **state) {
 static void test_simulation(void **state) {
     if (!strstr(*state, "/sieve_blocking")) skip();
     const char *const good[][16] = {
-        {"--simulate", "--k", "1.5", "--xh", "0.65", "--patch", "6", "--load-kg-m2", "0.3", "--vibrated-s", "0.4", "--overlap", "0.05"},
+        {"--simulate", "--k", "1.5", "--xh", "0.65", "--patch", "6", "--load-kg-m2", "0.3", "--vibrated-s", "0.4",
+         "--overlap", "0.05"},
         {"--sweep", "--patch", "6", "--load-kg-m2", "0.2", "--vibrated-s", "0.2", "--overlap", "0.1"}};
     static const char *const keys[][6] = {
         {"\"simulation\"", "\"free_holes\"", "\"forced_through\"", "\"k1_per_s\"", "\"k2_per_s\"", "\"f_inf\""},
@@ -723,13 +769,15 @@ static void test_simulation(void **state) {
     assert_int_equal(n_parts, 0);
 }
 
-/* Bricks of paddle_gap that rebound strongly: none is pressed into a paddle or another one deeper than its rounding, where it would stay. */
+/* Bricks of paddle_gap that rebound strongly: none is pressed into a paddle or another one deeper than its rounding,
+   where it would stay. */
 static void test_paddle_bricks(void **state) {
     if (!strstr(*state, "/paddle_gap")) skip();
     char json[LONGEST_PATH + 20];
     snprintf(json, sizeof json, "%s/result.json", folder);
-    const char *const words[] = {"--short",     "--shape", "brick",   "--cor", "0.65", "--loading", "3",  "--time-ms", "100",
-                                 "--particles", "10",      "--quiet", "--out", "out",  "--json",    json, NULL};
+    const char *const words[] = {"--short", "--shape",   "brick",  "--cor",       "0.65", "--loading",
+                                 "3",       "--time-ms", "100",    "--particles", "10",   "--quiet",
+                                 "--out",   "out",       "--json", json,          NULL};
     result r = run_program(*state, words, 0, 0.0);
     if (r.status != 0 || r.err[0]) fail_msg("status %d, said '%s'", r.status, r.err);
     forget(&r);
@@ -755,7 +803,8 @@ static void test_funnels(void **state) {
         if (f) assert_true(fputs(bad[i].content, f) >= 0 && fclose(f) == 0);
         const char *words[] = {"--quick", "--stl", bad[i].path, "--stl-scale", bad[i].scale, NULL};
         result r = run_program(*state, words, 0, 0.0);
-        if (r.status != 2 || lines(r.err) != 1 || r.out[0] || !strstr(r.err, bad[i].path) || !strstr(r.err, bad[i].reason))
+        if (r.status != 2 || lines(r.err) != 1 || r.out[0] || !strstr(r.err, bad[i].path) ||
+            !strstr(r.err, bad[i].reason))
             fail_msg("%d: status %d, said '%s'", i, r.status, r.err);
         forget(&r);
     }

@@ -1,5 +1,5 @@
-/* riddle_io.h on its own, as a host includes it: files are whole or absent, missing folders are made, and running out of memory anywhere
-   leaves nothing behind. What stands in the files is read back in test_common.c and test_plot.c. */
+/* riddle_io.h on its own, as a host includes it: files are whole or absent, missing folders are made, and running out
+   of memory anywhere leaves nothing behind. What stands in the files is read back in test_common.c and test_plot.c. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -111,8 +111,10 @@ static void test_missing_folders_are_made(void **state) {
     assert_int_equal(access(path, F_OK), -1); /* not there before it is whole */
     assert_int_equal(created_files, 1);
     assert_int_equal(riddle_io_close(f), RIDDLE_IO_OK);
-    expect_text(path, "x,y,z,w\n1.5,,,1e-300\n\n"
-                      "0.06,0.1,0.3333333333333333,0.30000000000000004,12345678,4.94065645841247e-324,1.7976931348623157e+308,-0\n");
+    expect_text(
+        path,
+        "x,y,z,w\n1.5,,,1e-300\n\n"
+        "0.06,0.1,0.3333333333333333,0.30000000000000004,12345678,4.94065645841247e-324,1.7976931348623157e+308,-0\n");
     assert_int_equal(files_below(folder, false), 1);
 }
 
@@ -153,23 +155,27 @@ static void test_refused(void **state) {
     assert_int_equal(riddle_io_series_close(NULL), RIDDLE_IO_BAD_ARGUMENT);
     riddle_io_array nothing = riddle_io_scalar("x", NULL);
     assert_int_equal(riddle_io_points(folder, "p.vtp", 1, nothing, NULL, 0), RIDDLE_IO_BAD_ARGUMENT);
-    assert_int_equal(riddle_io_points(folder, "p.vtp", -1, riddle_io_vector("position", NULL), NULL, 0), RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(riddle_io_points(folder, "p.vtp", -1, riddle_io_vector("position", NULL), NULL, 0),
+                     RIDDLE_IO_BAD_ARGUMENT);
     assert_int_equal(riddle_io_points(folder, "p.vtp", 0, riddle_io_vector("position", NULL), NULL, 0), RIDDLE_IO_OK);
     assert_int_equal(riddle_io_lines(folder, "l.vtp", 0, riddle_io_vector("position", NULL), 1, NULL, NULL, NULL, 0),
                      RIDDLE_IO_BAD_ARGUMENT);
     const double square[12] = {0.0};
     const int falling[] = {3, 2}, corners[] = {0, 1, 4}, triangle[] = {3};
-    assert_int_equal(riddle_io_polygons(folder, "l.vtp", 4, riddle_io_vector("position", square), 2, falling, corners, NULL, 0),
-                     RIDDLE_IO_BAD_ARGUMENT);
-    assert_int_equal(riddle_io_polygons(folder, "l.vtp", 4, riddle_io_vector("position", square), 1, triangle, corners, NULL, 0),
-                     RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(
+        riddle_io_polygons(folder, "l.vtp", 4, riddle_io_vector("position", square), 2, falling, corners, NULL, 0),
+        RIDDLE_IO_BAD_ARGUMENT);
+    assert_int_equal(
+        riddle_io_polygons(folder, "l.vtp", 4, riddle_io_vector("position", square), 1, triangle, corners, NULL, 0),
+        RIDDLE_IO_BAD_ARGUMENT);
     const int none[3] = {0, 1, 1};
     const double place[3] = {0.0, 0.0, 0.0};
     assert_int_equal(riddle_io_cells(folder, "c.vti", none, place, place, NULL, 0), RIDDLE_IO_BAD_ARGUMENT);
     riddle_io_table t = riddle_io_table_begin("a|b");
     riddle_io_table_end(&t, NULL);
     assert_int_equal(files_below(folder, false), 2);
-    for (int i = 0; i <= RIDDLE_IO_STATUS_COUNT + 1; i++) assert_true(strlen(riddle_io_status_text((riddle_io_status)i)) > 0);
+    for (int i = 0; i <= RIDDLE_IO_STATUS_COUNT + 1; i++)
+        assert_true(strlen(riddle_io_status_text((riddle_io_status)i)) > 0);
 }
 
 /* In a folder that one may not write to, the line has the reason why its subfolder could not be made. */
@@ -190,7 +196,8 @@ static void test_a_full_disk_is_told(void **state) {
     (void)state;
     if (access("/dev/full", W_OK) != 0) skip();
     const double xyz[] = {1.0, 2.0, 3.0};
-    assert_int_equal(riddle_io_points(NULL, "/dev/full", 1, riddle_io_vector("position", xyz), NULL, 0), RIDDLE_IO_NOT_WRITTEN);
+    assert_int_equal(riddle_io_points(NULL, "/dev/full", 1, riddle_io_vector("position", xyz), NULL, 0),
+                     RIDDLE_IO_NOT_WRITTEN);
     assert_string_equal(last_line, "/dev/full: No space left on device");
     assert_int_equal(riddle_plot_write(riddle_plot_new(NULL, 1, 1), NULL, "/dev/full"), RIDDLE_IO_NOT_WRITTEN);
     assert_int_equal(said, 2);
@@ -245,7 +252,8 @@ static void test_every_block_may_be_missing(void **state) {
         assert_true(n < 1000);
     }
     assert_true(failures > 50);
-    assert_int_equal(files_below(folder, false), 7); /* three frames and their index, polygons, cells, figure; no temporary ones */
+    /* Three frames and their index, polygons, cells, figure; no temporary ones. */
+    assert_int_equal(files_below(folder, false), 7);
 }
 
 static riddle_io_status write_point(const char *where, const char *name) {
@@ -278,7 +286,8 @@ static void test_a_series_name_with_a_folder(void **state) {
         const char *where = kind ? NULL : folder;
         riddle_io_series *series = riddle_io_series_open(where, kind ? whole : "run1/grains");
         assert_non_null(series);
-        for (int k = 0; k < 2; k++) assert_int_equal(write_point(where, riddle_io_series_name(series, k)), RIDDLE_IO_OK);
+        for (int k = 0; k < 2; k++)
+            assert_int_equal(write_point(where, riddle_io_series_name(series, k)), RIDDLE_IO_OK);
         assert_int_equal(riddle_io_series_close(series), RIDDLE_IO_OK);
         riddle_io_path(path, sizeof path, folder, kind ? "run2/grains.pvd" : "run1/grains.pvd");
         assert_string_equal(listed(path), "grains_0000.vtp grains_0001.vtp ");
@@ -375,13 +384,13 @@ static void test_conversions(void **state) {
     (void)state;
     char path[300], expected[1500];
     riddle_io_path(path, sizeof path, folder, "printed");
-#define PRINTED(...)                                                                                                                       \
-    do {                                                                                                                                   \
-        FILE *f = fopen(path, "wb");                                                                                                       \
-        assert_non_null(f);                                                                                                                \
-        print_both(f, expected, sizeof expected, __VA_ARGS__);                                                                             \
-        fclose(f);                                                                                                                         \
-        expect_text(path, expected);                                                                                                       \
+#define PRINTED(...)                                                                                                   \
+    do {                                                                                                               \
+        FILE *f = fopen(path, "wb");                                                                                   \
+        assert_non_null(f);                                                                                            \
+        print_both(f, expected, sizeof expected, __VA_ARGS__);                                                         \
+        fclose(f);                                                                                                     \
+        expect_text(path, expected);                                                                                   \
     } while (0)
     PRINTED("%s", "");
     PRINTED("no conversion");
@@ -389,7 +398,8 @@ static void test_conversions(void **state) {
     PRINTED("%-*.*f|%*d|%.*s|%-8s|%c", 9, 3, 1.5, 4, 7, 2, "abcdef", "x", 'y');
     PRINTED("%.17g,%g,%e,%G,%a,%f", 0.1, 1e-300, -2.5e10, 1e300, 0.75, -1e308);
     PRINTED("%g %g %g", (double)NAN, HUGE_VAL, -HUGE_VAL);
-    PRINTED("%ld %lu %lld %llu %zu %#x %+i %05u %o %hd", -5L, 6UL, -7LL, 8ULL, (size_t)9, 255U, 3, 42U, 8U, (int)(short)11);
+    PRINTED("%ld %lu %lld %llu %zu %#x %+i %05u %o %hd", -5L, 6UL, -7LL, 8ULL, (size_t)9, 255U, 3, 42U, 8U,
+            (int)(short)11);
     PRINTED("%jd %td %p", (intmax_t)-12, (ptrdiff_t)13, (void *)path);
     PRINTED("a%sb%sc", "%d", "100 %");
     FILE *f = fopen(path, "wb");
@@ -437,7 +447,8 @@ static void test_a_decimal_comma(void **state) {
         text[fread(text, 1, sizeof text - 1, read)] = '\0';
         fclose(read);
         assert_non_null(strstr(text, k ? "timestep=\"0.125\"" : ">0.2<"));
-        for (char *c = strchr(text, ','); c; c = strchr(c + 1, ',')) /* only pairs of coordinates and lists of faces have commas */
+        /* Only pairs of coordinates and lists of faces have commas. */
+        for (char *c = strchr(text, ','); c; c = strchr(c + 1, ','))
             assert_false(c[-1] >= '0' && c[-1] <= '9' && c[1] >= '0' && c[1] <= '9' && k);
         assert_null(strstr(text, ">0,2<"));
     }

@@ -1,4 +1,5 @@
-/* examples/screen_deck/deck_scene.h, deck_measure.h: the machine of screen_deck: its geometry and motion, its books, its steady state. */
+/* examples/screen_deck/deck_scene.h, deck_measure.h: the machine of screen_deck: its geometry and motion, its books,
+   its steady state. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,7 +19,8 @@ static void test_student(void **state) {
     static const int freedom[] = {1, 2, 3, 4, 5, 7, 9, 15, 30, 100};
     static const double table[] = {12.706, 4.303, 3.182, 2.776, 2.571, 2.365, 2.262, 2.131, 2.042, 1.984};
     for (int k = 0; k < 10; k++)
-        if (!(fabs(deck_student(freedom[k]) / table[k] - 1.0) < 1.5e-3)) fail_msg("t of %d: %g", freedom[k], deck_student(freedom[k]));
+        if (!(fabs(deck_student(freedom[k]) / table[k] - 1.0) < 1.5e-3))
+            fail_msg("t of %d: %g", freedom[k], deck_student(freedom[k]));
 }
 
 /* Intervals of means and ratios hold the truth as often as they say. */
@@ -44,8 +46,8 @@ static void test_intervals_cover(void **state) {
                 isnan(deck_mean(1, nothing).interval));
 }
 
-/* A hold-up that fills like 1 - exp(-t/T) under a steady feed, with scatter: found steady after some T, not before one, and never where
-   the hold-up grows on. */
+/* A hold-up that fills like 1 - exp(-t/T) under a steady feed, with scatter: found steady after some T, not before one,
+   and never where the hold-up grows on. */
 static int first_steady(double filling, double growth, double scatter, double tolerance, uint64_t seed) {
     enum { N = 200, NEED = DECK_STEADY_WINDOWS };
     double in[N], out[N], holdup[N], held = 0.0;
@@ -64,7 +66,8 @@ static void test_steady_state(void **state) {
         const int quick = first_steady(3.0, 0.0, 0.02, 0.05, seed), slow = first_steady(12.0, 0.0, 0.02, 0.05, seed);
         if (!(quick >= 3 && quick < 40)) fail_msg("filling in 3 windows: steady from %d on", quick);
         if (!(slow >= 12 && slow < 120)) fail_msg("filling in 12 windows: steady from %d on", slow);
-        assert_int_equal(first_steady(3.0, 0.10, 0.02, 0.05, seed), -1); /* a tenth of the feed stays on the deck for ever */
+        /* a tenth of the feed stays on the deck for ever */
+        assert_int_equal(first_steady(3.0, 0.10, 0.02, 0.05, seed), -1);
         assert_int_equal(first_steady(3.0, 0.0, 0.5, 0.05, seed), -1);   /* scatter that allows no judgement */
     }
     double in[8] = {1, 1, 1, 1, 1, 1, 1, 1}, out[8] = {1, 1, 1, 1, 1, 1, 1, 1}, holdup[8] = {5, 5, 5, 5, 5, 5, 5, 5};
@@ -149,7 +152,8 @@ static void run_machine(deck_machine *m, deck_books *b, const deck_def *d, doubl
     }
 }
 
-/* Every grain that was fed is in the machine or in one product, by number, class and mass; events tell the same as the products. */
+/* Every grain that was fed is in the machine or in one product, by number, class and mass; events tell the same as
+   the products. */
 static void check_books(const deck_machine *m, const deck_books *b) {
     ptrdiff_t present[DECK_CLASSES] = {0}, all = 0, noted[DECKS_MAX + 1] = {0};
     double mass = 0.0, fed = 0.0;
@@ -238,10 +242,13 @@ static void test_holes(void **state) {
         d.mesh = mesh, d.slot_length = 0.03, d.inclination = 0.0, d.amplitude = 0.0, d.flow = 1e-9;
         assert_null(deck_round(&d));
         assert_int_equal(deck_make(&m, &d), DEM_OK);
-        const double pitch = 0.0125,
-                     hole = mesh == DECK_SLOTS_ACROSS ? 8.5 * pitch : 0.5 * (0.03 + 0.0025) + (mesh == DECK_SQUARE ? 0.0 : 0.0325);
+        const double pitch = 0.0125, hole = mesh == DECK_SLOTS_ACROSS
+                                                ? 8.5 * pitch
+                                                : 0.5 * (0.03 + 0.0025) + (mesh == DECK_SQUARE ? 0.0 : 0.0325);
         const double x = mesh == DECK_SQUARE ? 8.5 * pitch : hole;
-        const double y = mesh == DECK_SQUARE ? 2.5 * pitch : mesh == DECK_SLOTS_ALONG ? -3.0 * d.width + 15.5 * pitch : 0.0;
+        const double y = mesh == DECK_SQUARE        ? 2.5 * pitch
+                         : mesh == DECK_SLOTS_ALONG ? -3.0 * d.width + 15.5 * pitch
+                                                    : 0.0;
         double at[3] = {x, y, 0.02}, size = 0.0095;
         const double slot = mesh == DECK_SLOTS_ACROSS ? -3.0 * d.width + 6.5 * 0.0325 : y;
         at[1] = slot;

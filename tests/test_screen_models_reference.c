@@ -1,5 +1,6 @@
-/* screen_models.h against slow, plain calculations of the same things: model 3 by small steps of the paper's own scheme and by Runge-Kutta,
-   derivatives by differences, the fitter by a random search; and its bits against a hash that holds for every compiler and level. */
+/* screen_models.h against slow, plain calculations of the same things: model 3 by small steps of the paper's own scheme
+   and by Runge-Kutta, derivatives by differences, the fitter by a random search; and its bits against a hash that holds
+   for every compiler and level. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +23,7 @@ static screen_def batch(void) {
     return def;
 }
 
-/* ---- model 3, eqs 36-43 as they stand ----------------------------------------------------------------------------------------------- */
+/* ---- model 3, eqs 36-43 as they stand ---------------------------------------------------------------------------- */
 
 typedef struct plain {
     double w[2], b[2], s_inf[2], s[2], bottom[2], y[2];
@@ -35,9 +36,11 @@ static void plain_rates(const screen_def *def, const plain *m, double *c) {
         left += m_0 * (m->s_inf[i] - m->s[i]);
         grains += m_0 * (m->s_inf[i] - m->s[i]) / volume[i];
     }
-    double q = left / (coarse + left), top = coarse + left, v_av = top / (grains + coarse / pow(def->coarse_diameter, 3.0));
+    double q = left / (coarse + left), top = coarse + left,
+           v_av = top / (grains + coarse / pow(def->coarse_diameter, 3.0));
     double h_t = top / (def->deck_area * def->bulk_density);
-    for (int i = 0; i < 2; i++) c[i] = m->w[i] * exp(-pow(2.0 * q, 5.0)) * exp(-2.5 * volume[i] / v_av) / (h_t / def->coarse_diameter);
+    for (int i = 0; i < 2; i++)
+        c[i] = m->w[i] * exp(-pow(2.0 * q, 5.0)) * exp(-2.5 * volume[i] / v_av) / (h_t / def->coarse_diameter);
 }
 
 static void plain_slope(const screen_def *def, const plain *m, plain *d) {
@@ -109,7 +112,8 @@ static void the_integrator_meets_runge_kutta(void **state) {
                     double y[2], s[2], b[2];
                     def.bottom_limit = limited ? 0.15 : HUGE_VAL;
                     plain m = plain_run(&def, plain_start(sets[k], &operations[o]), end, 40000);
-                    assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, sets[k], &operations[o], 1, &end, y, s, b), SCREEN_OK);
+                    assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, sets[k], &operations[o], 1, &end, y, s, b),
+                                     SCREEN_OK);
                     for (int i = 0; i < 2; i++) {
                         double off = fabs(y[i] - m.y[i] / 0.5);
                         worst = off > worst ? off : worst;
@@ -131,10 +135,12 @@ static void errors_follow_tolerance_and_step(void **state) {
     for (size_t k = 0; k < sizeof sets / sizeof sets[0]; k++) {
         def.fixed_step = 0.0;
         def.tolerance = 1e-13;
-        assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, sets[k], &initial, 3, time, exact, NULL, NULL), SCREEN_OK);
+        assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, sets[k], &initial, 3, time, exact, NULL, NULL),
+                         SCREEN_OK);
         for (double tolerance = 1e-4; tolerance > 1e-11; tolerance *= 0.1) {
             def.tolerance = tolerance;
-            assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, sets[k], &initial, 3, time, y, NULL, NULL), SCREEN_OK);
+            assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, sets[k], &initial, 3, time, y, NULL, NULL),
+                             SCREEN_OK);
             for (int i = 0; i < 6; i++)
                 if (fabs(y[i] - exact[i]) > 20.0 * tolerance)
                     fail_msg("set %d, tolerance %g: off by %g", (int)k, tolerance, y[i] - exact[i]);
@@ -143,7 +149,8 @@ static void errors_follow_tolerance_and_step(void **state) {
         for (int n = 4000; n <= 16000; n *= 2) {
             double error = 0.0;
             def.fixed_step = 20.0 / n;
-            assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, sets[k], &initial, 3, time, y, NULL, NULL), SCREEN_OK);
+            assert_int_equal(screen_predict(&def, SCREEN_SOLDINGER, sets[k], &initial, 3, time, y, NULL, NULL),
+                             SCREEN_OK);
             for (int i = 0; i < 6; i++) error = fabs(y[i] - exact[i]) > error ? fabs(y[i] - exact[i]) : error;
             if (n > 4000 && !(error < before / 3.4 && error > before / 4.6))
                 fail_msg("set %d: %g after %g is not order 2", (int)k, error, before);
@@ -171,7 +178,7 @@ static void errors_follow_tolerance_and_step(void **state) {
     assert_true(!(largest < 100.0)); /* it diverges */
 }
 
-/* ---- fit ---------------------------------------------------------------------------------------------------------------------------- */
+/* ---- fit --------------------------------------------------------------------------------------------------------- */
 
 enum { CASES = 8, TIMES = 20, POINTS = 40 };
 static double time_axis[TIMES], curves[CASES][POINTS];
@@ -211,7 +218,8 @@ static void derivatives_meet_differences(void **state) {
             for (int j = 0; j < problem.parameters; j++) q[j] = screen__to_q((screen_model)m, j, p[m][j]);
             screen__to_coefficients((screen_model)m, problem.parameters, problem.centre, q, c);
             screen__evaluate(&problem, c, 0.05, 1, 1, &at);
-            for (int j = 0; j < problem.parameters; j++) size = fabs(at.gradient[j]) > size ? fabs(at.gradient[j]) : size;
+            for (int j = 0; j < problem.parameters; j++)
+                size = fabs(at.gradient[j]) > size ? fabs(at.gradient[j]) : size;
             for (int j = 0; j < problem.parameters; j++) {
                 memcpy(moved, c, sizeof c);
                 moved[j] = c[j] + 1e-4;
@@ -246,7 +254,8 @@ static void a_random_search_finds_nothing_better(void **state) {
         for (int k = 0; k < 20000; k++) {
             for (int j = 0; j < problem.parameters; j++) {
                 int wet = screen__is_wet((screen_model)m, j), rate = screen__is_rate((screen_model)m, j);
-                trial[j] = k < 5000 ? (wet ? 20.0 : 12.0) * (screen__uniform(&random) - 0.5) + (rate ? (m == 1 ? 6.0 : 0.0) : 0.0)
+                trial[j] = k < 5000 ? (wet ? 20.0 : 12.0) * (screen__uniform(&random) - 0.5) +
+                                          (rate ? (m == 1 ? 6.0 : 0.0) : 0.0)
                                     : best[j] + spread * (wet ? 3.0 : 1.0) * screen__normal(&random);
             }
             screen__evaluate(&problem, trial, 0.0, 0, 1, &sums);
@@ -262,7 +271,7 @@ static void a_random_search_finds_nothing_better(void **state) {
     }
 }
 
-/* ---- bits --------------------------------------------------------------------------------------------------------------------------- */
+/* ---- bits -------------------------------------------------------------------------------------------------------- */
 
 static void mix(uint64_t *hash, double x) {
     uint64_t bits;

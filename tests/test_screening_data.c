@@ -16,7 +16,8 @@
 enum { CASES = 27, CLASSES = 2, TIMES = 40, POINTS = CLASSES * TIMES, SEEDS = 3 };
 
 static const double diameters[CLASSES] = {0.005, 0.007};
-static const double amplitudes[3] = {0.0008, 0.001, 0.0012}, frequencies[3] = {45.8, 50.6, 55.4}, moistures[3] = {0.0, 0.025, 0.05};
+static const double amplitudes[3] = {0.0008, 0.001, 0.0012}, frequencies[3] = {45.8, 50.6, 55.4},
+                    moistures[3] = {0.0, 0.025, 0.05};
 static double time_s[TIMES], retained[CASES][POINTS]; /* means over the seeds, every 0.5 s to 20 s */
 static screen_case cases[CASES];
 static screen_def def;
@@ -53,7 +54,8 @@ static int read_data(void **state) {
 
 static double deviation_of(screen_model model, const double *parameters, int k) {
     double curve[POINTS];
-    assert_int_equal(screen_predict(&def, model, parameters, &cases[k].operation, TIMES, time_s, curve, NULL, NULL), SCREEN_OK);
+    assert_int_equal(screen_predict(&def, model, parameters, &cases[k].operation, TIMES, time_s, curve, NULL, NULL),
+                     SCREEN_OK);
     return screen_deviation(POINTS, curve, retained[k]);
 }
 
@@ -137,10 +139,11 @@ static void the_page_has_the_fits(void **state) {
     }
 }
 
-/* Fits as good as a global search, within 1e-4, and on the page as they are now; of model 3 at the parameters as printed. */
+/* Fits as good as a global search, within 1e-4, and on the page as they are now; of model 3 at the
+   parameters as printed. */
 static void the_page_has_the_fits_beside_the_searches(void **state) {
-    static const char *const rows[4] = {"fit and search: 1 Dong", "fit and search: 1 Dong, grain", "fit and search: 2 Subasinghe",
-                                        "fit and search: 3 Soldinger"};
+    static const char *const rows[4] = {"fit and search: 1 Dong", "fit and search: 1 Dong, grain",
+                                        "fit and search: 2 Subasinghe", "fit and search: 3 Soldinger"};
     static const screen_model models[4] = {SCREEN_DONG, SCREEN_DONG, SCREEN_SUBASINGHE, SCREEN_SOLDINGER};
     (void)state;
     for (int i = 0; i < 4; i++) {
@@ -148,7 +151,8 @@ static void the_page_has_the_fits_beside_the_searches(void **state) {
         assert_int_equal(row_of("docs/screen_models.md", rows[i], 3, stated), 3);
         assert_true(stated[0] - stated[1] < 1e-4 && stated[2] == 1e6);
         if (models[i] == SCREEN_SOLDINGER) {
-            assert_int_equal(row_of("docs/screen_models.md", "3 Soldinger: k_s, alpha, gamma, k_p, beta, delta", 6, p), 6);
+            assert_int_equal(row_of("docs/screen_models.md", "3 Soldinger: k_s, alpha, gamma, k_p, beta, delta", 6, p),
+                             6);
             assert_true(fabs(mean_deviation(SCREEN_SOLDINGER, p) - stated[0]) < 2e-6);
             continue;
         }
@@ -163,7 +167,8 @@ static void the_page_has_the_fits_beside_the_searches(void **state) {
     }
 }
 
-/* The 18 cases with A = 1.0 and 1.2 mm lie near the paper's model 2; with 0.8 mm, dry, the screen stagnates, which no set of it can. */
+/* The 18 cases with A = 1.0 and 1.2 mm lie near the paper's model 2; with 0.8 mm, dry, the screen stagnates, which no
+   set of it can. */
 static void the_study_lies_near_the_paper_where_the_screen_empties(void **state) {
     double p[SCREEN_MAX_PARAMETERS], sum = 0.0, stated[2];
     (void)state;

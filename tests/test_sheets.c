@@ -1,5 +1,5 @@
-/* The reader of laboratory tables: files in tests/sheets as laboratories write them give the numbers that a person reads in them, or one
-   line that is true. */
+/* The reader of laboratory tables: files in tests/sheets as laboratories write them give the numbers that a person
+   reads in them, or one line that is true. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,15 +14,17 @@
 #include "sheet.h"
 
 static void near(const char *what, double value, double expected) {
-    if (!(fabs(value - expected) <= 1e-9 * fabs(expected) + 1e-12)) fail_msg("%s: %.15g, not %.15g", what, value, expected);
+    if (!(fabs(value - expected) <= 1e-9 * fabs(expected) + 1e-12))
+        fail_msg("%s: %.15g, not %.15g", what, value, expected);
 }
 
 /* The same sand in many tables: sieves of 1, 2, 4, 8, 16 mm. */
 static void test_one_sand_in_many_tables(void **state) {
     static const char *const files[] = {
-        "excel_german.csv", "utf16_tabs.txt",     "thousands.csv",        "below_63.csv",     "intervals.csv", "two_lines.csv",
-        "units_below.csv",  "percent_cells.csv",  "comments_before.csv",  "coarser.csv",      "phi.csv",       "low_high.csv",
-        "blanks.txt",       "quoted_heading.csv", "cumulated_masses.csv", "mesh_numbers.csv", "tyler.csv"};
+        "excel_german.csv", "utf16_tabs.txt",  "thousands.csv",     "below_63.csv",        "intervals.csv",
+        "two_lines.csv",    "units_below.csv", "percent_cells.csv", "comments_before.csv", "coarser.csv",
+        "phi.csv",          "low_high.csv",    "blanks.txt",        "quoted_heading.csv",  "cumulated_masses.csv",
+        "mesh_numbers.csv", "tyler.csv"};
     static const double passing[5] = {0.1, 0.25, 0.5, 0.9, 1.0};
     (void)state;
     for (size_t f = 0; f < sizeof files / sizeof *files; f++) {
@@ -57,17 +59,18 @@ static void test_sheets_of_users(void **state) {
         {"refused_of_what.csv", ":3: a size of 16 of what? The column must name its unit, such as size_mm"},
         {"refused_doubt.csv", ":2: '1.250' may be in thousands: write numbers without a mark for them"},
         {"refused_mesh.csv", ": the mesh numbers may be of ASTM or Tyler: the heading must say which"},
-        {"refused_kind.csv",
-         ": column 'R\xc3\xbc"
-         "ckstand [%]': on each sieve, or cumulated? The heading must say cumulative, or there must be a row for the pan"},
+        {"refused_kind.csv", ": column 'R\xc3\xbc"
+                             "ckstand [%]': on each sieve, or cumulated? The heading must say cumulative, or there "
+                             "must be a row for the pan"},
         {"refused_gap.csv", ":3: the class from 2 mm does not begin where the one below ends, at 1 mm"},
         {"refused_falls.csv", ":3: column 'passing [%]': less is finer than 2 mm (0.1) than 1 mm (0.9)"},
         {"refused_total.csv", ": the rows of 'mass [g]' add up to 0.17 kg, the row of the total says 0.25 kg"},
-        {"refused_commas.csv", ":2: 3 cells, but the heading names 2: decimal commas need semicolons or tabs between cells"},
+        {"refused_commas.csv",
+         ":2: 3 cells, but the heading names 2: decimal commas need semicolons or tabs between cells"},
         {"refused_columns.csv", ": no column size; the columns are 'Probe', 'Wert', 'Bemerkung'"},
-        {"screen_fit_german.csv",
-         ": several columns are sizes; the columns are 'case', 'amplitude_mm', 'frequency_hz', 'aperture_mm', 'wire_mm', "
-         "'time_s', 'size_mm', 'retained_%'"},
+        {"screen_fit_german.csv", ": several columns are sizes; the columns are 'case', 'amplitude_mm', "
+                                  "'frequency_hz', 'aperture_mm', 'wire_mm', "
+                                  "'time_s', 'size_mm', 'retained_%'"},
         {"nowhere.csv", ": No such file or directory"},
     };
     char path[100], message[600], expected[700];
@@ -77,7 +80,8 @@ static void test_sheets_of_users(void **state) {
         snprintf(path, sizeof path, "tests/sheets/%s", right[f].file);
         if (sheet_read_sizes(path, NULL, 1, &s, message, sizeof message) != 0) fail_msg("%s", message);
         assert_int_equal(s.n, right[f].n);
-        for (int k = 0; k < s.n; k++) near(path, s.size[k], right[f].size[k]), near(path, s.amount[0][k], right[f].passing[k]);
+        for (int k = 0; k < s.n; k++)
+            near(path, s.size[k], right[f].size[k]), near(path, s.amount[0][k], right[f].passing[k]);
         sheet_free_sizes(&s);
     }
     for (size_t f = 0; f < sizeof wrong / sizeof *wrong; f++) {
@@ -147,17 +151,21 @@ static void test_kinds_of_amounts(void **state) {
         {"size_mm,passing\n1,0.5 x\n", "f:2: column 'passing': '0.5 x' is not a number"},
         {"size_mm,passing\nx,0.5\n", "f:2: column 'size_mm': 'x' is no size"},
         {"size_mm,passing\n1,-0.5\n", "f:2: column 'passing': '-0.5' is below 0"},
-        {"size_mm,passing\n1,50\n2,150\n", "f:3: column 'passing': 1.5 of the whole is finer than 2 mm; it is 0 to 1, or 0 to 100 %"},
+        {"size_mm,passing\n1,50\n2,150\n",
+         "f:3: column 'passing': 1.5 of the whole is finer than 2 mm; it is 0 to 1, or 0 to 100 %"},
         {"size_s,passing\n1,50\n", "f: no column size; the columns are 'size_s', 'passing'"},
-        {"size_mm,passing_s\n1,50\n", "f: no column passing, coarser, retained, mass or share; the columns are 'size_mm', 'passing_s'"},
+        {"size_mm,passing_s\n1,50\n",
+         "f: no column passing, coarser, retained, mass or share; the columns are 'size_mm', 'passing_s'"},
         {"size_mm,size2_mm,diameter_mm,passing\n1,1,1,50\n",
          "f: several columns are sizes; the columns are 'size_mm', 'size2_mm', 'diameter_mm', 'passing'"},
         {"size_mm,retained_g\n1,0\nPan,0\n", "f: column 'retained_g': all amounts are 0"},
-        {"size_mm,cum. mass retained g\n1,5\n", "f: column 'cum. mass retained g': cumulated masses need a row for the pan"},
-        {"size_mm,retained\n1,20\n2,300\n4,50\n",
-         "f: column 'retained': neither adds up to 100 % nor falls as sizes rise; masses need a unit, such as retained_g"},
+        {"size_mm,cum. mass retained g\n1,5\n",
+         "f: column 'cum. mass retained g': cumulated masses need a row for the pan"},
+        {"size_mm,retained\n1,20\n2,300\n4,50\n", "f: column 'retained': neither adds up to 100 % nor falls as sizes "
+                                                  "rise; masses need a unit, such as retained_g"},
         {"class mm,share %\n0-1,20\n1-2,30\n", "f: column 'share %' adds up to 50 %, not to 100"},
-        {"sieve mass g,sieve soil mass g,size mm\n10,5,1\n", "f:2: column 'sieve soil mass g': '5' is less than the empty sieve"},
+        {"sieve mass g,sieve soil mass g,size mm\n10,5,1\n",
+         "f:2: column 'sieve soil mass g': '5' is less than the empty sieve"},
         {"Tyler mesh,passing %\n40,50\n", "f:2: column 'Tyler mesh': '40' is no sieve of Tyler"},
     };
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
@@ -175,7 +183,8 @@ static void test_amounts_by_name(void **state) {
     char message[600];
     sheet_sizes s;
     (void)state;
-    if (sheet_read_sizes("tests/sheets/feed_coarse_fine.csv", names, 4, &s, message, sizeof message)) fail_msg("%s", message);
+    if (sheet_read_sizes("tests/sheets/feed_coarse_fine.csv", names, 4, &s, message, sizeof message))
+        fail_msg("%s", message);
     assert_true(s.n == 5 && !s.single && !s.amount[3]);
     near("feed", s.amount[0][2], 0.6), near("coarse", s.amount[1][2], 0.3), near("fine", s.amount[2][2], 0.9),
         near("size", s.size[0], 2e-6);
@@ -221,7 +230,8 @@ static void test_readings(void **state) {
     sheet s;
     (void)state;
     for (size_t k = 0; k < sizeof same / sizeof *same; k++) {
-        sheet_column c[3] = {sheet_want("time", 'T', true), sheet_want("volume", 'V', true), sheet_want("pressure", 'P', false)};
+        sheet_column c[3] = {sheet_want("time", 'T', true), sheet_want("volume", 'V', true),
+                             sheet_want("pressure", 'P', false)};
         if (table_of(same[k], c, 3, &s, message)) fail_msg("%d: %s", (int)k, message);
         assert_int_equal(s.rows, 2);
         near(same[k], c[0].value[1], 90.0), near(same[k], c[1].value[1], 1.2505e-3);
@@ -231,18 +241,22 @@ static void test_readings(void **state) {
         sheet_free(&s);
     }
     static const char *const wrong[][2] = {
-        {"time_s,volume\n1,2,3\n", "f:2: 3 cells, but the heading names 2: decimal commas need semicolons or tabs between cells"},
+        {"time_s,volume\n1,2,3\n",
+         "f:2: 3 cells, but the heading names 2: decimal commas need semicolons or tabs between cells"},
         {"time_s;volume\n1;2x\n", "f:2: column 'volume': '2x' is not a number"},
         {"time_s;volume_g\n1;2\n", "f: the unit cannot be one of volume; the columns are 'time_s', 'volume_g'"},
         {"time_s;volume [furlong]\n1;2\n", "f: no column volume; the columns are 'time_s', 'volume [furlong]'"},
-        {"time_s;time_min;volume\n1;2;3\n", "f: several columns are time; the columns are 'time_s', 'time_min', 'volume'"},
-        {"time_s;volume;presure_bar\n1;2;3\n", "f: a column pressure, in a unit such as _mm, _percent, _kg_m2; there is 'presure_bar'"},
+        {"time_s;time_min;volume\n1;2;3\n",
+         "f: several columns are time; the columns are 'time_s', 'time_min', 'volume'"},
+        {"time_s;volume;presure_bar\n1;2;3\n",
+         "f: a column pressure, in a unit such as _mm, _percent, _kg_m2; there is 'presure_bar'"},
         {"time_s;volume\n", "f: no rows below the heading in line 1"},
         {"time_velocity;volume\n1;2\n", "f: no column time; the columns are 'time_velocity', 'volume'"},
         {"time;volume\n1.250;2,5\n", "f:2: '1.250' may be in thousands: write numbers without a mark for them"},
     };
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
-        sheet_column c[3] = {sheet_want("time", 'T', true), sheet_want("volume", 'V', true), sheet_want("pressure", 'P', false)};
+        sheet_column c[3] = {sheet_want("time", 'T', true), sheet_want("volume", 'V', true),
+                             sheet_want("pressure", 'P', false)};
         strcpy(message, "read");
         table_of(wrong[k][0], c, 3, &s, message);
         assert_string_equal(message, wrong[k][1]);
@@ -250,7 +264,8 @@ static void test_readings(void **state) {
     }
     sheet_column share[2] = {sheet_want("case", 't', true), sheet_want("moisture", 's', true)};
     assert_int_equal(table_of("case,moisture\n1,2.5\n", share, 2, &s, message), -1);
-    assert_string_equal(message, "f: column 'moisture': a share of 2.5; in per cent, its heading says so, such as moisture_percent");
+    assert_string_equal(
+        message, "f: column 'moisture': a share of 2.5; in per cent, its heading says so, such as moisture_percent");
     assert_int_equal(table_of("Fall;Feuchte\nnass 1;2,5 %\n", share, 2, &s, message), 0);
     near("moisture", share[1].value[0], 0.025);
     assert_string_equal(s.cell[share[0].index], "nass 1");
@@ -262,15 +277,18 @@ static void test_readings(void **state) {
 /* The German table of a screen that came as a report of a fault. */
 static void test_screen_table(void **state) {
     enum { COLUMNS = 8 };
-    sheet_column c[COLUMNS] = {sheet_want("case", 't', true),     sheet_want("time", 'T', true),      sheet_want("size", 'L', true),
-                               sheet_want("retained", '%', true), sheet_want("amplitude", 'L', true), sheet_want("frequency", 'f', true),
-                               sheet_want("aperture", 'L', true), sheet_want("wire", 'L', false)};
+    sheet_column c[COLUMNS] = {sheet_want("case", 't', true),      sheet_want("time", 'T', true),
+                               sheet_want("size", 'L', true),      sheet_want("retained", '%', true),
+                               sheet_want("amplitude", 'L', true), sheet_want("frequency", 'f', true),
+                               sheet_want("aperture", 'L', true),  sheet_want("wire", 'L', false)};
     char message[600];
     sheet s;
     (void)state;
-    if (sheet_read("tests/sheets/screen_fit_german.csv", c, COLUMNS, &s, message, sizeof message)) fail_msg("%s", message);
+    if (sheet_read("tests/sheets/screen_fit_german.csv", c, COLUMNS, &s, message, sizeof message))
+        fail_msg("%s", message);
     assert_int_equal(s.rows, 60);
-    near("amplitude", c[4].value[0], 0.8e-3), near("wire", c[7].value[59], 2.5e-3), near("retained", c[3].value[0], 0.307);
+    near("amplitude", c[4].value[0], 0.8e-3), near("wire", c[7].value[59], 2.5e-3),
+        near("retained", c[3].value[0], 0.307);
     near("size", c[2].value[3], 7.4e-3), near("last", c[3].value[59], 0.196), near("time", c[1].value[59], 16.0);
     assert_string_equal(s.cell[59 * s.columns + c[0].index], "3");
     sheet_free(&s);
@@ -278,8 +296,12 @@ static void test_screen_table(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_sand_in_many_tables), cmocka_unit_test(test_sheets_of_users), cmocka_unit_test(test_kinds_of_amounts),
-        cmocka_unit_test(test_amounts_by_name),         cmocka_unit_test(test_readings),        cmocka_unit_test(test_screen_table),
+        cmocka_unit_test(test_one_sand_in_many_tables),
+        cmocka_unit_test(test_sheets_of_users),
+        cmocka_unit_test(test_kinds_of_amounts),
+        cmocka_unit_test(test_amounts_by_name),
+        cmocka_unit_test(test_readings),
+        cmocka_unit_test(test_screen_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

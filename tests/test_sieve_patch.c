@@ -56,14 +56,16 @@ static void test_sides_are_no_place(void **state) {
     }
 }
 
-/* A grain pressed into a hole by 100 times its weight and let go: it stays, turned over, if the wires' normals lie within the friction
-   cone, d < pitch sqrt(1 + mu^2) - wire = 1.066 l; it passes if it is smaller than the hole. Merely laid on, it falls out. */
+/* A grain pressed into a hole by 100 times its weight and let go: it stays, turned over, if the wires' normals lie
+   within the friction cone, d < pitch sqrt(1 + mu^2) - wire = 1.066 l; it passes if it is smaller than the hole. Merely
+   laid on, it falls out. */
 static void test_wedge(void **state) {
     (void)state;
     static const struct {
         double d, press;
         int stays;
-    } grain[] = {{0.97, 0.0, -1}, {1.03, 0.0, 0}, {1.02, 100.0, 1}, {1.05, 100.0, 1}, {1.09, 100.0, 0}, {1.3, 100.0, 0}};
+    } grain[] = {{0.97, 0.0, -1},  {1.03, 0.0, 0},   {1.02, 100.0, 1},
+                 {1.05, 100.0, 1}, {1.09, 100.0, 0}, {1.3, 100.0, 0}};
     for (int k = 0; k < 6; k++) {
         sieve_patch p;
         empty(&p, 8);
@@ -99,10 +101,12 @@ static void test_a_run(void **state) {
         def.seed = k == 2 ? 3 : 1;
         assert_int_equal(sieve_patch_make(&p, &def), DEM_OK);
         assert_int_equal(sieve_patch_lay(&p), DEM_OK);
-        assert_true(fabs(p.mass / (def.load * 64.0 * pitch * pitch) - 1.0) < 0.05 && fabs(p.hard_mass / p.mass - def.x_h) < 0.05);
+        assert_true(fabs(p.mass / (def.load * 64.0 * pitch * pitch) - 1.0) < 0.05 &&
+                    fabs(p.hard_mass / p.mass - def.x_h) < 0.05);
         blocked[k][0] = sieve_patch_blocked(&p);
         const uint64_t before = dem_hash(&p.world);
-        assert_true(sieve_patch_blocked(&p) == blocked[k][0] && dem_hash(&p.world) == before); /* counting disturbs nothing */
+        /* Counting disturbs nothing. */
+        assert_true(sieve_patch_blocked(&p) == blocked[k][0] && dem_hash(&p.world) == before);
         assert_int_equal(sieve_patch_vibrate(&p, 12), DEM_OK);
         blocked[k][1] = sieve_patch_blocked(&p);
         assert_true(blocked[k][0] >= 0 && blocked[k][1] < 32);
@@ -112,7 +116,9 @@ static void test_a_run(void **state) {
         double z = deck->position.z;
         assert_int_equal(dem_run(&p.world, 0.5 / def.frequency, FEATURES), DEM_OK);
         assert_true(fabs(z - deck->position.z - 2.0 * sieve_patch_amplitude(&def)) < 1e-8);
-        assert_true(fabs(4.0 * RIDDLE_PI * RIDDLE_PI * def.frequency * def.frequency * sieve_patch_amplitude(&def) / 9.81 - def.K) < 1e-14);
+        assert_true(
+            fabs(4.0 * RIDDLE_PI * RIDDLE_PI * def.frequency * def.frequency * sieve_patch_amplitude(&def) / 9.81 -
+                 def.K) < 1e-14);
         for (ptrdiff_t q = 0; q < p.world.passed_count; q++) assert_true(p.world.passed[q].diameter < 1.05 * l);
         dem_free(&p.world);
     }
@@ -140,7 +146,8 @@ static void test_bad_definitions(void **state) {
     }
 }
 
-/* With refill each grain that passed is replaced by an equal one: number and mass on the sieve stay; without, they fall. */
+/* With refill each grain that passed is replaced by an equal one: number and mass on the sieve stay;
+   without, they fall. */
 static void test_refill_keeps_the_layer(void **state) {
     (void)state;
     for (int refill = 0; refill <= 1; refill++) {

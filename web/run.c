@@ -1,5 +1,5 @@
-/* run.c - `riddle run` for a page: the program of tools/riddle, a slice at a time, and what the page draws. Files are the page's
-   (files.js). One scene at a time; every function but page_open wants an open one. */
+/* run.c - `riddle run` for a page: the program of tools/riddle, a slice at a time, and what the page draws. Files are
+   the page's (files.js). One scene at a time; every function but page_open wants an open one. */
 #define main riddle_main
 #include "../tools/riddle/riddle.c"
 #undef main
@@ -56,7 +56,8 @@ int EXPORT(page_end)(void) {
 /* out/measured.csv and out/curves.svg up to here. */
 void EXPORT(page_so_far)(void) { report_write_so_far(now.r); }
 
-/* The present state for ParaView: out/frame_particles.vtp, frame_walls.vtp, frame_polyhedra.vtp where there are polyhedra. */
+/* The present state for ParaView: out/frame_particles.vtp, frame_walls.vtp, frame_polyhedra.vtp where there
+   are polyhedra. */
 void EXPORT(page_frame)(void) {
     dem_io_particles(&now.s.world, "out", "frame_particles.vtp");
     dem_io_walls(&now.s.world, "out", "frame_walls.vtp");

@@ -1,5 +1,6 @@
-/* scene.c - the wet screen of the page: 2000 spheres of three sizes on a vibrating screen, and the models fitted to what is left on it.
-   The same file is compiled to WebAssembly and, by native.c, for this machine: the bits must be the same. */
+/* scene.c - the wet screen of the page: 2000 spheres of three sizes on a vibrating screen, and the models fitted to
+   what is left on it. The same file is compiled to WebAssembly and, by native.c, for this machine: the bits must
+   be the same. */
 #include "dem_wet.h"
 #include "../screen_models.h"
 
@@ -66,8 +67,8 @@ static dem_status add_liquid(void) {
         mass += s.world.particle[i].mass;
     }
     s.world.user = &s.wet;
-    return wet_init(&s.wet, (int)s.world.count, s.group, s.sphere, s.now.diameter, s.now.moisture, mass, s.deck, &s.world, false,
-                    WET_STEEL) == BRIDGE_OK
+    return wet_init(&s.wet, (int)s.world.count, s.group, s.sphere, s.now.diameter, s.now.moisture, mass, s.deck,
+                    &s.world, false, WET_STEEL) == BRIDGE_OK
                ? DEM_OK
                : DEM_BAD_DEFINITION;
 }
@@ -86,7 +87,8 @@ static void take_sample(void) {
 }
 
 /* A new batch; 0, or a dem_status. */
-EXPORT(web_start) int web_start(double amplitude, double frequency, double moisture, double aperture, double d0, double d1, double d2) {
+EXPORT(web_start)
+int web_start(double amplitude, double frequency, double moisture, double aperture, double d0, double d1, double d2) {
     dem_free(&s.world);
     wet_free(&s.wet);
     memset(&s, 0, sizeof s);
@@ -113,7 +115,8 @@ static dem_status change_vibration(double amplitude, double frequency) {
     const dem_status status = wet_run(&s.world, (floor(age / period) + 1.0) * period - age, 0);
     s.now.amplitude = amplitude, s.now.frequency = frequency;
     s.changed_at = s.world.time;
-    return status != DEM_OK ? status : dem_vibrate(&s.world, s.deck, dem_vec3(0, 0, amplitude), dem_vec3(0, 0, 0), frequency);
+    return status != DEM_OK ? status
+                            : dem_vibrate(&s.world, s.deck, dem_vec3(0, 0, amplitude), dem_vec3(0, 0, 0), frequency);
 }
 
 /* Runs so long [s]; 0, or a dem_status. */
@@ -155,16 +158,19 @@ EXPORT(web_retained) const double *web_retained(int class) { return s.retained[c
 
 /* ---- models ---- */
 
-/* Fits a model to the classes that can pass; its curve goes to twice the time so far. Number of classes, or minus a screen_status. */
+/* Fits a model to the classes that can pass; its curve goes to twice the time so far. Number of classes, or minus a
+   screen_status. */
 EXPORT(web_fit) int web_fit(int model) {
     double time[FIT_POINTS], data[CLASSES * FIT_POINTS], curve[CLASSES * CURVE], sum = 0.0, shares[CLASSES];
     const int n = s.samples < FIT_POINTS ? s.samples : FIT_POINTS;
     int classes = 0;
     screen_def def = screen_default_def();
     while (classes < CLASSES && s.now.diameter[classes] < s.now.aperture) classes++;
-    for (int k = 0; k < classes; k++) sum += shares[k] = s.fed[k] * s.now.diameter[k] * s.now.diameter[k] * s.now.diameter[k];
+    for (int k = 0; k < classes; k++)
+        sum += shares[k] = s.fed[k] * s.now.diameter[k] * s.now.diameter[k] * s.now.diameter[k];
     for (int k = 0; k < classes; k++) shares[k] /= sum;
-    def.aperture = s.now.aperture, def.wire = WIRE, def.classes = classes, def.diameters = s.now.diameter, def.shares = shares;
+    def.aperture = s.now.aperture, def.wire = WIRE, def.classes = classes, def.diameters = s.now.diameter,
+    def.shares = shares;
     def.density = DENSITY, def.duration = s.world.time > 0.0 ? s.world.time : 1.0;
     for (int k = 0; k < n; k++) {
         const int at = n > 1 ? k * (s.samples - 1) / (n - 1) : 0;
@@ -179,7 +185,8 @@ EXPORT(web_fit) int web_fit(int model) {
     screen_status status = classes ? screen_fit(&def, (screen_model)model, 1, &one, &options, &result) : SCREEN_BAD_DEF;
     for (int k = 0; k < CURVE; k++) s.curve_time[k] = 2.0 * s.world.time * k / (CURVE - 1);
     if (status == SCREEN_OK)
-        status = screen_predict(&def, (screen_model)model, result.parameter, &operation, CURVE, s.curve_time, curve, NULL, NULL);
+        status = screen_predict(&def, (screen_model)model, result.parameter, &operation, CURVE, s.curve_time, curve,
+                                NULL, NULL);
     for (int c = 0; c < classes; c++)
         for (int k = 0; k < CURVE; k++) s.curve[model][c][k] = status == SCREEN_OK ? curve[c * CURVE + k] : (double)NAN;
     s.deviation[model] = status == SCREEN_OK ? result.deviation : (double)NAN;

@@ -1,5 +1,5 @@
-"""The texts of a site: web/site.py FOLDER writes README.md, docs/ and the reference of all headers as HTML by pandoc, with formulas as MathML,
-and copies what they link to. Links that lead to nothing end it with a line each."""
+"""The texts of a site: web/site.py FOLDER writes README.md, docs/ and the reference of all headers as HTML by pandoc,
+with formulas as MathML, and copies what they link to. Links that lead to nothing end it with a line each."""
 import os
 import re
 import shutil
@@ -47,7 +47,8 @@ def write_page(text, name, site, links=None):
     """Markdown -> site/name; links: how a link is rewritten (default: those between pages of the reference)."""
     up = "../" * name.count("/")
     title = re.search(r"^# (.*)$", text, re.M)
-    html = subprocess.run(["pandoc", "-f", "gfm+tex_math_dollars", "-t", "html", "--mathml", "--no-highlight"], input=text, capture_output=True, text=True, check=True).stdout
+    html = subprocess.run(["pandoc", "-f", "gfm+tex_math_dollars", "-t", "html", "--mathml", "--no-highlight"],
+                          input=text, capture_output=True, text=True, check=True).stdout
     rewrite = links or (lambda link: link.replace(".md", ".html"))
 
     def one(match):
@@ -82,7 +83,8 @@ def dead_links(site):
 def main():
     site = sys.argv[1]
     made = os.path.join(site, "reference")
-    subprocess.run([sys.executable, os.path.join(root, "scripts", "reference"), made], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([sys.executable, os.path.join(root, "scripts", "reference"), made], check=True,
+                   stdout=subprocess.DEVNULL)
     for name in sorted(os.listdir(made)):
         if name.endswith(".md"):
             with open(os.path.join(made, name), encoding="utf-8") as file:
@@ -94,7 +96,8 @@ def main():
         folder = os.path.dirname(source)
         with open(os.path.join(root, source), encoding="utf-8") as file:
             text = file.read()
-        write_page(text, "readme.html" if source == "README.md" else source[:-3] + ".html", site, lambda link, f=folder: target_of(link, f, site))
+        write_page(text, "readme.html" if source == "README.md" else source[:-3] + ".html", site,
+                   lambda link, f=folder: target_of(link, f, site))
     dead = sorted(set(dead_links(site)))
     print("".join(f"leads to nothing: {line}\n" for line in dead), end="")
     return 1 if dead else 0

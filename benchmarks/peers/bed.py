@@ -1,9 +1,9 @@
 # The beds of benchmarks/README.md in YADE: run as
 #   yade -n -x bed.py START.csv COPIES LENGTH STEPS AMPLITUDE FRICTION [VOLUME]
-# COPIES of the start stand beside each other along x; LENGTH is the side of one [m]; AMPLITUDE of the floor [m], 0: at rest;
-# FRICTION 0 or 1; VOLUME of the water bridge that each contact makes [m3]: Willett's full fit, no viscosity, contact angle 15 degrees.
-# The floor of facets is at A (1 - cos(2 pi f t)), f = 50.6 Hz: an infinite wall in a periodic cell does not work. A free surface: the cell
-# is periodic in z, too, but much higher than the bed.
+# COPIES of the start stand beside each other along x; LENGTH is the side of one [m]; AMPLITUDE of the floor [m], 0: at
+# rest; FRICTION 0 or 1; VOLUME of the water bridge that each contact makes [m3]: Willett's full fit, no viscosity,
+# contact angle 15 degrees. The floor of facets is at A (1 - cos(2 pi f t)), f = 50.6 Hz: an infinite wall in a periodic
+# cell does not work. A free surface: the cell is periodic in z, too, but much higher than the bed.
 import csv, sys, time
 from math import pi, sin
 from yade import O, utils
@@ -15,8 +15,8 @@ volume = float(sys.argv[7]) if len(sys.argv) > 7 else 0.0
 radius, density, height, base = 0.0025, 2534.0, 0.5, 0.05   # base: height of the floor in the cell
 mass = density * 4.0 / 3.0 * pi * radius**3
 
-# Parameters of two touching bodies act in series: 1/k = 1/k_a + 1/k_b. Wanted: k_n 1e5, k_t 2/7 k_n, damping m/2 x 5475.7 between spheres
-# and m x 3871.9 with the floor. (YADE's dashpot never pulls; LAMMPS's does.)
+# Parameters of two touching bodies act in series: 1/k = 1/k_a + 1/k_b. Wanted: k_n 1e5, k_t 2/7 k_n, damping m/2 x
+# 5475.7 between spheres and m x 3871.9 with the floor. (YADE's dashpot never pulls; LAMMPS's does.)
 kn, ks = 2.0e5, friction * 2.0e5 * 2.0 / 7.0
 c_sphere = mass * 5475.7
 c_floor = mass / (1.0 / 3871.9 - 1.0 / 5475.7)

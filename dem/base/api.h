@@ -348,8 +348,8 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
    an error of at most `accuracy`; velocities read in between have as small an error. A particle in contact gets the
    force of the law in each step. Where the law gives exactly 0, a flight is the same to the bit as without a field.
    Call this again after dem_load (until then runs give DEM_NO_FIELD), and when the data of the law have changed. The
-   time step must be below the shortest relaxation time. A rigid body feels the field at its centre, as a sphere of its
-   volume; the field exerts no torque. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
+   time step must be below the shortest relaxation time. A rigid body feels the field at its centre, with the radius of
+   the sphere of its volume; dem_sphericities() tells the law its shape. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
 /* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, for a
@@ -357,6 +357,11 @@ DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *
    area seen along the flow; lengthwise: (pi x^2/4)/(S/2 - B), where B is its mean area seen across the flow; both 0 <
    .. <= 100. For a convex body that turns at random all three are equal. NaN outside these ranges. */
 DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengthwise, double shape[3]);
+/* Computes sphericity, crosswise and lengthwise sphericity of the body of particle i, as dem_shape_of_drag takes them,
+   in a flow along `flow` (any length but 0). A polyhedron is taken without its rounding; exact, but for `deviation`.
+   For clumps: the union of the spheres, with its own volume; the lengthwise one to 1e-3. psi: 1, 1, 1 for a sphere.
+   DEM_BAD_ARGUMENT: i is out of range, or `flow` is 0 or not finite. */
+DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, dem_vec flow, double psi[3]);
 DEM_API dem_gas dem_default_gas(void); /* air at 20 degrees C, at rest everywhere */
 /* Returns DEM_OK, or DEM_BAD_DEFINITION with the name of the first bad field in *field (field may be NULL). */
 DEM_API dem_status dem_check_gas(const dem_gas *gas, const char **field);

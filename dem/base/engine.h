@@ -310,6 +310,8 @@ typedef struct dem__links {
     int64_t evaluated_step;     /* step of that evaluation */
 } dem__links;
 
+struct dem__view;
+
 /* A force field, and the flights in it. gas/flights.h begins and ends flights, gas/field.h computes them. */
 typedef struct dem__field {
     int on; /* a field is set; after loading its law may be missing */
@@ -324,6 +326,9 @@ typedef struct dem__field {
     dem_vec *torque;       /* the same [N m] */
     double *work;          /* work of the field along the flight [J] */
     double *booked;        /* part of this work that is in the ledger [J] */
+    struct dem__view *view; /* shapes of bodies as a flow sees them, made at the beginning of a run (gas/view.h) */
+    ptrdiff_t views, view_capacity;
+    int32_t *view_of; /* of a body's first particle: 1 + index of its view; 0: none yet; -1: it is one sphere */
 } dem__field;
 #define DEM__NO_FLIGHT INT64_MAX
 

@@ -20,8 +20,8 @@ typedef struct dem__convex_point {
                            ends */
     int32_t taken;      /* a contact uses it */
     dem_vec normal, at; /* from b to a; [m] */
-    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1, over the
-                           springs of its body; later its part of the pair's law */
+    double gap, weight; /* [m]; factor of the spring: 1, or what an end takes back from a crossing, at least -1, over
+                           the springs of its body; later its part of the pair's law */
     double count;       /* for a corner 1, for a crossing what its ends leave, for an end 0; over the springs of its
                            body */
     double pull;        /* its part of the pair's pull, over the force of its spring */

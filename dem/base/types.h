@@ -332,7 +332,9 @@ enum { DEM_LINEAR_CONSTANTS = 8, DEM_HERTZ_CONSTANTS = 8 };
 
 /* ---- force fields ---- */
 
-/* Input of the law of a force field for one particle. */
+struct dem__seen;
+
+/* Input of the law of a force field for one particle. For one of your own: all 0, then the members that count. */
 typedef struct dem_force_point {
     dem_vec position; /* of its centre, within the periodic box [m] */
     dem_vec velocity; /* [m/s] */
@@ -341,6 +343,7 @@ typedef struct dem_force_point {
     double time;      /* [s] */
     dem_vec gravity;  /* [m/s2] */
     const void *user; /* the user of the field */
+    const struct dem__seen *body__; /* private: the body whose shape dem_sphericities() finds; NULL: a sphere */
 } dem_force_point;
 
 struct dem__field_task;
@@ -360,13 +363,21 @@ typedef struct dem_force_field {
                         default 1e-6 */
 } dem_force_field;
 
+/* The shape of a rigid body for dem_drag_hoelzer_sommerfeld: */
+typedef enum dem_drag_shape {
+    DEM_DRAG_BY_ORIENTATION, /* its own, as the flow meets it: sphericity, crosswise and lengthwise sphericity */
+    DEM_DRAG_BY_SPHERICITY,  /* its own sphericity for all three: the mean of all orientations of a convex body */
+    DEM_DRAG_SHARED          /* dem_gas.shape, as for a sphere */
+} dem_drag_shape;
+
 /* A gas: at rest, or given by values on a Cartesian grid, in a frame that may move. Made by dem_default_gas(); the
    arrays are the caller's. */
 typedef struct dem_gas {
     double density;   /* [kg/m3] > 0; default 1.2 */
     double viscosity; /* [Pa s] > 0; default 1.81e-5 */
-    double shape[3];  /* C1, C2, C3 of the drag coefficient C1/Re + C2/sqrt(Re) + C3 for dem_drag_hoelzer_sommerfeld;
-                         default 24, 3, 0.42 */
+    double shape[3];  /* of spheres: C1, C2, C3 of the drag coefficient C1/Re + C2/sqrt(Re) + C3 for
+                         dem_drag_hoelzer_sommerfeld; default 24, 3, 0.42 */
+    int bodies;       /* dem_drag_shape: the shape of polyhedra and clumps; default DEM_DRAG_BY_ORIENTATION */
     int buoyancy; /* 1: subtracts the weight of the displaced gas; 0 if pressure_gradient contains the gas's own weight;
                      default 0 */
     dem_vec low, high;      /* corners of the grid in the frame [m], no gas beyond; default -HUGE_VAL, HUGE_VAL */
@@ -379,6 +390,8 @@ typedef struct dem_gas {
     dem_vec centre, axis,
         drift; /* the frame turns about `axis` through `centre` [m], which moves at `drift` [m/s]; 0, (0, 0, 1), 0 */
     double spin, start; /* rate of this rotation [rad/s]; time at which frame and world coincide [s]; default 0 */
+    const dem_force_point *point__; /* private: for a law of drag: the body, and how the gas flows about it */
+    dem_vec flow__;
 } dem_gas;
 
 /* ---- the world ---- */

@@ -220,7 +220,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
         contacts->type_count += same == contacts->type_count;
         return;
     }
-    contacts->type_count = DEM__TYPES_MAX + 1; /* from here on each has its own: a search would cost more than it saves */
+    /* from here on each has its own: a search would cost more than it saves */
+    contacts->type_count = DEM__TYPES_MAX + 1;
     contacts->type[c] = -1;
     for (int a = 0; a < law->constants; a++) contacts->constant[a][c] = kind.constant[a];
     contacts->mass[c] = kind.mass;

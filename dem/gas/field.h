@@ -4,6 +4,7 @@
 #pragma once
 #include "../search/timers.h"
 #include "../particles/exits.h"
+#include "view.h"
 
 /* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes from a law. */
 enum {
@@ -53,8 +54,10 @@ static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem
 
 DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
 
-/* Returns what a law is told about particle i at x with velocity v. */
-DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time) {
+/* Returns what a law is told about particle i at x with velocity v, tau after its origin step. seen: room for what it
+   asks about the shape of a body. */
+DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
+                                            double tau, dem__seen *seen) {
     dem_force_point at;
     at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
     at.velocity = v;
@@ -62,13 +65,15 @@ DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem
     at.time = time;
     at.gravity = dem__free_fall(w);
     at.user = w->engine->field.def.user;
+    at.body__ = dem__look_at(w, i, tau, seen);
     return at;
 }
 
-/* Returns the acceleration of particle i at x with velocity v by the law [m/s2]. */
-DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time,
+/* Returns the acceleration of particle i at x with velocity v by the law, tau after its origin step [m/s2]. */
+DEM_INLINE dem_vec dem__field_pull(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double tau,
                                    dem_vec (*law)(const dem_force_point *)) {
-    const dem_force_point at = dem__field_point(w, i, x, v, time);
+    dem__seen seen;
+    const dem_force_point at = dem__field_point(w, i, x, v, time, tau, &seen);
     return dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
 }
 
@@ -127,9 +132,9 @@ typedef struct dem__flown {
     int zero;     /* whether the law gave 0 at every stage */
 } dem__flown;
 
-/* Integrates one step of length h from x with velocity v: of fifth order, with an error estimate of fourth order (Cash
-   & Karp 1990). */
-DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double h,
+/* Integrates one step of length h from x with velocity v, tau after the particle's origin step: of fifth order, with an
+   error estimate of fourth order (Cash & Karp 1990). A body turns meanwhile as it does without a torque. */
+DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double time, double tau, double h,
                                dem_vec (*law)(const dem_force_point *)) {
     enum { STAGES = 6 };
     static const double at[STAGES] = {0.0, 0.2, 0.3, 0.6, 1.0, 0.875};
@@ -155,7 +160,8 @@ DEM_INLINE dem__flown dem__fly(const dem_world *w, ptrdiff_t i, dem_vec x, dem_v
             way = dem__plus(way, h * by[s][r], gain[r]);
         }
         const dem_vec now = dem__add(v, gain[s]);
-        pull[s] = dem__field_pull(w, i, dem__add(dem__plus(x, at[s] * h, v), way), now, time + at[s] * h, law);
+        pull[s] = dem__field_pull(w, i, dem__add(dem__plus(x, at[s] * h, v), way), now, time + at[s] * h,
+                                  tau + at[s] * h, law);
         q.zero &= dem__is_zero(pull[s]);
         q.way = dem__plus(q.way, fifth[s], gain[s]);
         q.gain = dem__plus(q.gain, h * fifth[s], dem__add(g, pull[s]));
@@ -175,17 +181,18 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
 
 #define DEM__SLOWS 5e-3 /* share of its spin that a particle may lose in a flight */
 
-/* Chooses the number of steps of a flight from x with velocity v by its error, and computes the flight. A parabola that
+/* Chooses the number of steps of a flight from x with velocity v, tau after the particle's origin step, by its error,
+   and computes the flight. A parabola that
    is right at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first
    one, times the time squared. */
-DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, const dem__turning *turn,
-                                  dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
+DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double tau,
+                                  const dem__turning *turn, dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
     const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
                  probe = 16.0 * dt;
-    const dem_vec first = dem__field_pull(w, i, x, v, time, law), a = dem__add(dem__free_fall(w), first);
+    const dem_vec first = dem__field_pull(w, i, x, v, time, tau, law), a = dem__add(dem__free_fall(w), first);
     const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
-    const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, law);
+    const dem_vec soon = dem__field_pull(w, i, there, dem__plus(v, probe, a), time + probe, tau + probe, law);
     const double jerk = dem__length(dem__sub(soon, first)) / probe;
     const double far = dem__time_to_cover(def->length, dem__length(v), dem__length(a));
     double longest = far < def->interval ? far : def->interval;
@@ -201,7 +208,7 @@ DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, de
     int n = dem__steps_within(w, longest);
     for (;;) {
         const double h = (double)n * dt;
-        *q = dem__fly(w, i, x, v, time, h, law);
+        *q = dem__fly(w, i, x, v, time, tau, h, law);
         const double bent = dem__length(dem__sub(dem__scale(2.0 / h, q->way), a)) * h * h / 13.5;
         const double error = bent > 100.0 * q->error ? bent : 100.0 * q->error; /* errors of the ends add up */
         if (n == 1 || error <= limit) return n;
@@ -220,17 +227,31 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     const dem_vec x = dem__centre_at(w, i, tau),
                   v = field->until[i] == w->step ? field->end_velocity[i] : dem__drift_at(w, i, tau);
     const dem_vec g = dem__free_fall(w), spin = turning ? dem__spin_at(w, i, tau) : dem_vec3(0.0, 0.0, 0.0);
-    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
+    dem__seen seen;
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time, tau, &seen);
     const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
+    const int brakes = turn.c > 0.0 && passed > 0.0, falls = dem__falls_freely(w, i) && !brakes,
+              is_body = at.body__ != NULL;
     dem__flown q;
-    const int n = dem__choose_flight(w, i, x, v, &turn, &q, law), brakes = turn.c > 0.0 && passed > 0.0;
+    double since = tau;
+    int n = 0;
+    field->booked[i] = 0.0;
+    if (is_body && !(falls && dem__is_zero(law(&at)))) { /* its law sees how it turns from this origin on */
+        dem__begin_parabola(w, i, x, v, g), since = 0.0;
+        if (brakes) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn); /* the next booking adds it */
+    }
+    n = dem__choose_flight(w, i, x, v, since, &turn, &q, law);
+    if (is_body && since > 0.0 && !q.zero) { /* the law begins to act later */
+        dem__begin_parabola(w, i, x, v, g);
+        n = dem__choose_flight(w, i, x, v, 0.0, &turn, &q, law);
+    }
     const double h = (double)n * dt;
     field->until[i] = w->step + n;
-    field->work[i] = q.work, field->booked[i] = 0.0;
+    field->work[i] = q.work;
     if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
-    if (!(q.zero && dem__falls_freely(w, i)) || brakes) {
+    if (!(q.zero && falls)) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
-        if (brakes) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn); /* the next booking adds it */
+        if (brakes && !is_body) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn);
     }
     field->end_velocity[i] =
         q.zero ? dem__drift_at(w, i, (double)(w->step + n - w->particle[i].origin) * dt) : dem__add(v, q.gain);
@@ -248,7 +269,7 @@ DEM_INLINE int dem__is_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const de
     const double h = (double)(end - (zero ? w->step : origin)) * dt, from = zero ? tau : 0.0;
     const dem_vec v = dem__drift_at(w, i, from);
     const dem__flown q =
-        dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), h, law);
+        dem__fly(w, i, dem__centre_at(w, i, from), v, zero ? w->time : dem__time_of(w, origin), from, h, law);
     const dem_vec a = dem__scale(2.0 / h, q.way);
     if (zero != q.zero || (zero && h * dem__length(v) > 2.0 * field->def.length)) return 0;
     if (!zero && !(a.x == pull.x && a.y == pull.y && a.z == pull.z)) return 0;
@@ -271,11 +292,12 @@ DEM_INLINE void dem__end_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const 
     if (tau > 0.0 && !falls) {
         const dem_vec begun = dem__drift_at(w, i, 0.0);
         const dem__flown q =
-            dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), tau, law);
+            dem__fly(w, i, dem__centre_at(w, i, 0.0), begun, dem__time_of(w, w->particle[i].origin), 0.0, tau, law);
         v = dem__add(begun, q.gain);
         field->work[i] = q.work;
     }
-    const dem_force_point at = dem__field_point(w, i, x, v, w->time);
+    dem__seen seen;
+    const dem_force_point at = dem__field_point(w, i, x, v, w->time, tau, &seen);
     const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
     const dem__turning turn = dem__turning_of(w, i, &at, spin, turning);
     const int brakes = turn.c > 0.0 && passed > 0.0;
@@ -300,9 +322,9 @@ DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_ve
         w->engine->field.force[i] = none;
         return;
     }
-    const dem_force_point at =
-        dem__field_point(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
-                         dem__time_of(w, w->step + (h > 0.0)));
+    dem__seen seen;
+    const dem_force_point at = dem__field_point(w, i, r ? r->x : p->x, dem__plus(v, 0.5 * h, dem__centre_pull(w, i)),
+                                                dem__time_of(w, w->step + (h > 0.0)), 0.0, &seen);
     const dem_vec pull = dem__scale(w->engine->bodies.sum[i].per_mass, law(&at));
     const dem_vec force = dem__scale(p->mass, pull);
     double *load = w->engine->bodies.sum[i].load;

@@ -154,7 +154,8 @@ static inline int dem__list_flights(dem_world *w) {
 static inline int dem__prepare_flights(dem_world *w) {
     dem__field *field = &w->engine->field;
     ptrdiff_t n = 0, ended = 0;
-    if (!dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
+    if (!dem__find_views(w) ||
+        !dem__grow_timers(w, &field->timers, w->count, &field->stepping, sizeof *field->stepping)) {
         w->status = DEM_OUT_OF_MEMORY;
         return 0;
     }
@@ -282,12 +283,11 @@ static inline void dem__correct_velocity_in_field(dem_world *w, ptrdiff_t i, dem
 /* Lists the arrays of particles in a force field. Returns how many. */
 static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
     dem__field *field = &w->engine->field;
-    const dem__array arrays[] = {{&field->until, sizeof *field->until},
-                                 {&field->end_velocity, sizeof *field->end_velocity},
-                                 {&field->force, sizeof *field->force},
-                                 {&field->torque, sizeof *field->torque},
-                                 {&field->work, sizeof *field->work},
-                                 {&field->booked, sizeof *field->booked}};
+    const dem__array arrays[] = {
+        {&field->until, sizeof *field->until},    {&field->end_velocity, sizeof *field->end_velocity},
+        {&field->force, sizeof *field->force},    {&field->torque, sizeof *field->torque},
+        {&field->work, sizeof *field->work},      {&field->booked, sizeof *field->booked},
+        {&field->view_of, sizeof *field->view_of}};
     const int n = (int)(sizeof arrays / sizeof *arrays);
     memcpy(list, arrays, sizeof arrays);
     return n;
@@ -295,10 +295,11 @@ static inline int dem__list_arrays_of_field(dem_world *w, dem__array *list) {
 
 static inline void dem__release_field(dem_world *w) {
     dem__release(&w->def.allocator, w->engine->field.timers.block, w->engine->field.timers.bytes);
+    dem__release_views(w);
 }
 
 static inline void dem__add_unflown(dem_world *w, ptrdiff_t i) {
-    w->engine->field.until[i] = DEM__NO_FLIGHT;
+    w->engine->field.until[i] = DEM__NO_FLIGHT, w->engine->field.view_of[i] = 0;
     w->engine->field.force[i] = w->engine->field.torque[i] = dem_vec3(0.0, 0.0, 0.0);
 }
 
@@ -389,6 +390,7 @@ static inline void dem__drop_field(dem_world *w) {
         dem__free_acceleration(w, i);
     }
     dem__release(&w->def.allocator, field->timers.block, field->timers.bytes);
+    dem__release_views(w);
     memset(field, 0, sizeof *field);
     dem__drop_feature(w, DEM__FIELD_FEATURE);
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;

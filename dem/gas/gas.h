@@ -29,6 +29,7 @@ DEM__STATIC const char *dem__bad_gas(const dem_gas *gas) {
     if (!gas) return "gas";
     if (!dem__positive(gas->density)) return "density";
     if (!dem__positive(gas->viscosity)) return "viscosity";
+    if (gas->bodies < DEM_DRAG_BY_ORIENTATION || gas->bodies > DEM_DRAG_SHARED) return "bodies";
     for (int k = 0; k < 3; k++) {
         if (!dem__not_negative(gas->shape[k])) return "shape";
         if (!(dem_axis(gas->high, k) > dem_axis(gas->low, k))) return "high";

@@ -49,10 +49,37 @@ DEM_INLINE double dem_drag_schiller_naumann(double reynolds, double porosity, co
     return dem__drag_of_sphere(reynolds) * hindrance;
 }
 
-/* Returns c_D Re by Hoelzer & Sommerfeld 2008, with gas->shape, which dem_shape_of_drag() sets; among other particles
-   times Di Felice's factor. */
+/* How a law sees the shape of a body at a point of a force field; gas/view.h fills it. */
+typedef struct dem__seen {
+    void (*find)(const struct dem__seen *s, dem_vec flow, double psi[3]);
+    const dem_world *world;
+    ptrdiff_t first; /* particle of the body */
+    double tau;      /* time of the point after the body's origin step [s] */
+} dem__seen;
+
+/* Finds the sphericities of the particle at a point of a force field in a flow along `flow`, of any length: sphericity,
+   crosswise and lengthwise sphericity (see dem_shape_of_drag) [-]; 1, 1, 1 for a sphere. For laws of your own. */
+DEM_INLINE void dem_sphericities(const dem_force_point *at, dem_vec flow, double psi[3]) {
+    psi[0] = psi[1] = psi[2] = 1.0;
+    if (at->body__) at->body__->find(at->body__, flow, psi);
+}
+/* Finds the same for a law of drag, from its argument `gas`: of the particle whose drag is asked for, as the gas flows
+   about it; all three the sphericity with DEM_DRAG_BY_SPHERICITY, 1 with DEM_DRAG_SHARED. */
+DEM_INLINE void dem_gas_sphericities(const dem_gas *gas, double psi[3]) {
+    psi[0] = psi[1] = psi[2] = 1.0;
+    if (gas->point__) dem_sphericities(gas->point__, gas->flow__, psi);
+    if (gas->bodies == DEM_DRAG_BY_SPHERICITY) psi[1] = psi[2] = psi[0];
+}
+
+/* Returns c_D Re by Hoelzer & Sommerfeld 2008, eq. 9, with the shape of the body (dem_gas.bodies), or gas->shape, which
+   dem_shape_of_drag() sets; among other particles times Di Felice's factor. */
 DEM_INLINE double dem_drag_hoelzer_sommerfeld(double reynolds, double porosity, const dem_gas *gas) {
-    const double alone = gas->shape[0] + gas->shape[1] * sqrt(reynolds) + gas->shape[2] * reynolds;
+    double psi[3], shape[3] = {gas->shape[0], gas->shape[1], gas->shape[2]};
+    if (gas->point__) {
+        dem_gas_sphericities(gas, psi);
+        dem_shape_of_drag(psi[0], psi[1], psi[2], shape);
+    }
+    const double alone = shape[0] + shape[1] * sqrt(reynolds) + shape[2] * reynolds;
     return alone * dem_hindrance_di_felice(reynolds, porosity);
 }
 
@@ -184,7 +211,12 @@ DEM_INLINE dem_vec dem_gas_force(const dem_force_point *at, const dem_gas *gas, 
     const dem_vec slip = dem__sub(dem__gas_speed(gas, &f, &cell, at->position), at->velocity);
     const double porosity = gas->porosity ? dem__gas_value(gas->porosity, &cell, 1, 0) : 1.0;
     const double reynolds = gas->density * porosity * dem__length(slip) * d / gas->viscosity;
-    const double coefficient = drag ? drag(reynolds, porosity, gas) : 0.0;
+    double coefficient = 0.0;
+    if (drag && at->body__ && gas->bodies != DEM_DRAG_SHARED) {
+        dem_gas own = *gas;
+        own.point__ = at, own.flow__ = slip;
+        coefficient = drag(reynolds, porosity, &own);
+    } else if (drag) coefficient = drag(reynolds, porosity, gas);
     dem_vec force = dem__scale(RIDDLE_PI / 8.0 * gas->viscosity * d * coefficient, slip);
     if (gas->pressure_gradient)
         force = dem__plus(force, -volume, dem__gas_vector(gas, &f, gas->pressure_gradient, &cell));

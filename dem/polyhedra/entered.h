@@ -48,8 +48,8 @@ static inline void dem__scale_shared(dem__shared *s, double by) {
 
 /* Adds to the n points of a pair the one at which two overlapping cores are pushed apart. With U, the energy of the
    other points over k/p, and V = (radii + depth)^p, that of the new one, the energy of the pair is (1 - s) U + s V,
-   where s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. There must be room for
-   one more. power: p. */
+   where s goes from 0 to 1 with the depth. Forces are its gradient. Returns the number of points. There must be room
+   for one more. power: p. */
 static DEM__NOINLINE int dem__push_apart(const dem_convex *a, const dem__placed *pa, const dem_convex *b,
                                          const dem__placed *pb, const dem__gap_of_cores *gap, double power,
                                          dem__shared *sums, dem__convex_point *out, int n) {

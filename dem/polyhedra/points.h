@@ -99,8 +99,8 @@ static inline double dem__from_faces(const dem_convex *s, dem_vec p, dem_vec *n)
     return dem__from_near_faces(s, p, HUGE_VAL, n);
 }
 
-/* Returns the signed distance of a point, given in the frame of a core, from the core. n: the direction away from it, in
-   the world. Beyond `enough`, returns any larger value. */
+/* Returns the signed distance of a point, given in the frame of a core, from the core. n: the direction away from it,
+   in the world. Beyond `enough`, returns any larger value. */
 DEM_INLINE double dem__from_core_in(const dem_convex *s, const dem__placed *place, dem_vec x, double enough,
                                     dem_vec *n) {
     dem_vec m = dem_vec3(0.0, 0.0, 1.0);

@@ -1,7 +1,7 @@
-/* How the points of a pair share its law: a face that lands flat has the spring and the dashpot of the pair, however many
-   corners it is drawn with. Reads a pair's points and bodies; writes their parts and what the springs of the pair exert
-   beyond them. Promises: springs are the gradient of a potential (of a linear law and of Hertz's); a point that begins or
-   ends changes no force by a jump.
+/* How the points of a pair share its law: a face that lands flat has the spring and the dashpot of the pair, however
+   many corners it is drawn with. Reads a pair's points and bodies; writes their parts and what the springs of the pair
+   exert beyond them. Promises: springs are the gradient of a potential (of a linear law and of Hertz's); a point that
+   begins or ends changes no force by a jump.
 
    A point has the part w = 1/n of the spring, where n is the greatest number of corners of a face of its body
    (dem_convex.springs), and l what the ends of edges leave of it (1 for a corner). With D its overlap and t = D^2, the
@@ -9,10 +9,10 @@
 
        U = (k/p) sum w l D^p / N(c),     c = (sum w l t)^2 / sum w l t^2,     p = 2, Hertz 5/2.
 
-   c is the stiffness over k if all points are as deep as each other. N is 1 up to 2, which two equal faces on each other
-   have, and c/2 from 2.5 on: a tile that lies on a hundred wires is no stiffer than 2 k. Up to there nothing but the sum
-   of springs acts. It must be a sum: a body tips when the load is over its edge, and if an edge were as stiff as a face,
-   points about to part would have to pull for it.
+   c is the stiffness over k if all points are as deep as each other. N is 1 up to 2, which two equal faces on each
+   other have, and c/2 from 2.5 on: a tile that lies on a hundred wires is no stiffer than 2 k. Up to there nothing but
+   the sum of springs acts. It must be a sum: a body tips when the load is over its edge, and if an edge were as stiff
+   as a face, points about to part would have to pull for it.
 
    The dashpot acts on the mass that the resultant of the springs meets, with the stiffness that they have. So the
    restitution, at the point where the resultant acts, is that of the pair. */

@@ -1,14 +1,16 @@
 /* batch_screening - a batch of glass spheres on a vibrated sieve: the study of Elskamp & Kruggel-Emden (2019).
 
-   1.41 kg of mixed spheres of 5, 7 and 10 mm lie on the floor of a feed bin. At t = 0 the floor is removed; they fall onto a woven screen
-   with 8 mm apertures that vibrates along an ellipse, and the smaller two classes pass it. The program prints and draws the fraction
-   retained by class over time, for one seed, or the mean of several with its interval.
-   Studies: all 27 cases of the paper's table 5 (--all-cases), a case and its neighbours (--vary), the effect of moisture
-   (--compare-moisture), and what the paper does not give (--sensitivity: diameter of the deck, drop height, outlet, profile of the bars,
-   damping convention). docs/batch_screening.md gives the reasons for the defaults.
+   1.41 kg of mixed spheres of 5, 7 and 10 mm lie on the floor of a feed bin. At t = 0 the floor is removed; they fall
+   onto a woven screen with 8 mm apertures that vibrates along an ellipse, and the smaller two classes pass it. The
+   program prints and draws the fraction retained by class over time, for one seed, or the mean of several with its
+   interval.
+   Studies: all 27 cases of the paper's table 5 (--all-cases), a case and its neighbours (--vary), the effect of
+   moisture (--compare-moisture), and what the paper does not give (--sensitivity: diameter of the deck, drop height,
+   outlet, profile of the bars, damping convention). docs/batch_screening.md gives the reasons for the defaults.
    For your own sieve: the options; sizes, materials and contacts stand in screening_scene.h (class_diameter, define()).
 
-   screening_scene.h      the machine and one run      screening_study.h   runs with many seeds: their files, means, intervals
+   screening_scene.h      the machine and one run      screening_study.h   runs with many seeds: their files, means,
+                                                       intervals
    screening_findings.h   the paper's statements       this file           options, tables, pictures */
 #include <math.h>
 #include <stdio.h>
@@ -51,8 +53,8 @@ static const char *describe(char *text, size_t size, const settings *s) {
 }
 
 /* A curve with its band where there are several seeds. */
-static void plot_average(riddle_plot *figure, const char *label, const averages *a, int curve, int n, int seeds, int colour,
-                         double highest) {
+static void plot_average(riddle_plot *figure, const char *label, const averages *a, int curve, int n, int seeds,
+                         int colour, double highest) {
     const double unit = curve == H_STAR ? 1e3 : 1.0; /* heights in mm */
     double *low = malloc((size_t)n * 3 * sizeof *low), *high = low ? low + n : NULL, *mean = low ? high + n : NULL;
     for (int k = 0; k < n && low; k++) {
@@ -87,6 +89,13 @@ static void draw(const study *st, const averages *a) {
         if (n) riddle_plot_points(figure, "paper, near-mesh", at, near_mesh, n), riddle_plot_style(figure, 0, 1);
     }
     riddle_plot_write(figure, st->self->out, "retained.svg");
+    double sitting = 0.0, least = 1.0;
+    for (int k = 0; k < st->samples; k++)
+        sitting = fmax(sitting, a->mean[OCCUPIED][k]), least = fmin(least, a->mean[FREE][k]);
+    if (sitting < 0.02 && least > 0.98) {
+        figure_left_out(st->self->out, "apertures.svg", "fewer than one aperture in fifty is taken at any time");
+        return;
+    }
     figure = riddle_plot_new("Apertures of the screen", 1, 1);
     riddle_plot_panel(figure, 0, 0, "time [s]", "share of apertures [-]");
     riddle_plot_range_y(figure, 0.0, 1.02);
@@ -96,12 +105,14 @@ static void draw(const study *st, const averages *a) {
 }
 
 static void write_averages(const study *st, const averages *a, const char *name) {
-    riddle_io_file *curves = csv_open(st->self->out, name,
-                                      "time_s,retained_small,retained_small_sd,retained_near_mesh,retained_near_mesh_sd,free_fraction,"
-                                      "occupied_fraction,h_star_m,h_star_sd_m");
+    riddle_io_file *curves =
+        csv_open(st->self->out, name,
+                 "time_s,retained_small,retained_small_sd,retained_near_mesh,retained_near_mesh_sd,free_fraction,"
+                 "occupied_fraction,h_star_m,h_star_sd_m");
     for (int k = 0; k < st->samples; k++) {
-        const double row[] = {a->time[k],       a->mean[SMALL][k],    a->sd[SMALL][k],    a->mean[NEAR_MESH][k], a->sd[NEAR_MESH][k],
-                              a->mean[FREE][k], a->mean[OCCUPIED][k], a->mean[H_STAR][k], a->sd[H_STAR][k]};
+        const double row[] = {a->time[k],          a->mean[SMALL][k], a->sd[SMALL][k],      a->mean[NEAR_MESH][k],
+                              a->sd[NEAR_MESH][k], a->mean[FREE][k],  a->mean[OCCUPIED][k], a->mean[H_STAR][k],
+                              a->sd[H_STAR][k]};
         riddle_io_row(curves, row, 9);
     }
     riddle_io_close(curves);
@@ -164,12 +175,16 @@ static void report_one(const study *st, double wall) {
     averages a;
     if (average(st, 0, &a)) return;
     const bool plate = s->scene == SCENE_CLOSED_PLATE, several = st->seeds > 1;
-    riddle_io_table rows = riddle_io_table_begin(plate     ? "time [s]|h* [mm]|+- 95 %"
-                                                 : several ? "time [s]|small retained|+- 95 %|near-mesh retained|+- 95 %|apertures free"
-                                                           : "time [s]|small retained|near-mesh retained|apertures free");
-    for (int k = 0; k < st->samples; k += (int)(fmax(0.1, s->time >= 10.0 ? floor(s->time / 10.0 + 0.5) : s->time / 10.0) / SAMPLE + 0.5)) {
+    riddle_io_table rows =
+        riddle_io_table_begin(plate     ? "time [s]|h* [mm]|+- 95 %"
+                              : several ? "time [s]|small retained|+- 95 %|near-mesh retained|+- 95 %|apertures free"
+                                        : "time [s]|small retained|near-mesh retained|apertures free");
+    for (int k = 0; k < st->samples;
+         k += (int)(fmax(0.1, s->time >= 10.0 ? floor(s->time / 10.0 + 0.5) : s->time / 10.0) / SAMPLE + 0.5)) {
         riddle_io_table_cell(&rows, "%.1f", a.time[k]);
-        if (plate) riddle_io_table_cell(&rows, "%.2f", 1e3 * a.mean[H_STAR][k]), interval_cell(&rows, 2, 1e3 * a.interval[H_STAR][k]);
+        if (plate)
+            riddle_io_table_cell(&rows, "%.2f", 1e3 * a.mean[H_STAR][k]),
+                interval_cell(&rows, 2, 1e3 * a.interval[H_STAR][k]);
         for (int c = 0; c < UNDERSIZE && !plate; c++) {
             riddle_io_table_cell(&rows, "%.3f", a.mean[c][k]);
             if (several) interval_cell(&rows, 3, a.interval[c][k]);
@@ -179,8 +194,8 @@ static void report_one(const study *st, double wall) {
     table_end(&rows);
     const result *r = result_of(st, 0, 0);
     if (!plate)
-        common_print("mean time in the top layer: small %.2f s, near-mesh %.2f s\n", measure_of(st, 0, top_layer(SMALL)).mean,
-                     measure_of(st, 0, top_layer(NEAR_MESH)).mean);
+        common_print("mean time in the top layer: small %.2f s, near-mesh %.2f s\n",
+                     measure_of(st, 0, top_layer(SMALL)).mean, measure_of(st, 0, top_layer(NEAR_MESH)).mean);
     common_print("%.3g steps of %.3g us, %.3g particle-steps, %.3g contact-steps a seed; %.1f s in all\n",
                  r->number[STEPS], 1e6 * r->number[TIME_STEP], r->number[PARTICLE_STEPS], r->number[CONTACT_STEPS],
                  wall);
@@ -224,14 +239,15 @@ static void write_case(const study *st, int v) {
 static void write_curves(const study *st) {
     const int every = (int)(CURVE_STEP / SAMPLE + 0.5);
     riddle_io_file *file =
-        csv_open(st->self->out, "curves.csv", "case,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh");
+        csv_open(st->self->out, "curves.csv",
+                 "case,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh");
     for (int v = 0; v < st->variant_count; v++) {
         const settings *s = &st->variants[v].set;
         for (int q = 0; q < st->seeds; q++) {
             const result *r = result_of(st, v, q);
             for (int k = 0; k < r->samples; k += every)
-                csv_line(file, "%d,%g,%g,%g,%d,%g,%.6f,%.6f", s->case_number, s->amplitude, s->frequency, s->moisture, q + 1, k * SAMPLE,
-                         r->curve[SMALL][k], r->curve[NEAR_MESH][k]);
+                csv_line(file, "%d,%g,%g,%g,%d,%g,%.6f,%.6f", s->case_number, s->amplitude, s->frequency, s->moisture,
+                         q + 1, k * SAMPLE, r->curve[SMALL][k], r->curve[NEAR_MESH][k]);
         }
     }
     riddle_io_close(file);
@@ -253,15 +269,16 @@ static void draw_cases(const study *st) {
             char label[20];
             snprintf(label, sizeof label, m ? "%.3g %% water" : "dry", 100.0 * case_moisture[m]);
             riddle_plot_line(figure, label, a.time, a.mean[SMALL], st->samples), riddle_plot_style(figure, 0, m);
-            riddle_plot_line(figure, NULL, a.time, a.mean[NEAR_MESH], st->samples), riddle_plot_style(figure, RIDDLE_PLOT_DASHED, m);
+            riddle_plot_line(figure, NULL, a.time, a.mean[NEAR_MESH], st->samples),
+                riddle_plot_style(figure, RIDDLE_PLOT_DASHED, m);
             free(a.time);
         }
     }
     riddle_plot_write(figure, st->self->out, "cases.svg");
 }
 
-/* Counterpart of the paper's figure 5: the mean time in the top layer of both classes in all cases; 95 % of the mean where there are several
-   seeds. */
+/* Counterpart of the paper's figure 5: the mean time in the top layer of both classes in all cases; 95 % of the mean
+   where there are several seeds. */
 static void report_top_layer(const study *st) {
     riddle_plot *figure = riddle_plot_new("Mean time in the top layer, 27 cases", 1, UNDERSIZE);
     result_table *t =
@@ -292,7 +309,8 @@ static void report_top_layer(const study *st) {
             snprintf(label, sizeof label, m ? "%.3g %% water" : "dry", 100.0 * case_moisture[m]);
             riddle_plot_points(figure, label, speed, time, 9), riddle_plot_style(figure, 0, m);
         }
-        const double initial = st->variants[4].set.amplitude * st->variants[4].set.frequency, paper = c == SMALL ? 2.05 : 3.62;
+        const double initial = st->variants[4].set.amplitude * st->variants[4].set.frequency,
+                     paper = c == SMALL ? 2.05 : 3.62;
         riddle_plot_points(figure, "text of the paper, dry", &initial, &paper, 1), riddle_plot_style(figure, 0, 3);
         riddle_plot_range_y(figure, 0.0, 1.1 * fmax(longest, paper));
     }
@@ -333,8 +351,8 @@ static void summary(const study *st, json *j) {
 
 static void report_cases(const study *st) {
     const int end = st->samples - 1, five = (int)(5.0 / SAMPLE + 0.5) < end ? (int)(5.0 / SAMPLE + 0.5) : end;
-    riddle_io_table t =
-        riddle_io_table_begin("case|mm|Hz|water %|time [s]|small|+- 95 %|near-mesh|+- 95 %|at the end: small|+- 95 %|near-mesh|+- 95 %");
+    riddle_io_table t = riddle_io_table_begin(
+        "case|mm|Hz|water %|time [s]|small|+- 95 %|near-mesh|+- 95 %|at the end: small|+- 95 %|near-mesh|+- 95 %");
     for (int v = 0; v < st->variant_count; v++) {
         const settings *s = &st->variants[v].set;
         riddle_io_table_cell(&t, "%d", s->case_number), riddle_io_table_cell(&t, "%.1f", 1e3 * s->amplitude),
@@ -408,7 +426,8 @@ static void report_sensitivity(const study *st) {
         }
         riddle_plot_panel(figure, w, 0, "", "fraction retained [-]");
         riddle_plot_title(figure, heading[w]);
-        for (int c = 0; c < UNDERSIZE; c++) riddle_plot_bars(figure, class_name[c], names, mean[c], st->variant_count + 1);
+        for (int c = 0; c < UNDERSIZE; c++)
+            riddle_plot_bars(figure, class_name[c], names, mean[c], st->variant_count + 1);
         riddle_plot_horizontal(figure, "", paper[w][SMALL]);
         riddle_plot_horizontal(figure, "", paper[w][NEAR_MESH]);
     }
@@ -446,7 +465,8 @@ static void add_neighbours(study *st, const settings *base) {
             for (int number = 1; number <= CASES && !s.case_number; number++) {
                 settings c;
                 choose_case(&c, number);
-                if (c.amplitude == s.amplitude && c.frequency == s.frequency && c.moisture == s.moisture) s.case_number = number;
+                if (c.amplitude == s.amplitude && c.frequency == s.frequency && c.moisture == s.moisture)
+                    s.case_number = number;
             }
             snprintf(name, sizeof name, "%s %g", symbol[factor], level(&s, factor));
             add_variant(st, &s, name);
@@ -459,7 +479,8 @@ static int along(const study *st, int factor, int *order) {
     for (int v = 0; v < st->variant_count; v++) {
         bool others_same = true;
         for (int other = 0; other < FACTORS; other++)
-            if (other != factor && level(&st->variants[v].set, other) != level(&st->variants[0].set, other)) others_same = false;
+            if (other != factor && level(&st->variants[v].set, other) != level(&st->variants[0].set, other))
+                others_same = false;
         if (!others_same) continue;
         int at = n++;
         for (; at > 0 && level(&st->variants[order[at - 1]].set, factor) > level(&st->variants[v].set, factor); at--)
@@ -483,7 +504,8 @@ static void report_neighbours(const study *st) {
     const settings *base = &st->variants[0].set;
     const bool plate = base->scene == SCENE_CLOSED_PLATE;
     const int curves[2] = {plate ? H_STAR : SMALL, NEAR_MESH}, rows = plate ? 1 : 2;
-    const char *const what[2] = {plate ? "h*, deviation of the mean heights [mm]" : "small retained [-]", "near-mesh retained [-]"};
+    const char *const what[2] = {plate ? "h*, deviation of the mean heights [mm]" : "small retained [-]",
+                                 "near-mesh retained [-]"};
     char title[120], text[100];
     snprintf(title, sizeof title, "%s: %s and neighbours, %d seed%s",
              plate                             ? "Closed plate"
@@ -491,11 +513,12 @@ static void report_neighbours(const study *st) {
                                                : "Screen",
              describe(text, sizeof text, base), st->seeds, st->seeds > 1 ? "s" : "");
     riddle_plot *figure = riddle_plot_new(title, rows, FACTORS);
-    riddle_io_table t = riddle_io_table_begin(
-        plate ? "factor|level|mean h* [mm]|+- 95 %|last fifth [mm]|+- 95 %"
-              : "factor|level|small, mean over time|+- 95 %|near-mesh, mean over time|+- 95 %|small, at the end|near-mesh, at the end");
-    riddle_io_file *file = csv_open(st->self->out, "neighbours.csv",
-                                    "variant,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh,h_star_m");
+    riddle_io_table t = riddle_io_table_begin(plate ? "factor|level|mean h* [mm]|+- 95 %|last fifth [mm]|+- 95 %"
+                                                    : "factor|level|small, mean over time|+- 95 %|near-mesh, mean over "
+                                                      "time|+- 95 %|small, at the end|near-mesh, at the end");
+    riddle_io_file *file =
+        csv_open(st->self->out, "neighbours.csv",
+                 "variant,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh,h_star_m");
     json *j = json_open(st->self->json);
     json_program(j, st->self);
     json_array_begin(j, "trends");
@@ -520,14 +543,16 @@ static void report_neighbours(const study *st) {
         }
         for (int k = 0; k < n; k++) {
             const int v = order[k];
-            riddle_io_table_cell(&t, "%s", factor_name[factor]), riddle_io_table_cell(&t, "%g", level(&st->variants[v].set, factor));
+            riddle_io_table_cell(&t, "%s", factor_name[factor]),
+                riddle_io_table_cell(&t, "%g", level(&st->variants[v].set, factor));
             json_object_begin(j, NULL);
             json_string(j, "factor", factor_name[factor]);
             json_number(j, "level", level(&st->variants[v].set, factor));
             for (int row = 0; row < rows; row++) {
                 const statistics mean = measure_of(st, v, over_time(curves[row], 0.0, base->time)),
-                                 end = measure_of(
-                                     st, v, plate ? over_time(H_STAR, 0.8 * base->time, base->time) : at_time(curves[row], base->time));
+                                 end = measure_of(st, v,
+                                                  plate ? over_time(H_STAR, 0.8 * base->time, base->time)
+                                                        : at_time(curves[row], base->time));
                 const double unit = plate ? 1e3 : 1.0;
                 const int digits = plate ? 2 : 3;
                 interval_cell(&t, digits, unit * mean.mean), interval_cell(&t, digits, unit * mean.interval);
@@ -538,7 +563,8 @@ static void report_neighbours(const study *st) {
                 json_statistics(j, text, end);
             }
             if (plate) json_rise(j, st, v);
-            for (int c = 0; c < UNDERSIZE && !plate; c++) riddle_io_table_cell(&t, "%.3f", measure_of(st, v, at_time(c, base->time)).mean);
+            for (int c = 0; c < UNDERSIZE && !plate; c++)
+                riddle_io_table_cell(&t, "%.3f", measure_of(st, v, at_time(c, base->time)).mean);
             json_object_end(j);
         }
     }
@@ -555,8 +581,9 @@ static void report_neighbours(const study *st) {
         for (int q = 0; q < st->seeds; q++)
             for (int k = 0; k < st->samples; k++) {
                 const result *r = result_of(st, v, q);
-                csv_line(file, "%s,%g,%g,%g,%d,%g,%.6f,%.6f,%.6g", st->variants[v].name, s->amplitude, s->frequency, s->moisture, q + 1,
-                         k * SAMPLE, r->curve[SMALL][k], r->curve[NEAR_MESH][k], r->curve[H_STAR][k]);
+                csv_line(file, "%s,%g,%g,%g,%d,%g,%.6f,%.6f,%.6g", st->variants[v].name, s->amplitude, s->frequency,
+                         s->moisture, q + 1, k * SAMPLE, r->curve[SMALL][k], r->curve[NEAR_MESH][k],
+                         r->curve[H_STAR][k]);
             }
     }
     json_array_end(j);
@@ -601,8 +628,8 @@ static void draw_laws(const study *st) {
     static const char *const labels[3] = {"dry", "corrected laws", "printed laws"};
     const settings *dry = &st->variants[0].set;
     char title[120];
-    snprintf(title, sizeof title, "Laws of liquid bridges, corrected and as printed: %.3g mm, %.3g Hz, %d seed%s", 1e3 * dry->amplitude,
-             dry->frequency, st->seeds, st->seeds > 1 ? "s" : "");
+    snprintf(title, sizeof title, "Laws of liquid bridges, corrected and as printed: %.3g mm, %.3g Hz, %d seed%s",
+             1e3 * dry->amplitude, dry->frequency, st->seeds, st->seeds > 1 ? "s" : "");
     riddle_plot *figure = riddle_plot_new(title, UNDERSIZE, 2);
     for (int c = 0; c < UNDERSIZE; c++)
         for (int m = 0; m < 2; m++) {
@@ -626,10 +653,11 @@ static void report_moisture(const study *st) {
     const double end = (st->samples - 1) * SAMPLE;
     const settings *dry = &st->variants[0].set;
     char title[120];
-    snprintf(title, sizeof title, "Retained after %g s, wet minus dry: %.3g mm, %.3g Hz, %d seeds, 95 %% intervals", end,
-             1e3 * dry->amplitude, dry->frequency, st->seeds);
+    snprintf(title, sizeof title, "Retained after %g s, wet minus dry: %.3g mm, %.3g Hz, %d seeds, 95 %% intervals",
+             end, 1e3 * dry->amplitude, dry->frequency, st->seeds);
     riddle_plot *figure = riddle_plot_new(title, 1, 2);
-    riddle_io_table t = riddle_io_table_begin("class|laws|from %|to %|difference|+- paired|+- independent|correlation of pairs");
+    riddle_io_table t =
+        riddle_io_table_begin("class|laws|from %|to %|difference|+- paired|+- independent|correlation of pairs");
     json *j = json_open(st->self->json);
     json_program(j, st->self);
     results_values(j, {"amplitude_m", dry->amplitude}, {"frequency_hz", dry->frequency}, {"time_s", end});
@@ -640,7 +668,8 @@ static void report_moisture(const study *st) {
         riddle_io_table_cell(&means, "%s", st->variants[v].name);
         for (int c = 0; c < UNDERSIZE; c++) {
             const statistics x = measure_of(st, v, at_time(c, end));
-            riddle_io_table_cell(&means, "%.3f", x.mean), interval_cell(&means, 3, x.sd), interval_cell(&means, 3, x.interval);
+            riddle_io_table_cell(&means, "%.3f", x.mean), interval_cell(&means, 3, x.sd),
+                interval_cell(&means, 3, x.interval);
         }
         json_object_begin(j, NULL);
         json_number(j, "moisture", st->variants[v].set.moisture);
@@ -655,7 +684,9 @@ static void report_moisture(const study *st) {
         for (int k = 0; k < DIFFERENCES; k++) {
             const contrast x = contrast_of(st, from[k], to[k], at_time(c, end));
             const double low = st->variants[from[k]].set.moisture, high = st->variants[to[k]].set.moisture;
-            const char *laws = low == high ? "printed minus corrected" : st->variants[to[k]].set.laws ? "printed" : "corrected";
+            const char *laws = low == high                    ? "printed minus corrected"
+                               : st->variants[to[k]].set.laws ? "printed"
+                                                              : "corrected";
             riddle_io_table_cell(&t, "%s", class_name[c]), riddle_io_table_cell(&t, "%s", laws);
             riddle_io_table_cell(&t, "%.1f", 100.0 * low), riddle_io_table_cell(&t, "%.1f", 100.0 * high),
                 riddle_io_table_cell(&t, "%+.3f", x.difference);
@@ -698,11 +729,13 @@ static void report_moisture(const study *st) {
 static int run_one(int index, void *user) {
     study *st = user;
     /* the last cases are the wet ones, which take longest: they begin first */
-    const int k = st->kind == STUDY_CASES ? st->variant_count * st->seeds - 1 - index : index, v = k / st->seeds, q = k % st->seeds;
+    const int k = st->kind == STUDY_CASES ? st->variant_count * st->seeds - 1 - index : index, v = k / st->seeds,
+              q = k % st->seeds;
     result *r = result_of(st, v, q);
     if (!r->done) {
         const bool shown = v == 0 && q == 0 && st->kind == STUDY_ONE;
-        const observer watcher = {st->bar, shown ? st->series : NULL, shown ? st->reel : NULL, shown ? st->self->out : NULL};
+        const observer watcher = {st->bar, shown ? st->series : NULL, shown ? st->reel : NULL,
+                                  shown ? st->self->out : NULL};
         run_scene(&st->variants[v].set, st->seed + (uint64_t)q, r, &watcher);
         if (r->done && st->runs) write_run(st, v, q);
     }
@@ -759,7 +792,11 @@ static wish default_wish(void) {
 }
 
 static study_kind kind_of(const wish *w) {
-    return w->all_cases ? STUDY_CASES : w->vary ? STUDY_VARY : w->compare ? STUDY_MOISTURE : w->sensitivity ? STUDY_SENSITIVITY : STUDY_ONE;
+    return w->all_cases     ? STUDY_CASES
+           : w->vary        ? STUDY_VARY
+           : w->compare     ? STUDY_MOISTURE
+           : w->sensitivity ? STUDY_SENSITIVITY
+                            : STUDY_ONE;
 }
 
 /* Refuses what does not go together. */
@@ -776,7 +813,8 @@ static void check_wish(const program *self, const wish *w) {
     if (w->set.outlet && !of_screen) program_refuse(self, "outlet", "wall", "only with --scene screen");
     if (w->set.outlet && is_given(self, "outlet-delay"))
         program_refuse(self, "outlet", "wall", "not together with --outlet-delay");
-    if (!of_screen && (w->all_cases || w->compare || w->sensitivity)) program_refuse(self, "scene", NULL, "this study is of the screen");
+    if (!of_screen && (w->all_cases || w->compare || w->sensitivity))
+        program_refuse(self, "scene", NULL, "this study is of the screen");
 }
 
 /* Completes the settings: options that were not given get the defaults of their scene and study. */
@@ -835,40 +873,54 @@ int main(int argc, char **argv) {
     static study st;
     wish w = default_wish();
     option options[] = {
-        option_int("case", "N", &w.number, 1, CASES, "case of table 5 of the paper: 1-9 dry, 10-18 with 2.5 %, 19-27 with 5 % of water"),
+        option_int("case", "N", &w.number, 1, CASES,
+                   "case of table 5 of the paper: 1-9 dry, 10-18 with 2.5 %, 19-27 with 5 % of water"),
         option_double("amplitude-mm", "MM", &w.amplitude_mm, 0.0, 5.0, "set amplitude [mm], instead of a case"),
         option_double("frequency-hz", "HZ", &w.frequency_hz, 0.0, 200.0, "frequency [Hz], instead of a case"),
-        option_double("moisture", "SHARE", &w.moisture, 0.0, 0.08, "mass of water over mass of particles [-], instead of the case's"),
+        option_double("moisture", "SHARE", &w.moisture, 0.0, 0.08,
+                      "mass of water over mass of particles [-], instead of the case's"),
         option_positive("time", "S", &w.set.time, 1e4,
                         "simulated time [s]; default on a closed plate 10, thin layer and --compare-moisture 5"),
-        option_double("drop-mm", "MM", &w.drop_mm, 0.0, 500.0, "height of the bin's floor over the bars [mm]; default 0 without a bin"),
-        option_double("outlet-delay", "S", &w.set.outlet_delay, 0.0, 10.0, "time from the screen to the outlet's end [s]; thin layer 0"),
-        option_double("mass", "KG", &w.set.mass, 0.005, 1000.0, "mass of the batch [kg]; thin layer: a quarter of it is used"),
+        option_double("drop-mm", "MM", &w.drop_mm, 0.0, 500.0,
+                      "height of the bin's floor over the bars [mm]; default 0 without a bin"),
+        option_double("outlet-delay", "S", &w.set.outlet_delay, 0.0, 10.0,
+                      "time from the screen to the outlet's end [s]; thin layer 0"),
+        option_double("mass", "KG", &w.set.mass, 0.005, 1000.0,
+                      "mass of the batch [kg]; thin layer: a quarter of it is used"),
         option_choice("scene", &w.set.scene, "screen|closed-plate|thin-layer",
                       "batch on the screen, on a plate without apertures, or a quarter"),
-        option_choice("laws", &w.set.laws, "corrected|printed", "liquid bridges by Young-Laplace, or by eqs 12-18 as printed"),
+        option_choice("laws", &w.set.laws, "corrected|printed",
+                      "liquid bridges by Young-Laplace, or by eqs 12-18 as printed"),
         option_int("seeds", "N", &w.seeds, 1, SEEDS_MAX, "independent mixtures, one per core; mean and interval"),
         option_double("screen-diameter-mm", "MM", &w.diameter_mm, 50.0, 2000.0, "clear diameter of the deck [mm]"),
         option_double("sideways", "SHARE", &w.set.sideways, 0.0, 1.0, "horizontal over set amplitude [-]"),
         option_double("vertical", "SHARE", &w.set.vertical, 0.0, 2.0, "vertical over set amplitude [-]"),
         option_choice("profile", &w.set.profile, "semicircle|round", "section of the bars"),
-        option_choice("side-wall", &w.set.walls, "steel|pvc", "material of the side wall: PVC has another contact angle, of water"),
-        option_choice("outlet", &w.set.outlet, "delay|wall", "passage counts after a delay, or at the end of an inclined wall"),
-        option_choice("restitution", &w.set.restitution, "clipped|naive", "how damping follows from the coefficient of restitution"),
-        option_double("steps-per-contact", "N", &w.set.dt_ratio, 8.0, 1000.0, "duration of the shortest contact over the time step [-]"),
+        option_choice("side-wall", &w.set.walls, "steel|pvc",
+                      "material of the side wall: PVC has another contact angle, of water"),
+        option_choice("outlet", &w.set.outlet, "delay|wall",
+                      "passage counts after a delay, or at the end of an inclined wall"),
+        option_choice("restitution", &w.set.restitution, "clipped|naive",
+                      "how damping follows from the coefficient of restitution"),
+        option_double("steps-per-contact", "N", &w.set.dt_ratio, 8.0, 1000.0,
+                      "duration of the shortest contact over the time step [-]"),
         option_flag("no-frames", &w.no_frames, "no .vtp series"),
         option_flag("movie", &w.film, "batch_screening.mp4, half as fast as it is, by ffmpeg"),
+        option_size("size", screen_view.size, "of the picture and the movie [pixels]"),
         option_flag("no-energy", &w.no_energy, "no energy ledger"),
-        option_flag("all-cases", &w.all_cases, "the 27 cases, --seeds runs each: a file a case, all curves, summary.json"),
-        option_flag("vary", &w.vary, "the case and its neighbours in table 3: amplitude, frequency, moisture, one at a time"),
+        option_flag("all-cases", &w.all_cases,
+                    "the 27 cases, --seeds runs each: a file a case, all curves, summary.json"),
+        option_flag("vary", &w.vary,
+                    "the case and its neighbours in table 3: amplitude, frequency, moisture, one at a time"),
         option_flag("compare-moisture", &w.compare, "what 2.5 and 5 % of water change, corrected and printed laws"),
         option_flag("sensitivity", &w.sensitivity, "vary what the paper leaves open, one thing at a time; 10 s"),
-        option_flag("resume", &w.resume, "with one of these studies: runs whose files are in the folder are not run again"),
+        option_flag("resume", &w.resume,
+                    "with one of these studies: runs whose files are in the folder are not run again"),
     };
-    program self =
-        program_start("batch_screening",
-                      "Glass spheres of 5, 7 and 10 mm on a vibrated sieve with 8 mm apertures, dry or wet (Elskamp & Kruggel-Emden 2019).",
-                      options, sizeof options / sizeof *options, argc, argv);
+    program self = program_start("batch_screening",
+                                 "Glass spheres of 5, 7 and 10 mm on a vibrated sieve with 8 mm apertures, dry or wet "
+                                 "(Elskamp & Kruggel-Emden 2019).",
+                                 options, sizeof options / sizeof *options, argc, argv);
     check_wish(&self, &w);
     complete_settings(&self, &w);
     st.kind = kind_of(&w);
@@ -889,7 +941,8 @@ int main(int argc, char **argv) {
     world_movie reel;
     if (st.kind != STUDY_ONE) open_runs(&st, path, sizeof path, w.resume);
     if (st.kind == STUDY_ONE && !w.no_frames) series = dem_io_open(self.out, "particles"), st.series = &series;
-    if (st.kind == STUDY_ONE && w.film) reel = world_movie_open(self.out, "batch_screening.mp4", &screen_view), st.reel = &reel;
+    if (st.kind == STUDY_ONE && w.film)
+        reel = world_movie_open(self.out, "batch_screening.mp4", &screen_view), st.reel = &reel;
     const double started = machine_seconds();
     run_study(&st);
     if (st.series) dem_io_close(st.series);

@@ -1,7 +1,8 @@
-/* screening_scene.h - the scenes of the batch-screening study of Elskamp & Kruggel-Emden (2019), and what is measured in them.
+/* screening_scene.h - the scenes of the batch-screening study of Elskamp & Kruggel-Emden (2019), and what is measured
+   in them.
 
-   run_scene() mixes a batch, lets it settle, lets it go and fills a result: the batch on a vibrated screen (sections 4 and 5.1 of the
-   paper), the batch on a closed vibrated plate, and a quarter of it on the screen (both section 5.2). */
+   run_scene() mixes a batch, lets it settle, lets it go and fills a result: the batch on a vibrated screen (sections 4
+   and 5.1 of the paper), the batch on a closed vibrated plate, and a quarter of it on the screen (both section 5.2). */
 #ifndef SCREENING_SCENE_H
 #define SCREENING_SCENE_H
 
@@ -31,7 +32,8 @@ typedef struct settings {
     double vertical, sideways;                                    /* share of the set amplitude */
     double moisture;                                              /* mass of liquid over mass of particles [-] */
     int scene, profile, restitution, laws;                        /* scene_kind; indices of the options' choices */
-    int walls, outlet;                                            /* side wall of steel or PVC; outlet as a delay or as a wall */
+    int walls, outlet;                                            /* side wall of steel or PVC; outlet as a delay
+                                                                     or as a wall */
     int case_number;                                              /* of table 5; 0: none of them */
     bool energy;
 } settings;
@@ -90,7 +92,8 @@ static dem_def define(const settings *s) {
     dem_add_material(&def, 1300.0, 2.2e9, 0.4);
     for (int k = GLASS_SPHERE; k <= PVC_WALL; k++) {
         dem_pair_def *pair = dem_pair(&def, GLASS_SPHERE, k);
-        pair->friction = k ? 0.2866 : 0.1966, pair->rolling = k ? 1.09e-4 : 8.95e-5, pair->restitution = k ? 0.4351 : 0.7808;
+        pair->friction = k ? 0.2866 : 0.1966, pair->rolling = k ? 1.09e-4 : 8.95e-5,
+        pair->restitution = k ? 0.4351 : 0.7808;
         pair->mode = s->restitution ? DEM_NAIVE : DEM_CLIPPED;
     }
     return def;
@@ -109,7 +112,8 @@ static void free_batch(batch *b) {
     memset(b, 0, sizeof *b);
 }
 
-/* Classes in random order: any, as they are poured; or evenly, so that every part of the order holds the classes' shares. */
+/* Classes in random order: any, as they are poured; or evenly, so that every part of the order holds the
+   classes' shares. */
 static void order_at_random(int *group, int n, const int *count, uint64_t *random) {
     for (int c = 0, i = 0; c < CLASSES; c++)
         for (int k = 0; k < count[c]; k++) group[i++] = c;
@@ -137,7 +141,9 @@ static double class_spheres(const settings *s, int class) {
     return floor(s->mass / 3.0 / (RIDDLE_PI / 6.0 * d * d * d * GLASS) + 0.5);
 }
 
-static double batch_spheres(const settings *s) { return class_spheres(s, SMALL) + class_spheres(s, NEAR_MESH) + class_spheres(s, LARGE); }
+static double batch_spheres(const settings *s) {
+    return class_spheres(s, SMALL) + class_spheres(s, NEAR_MESH) + class_spheres(s, LARGE);
+}
 
 /* Diameters +-0.1 mm. */
 static int mix_batch(batch *b, const settings *s, uint64_t *random) {
@@ -153,7 +159,8 @@ static int mix_batch(batch *b, const settings *s, uint64_t *random) {
     if (!b->centre || !b->diameter || !b->group) return -1;
     if (s->scene == SCENE_SCREEN) order_at_random(b->group, n, count, random);
     else order_evenly(b->group, n, count, random);
-    for (int i = 0; i < n; i++) b->diameter[i] = class_diameter[b->group[i]] + 1e-4 * (2.0 * random_share(random) - 1.0);
+    for (int i = 0; i < n; i++)
+        b->diameter[i] = class_diameter[b->group[i]] + 1e-4 * (2.0 * random_share(random) - 1.0);
     return 0;
 }
 
@@ -166,7 +173,8 @@ static double batch_mass(const batch *b) {
     return mass;
 }
 
-/* Fills a grid over the floor, z = 0, layer by layer to a solid fraction; 0.12 is just not too dense for the large ones. */
+/* Fills a grid over the floor, z = 0, layer by layer to a solid fraction; 0.12 is just not too dense for
+   the large ones. */
 static dem_status stack_layers(batch *b, double radius, double solid, uint64_t *random) {
     const double pitch = cbrt(batch_mass(b) / GLASS / b->n / solid);
     const int reach = (int)(radius / pitch) + 1;
@@ -198,17 +206,19 @@ static double rms_speed(const dem_world *world) {
     return mass > 0.0 ? sqrt(sum / mass) : 0.0;
 }
 
-/* Lets the batch come to rest on the floor, slower than `quiet` [m/s] (infinite: as soon as it is pushed apart), with little restitution
-   and a stiffness at which the bed's weight makes overlaps of about this share of the diameter, at most the true one: that of 0. Soft
-   spheres are swollen by twice that share, so that the true ones just do not overlap; what does at the start is pushed apart without
-   gaining speed. */
+/* Lets the batch come to rest on the floor, slower than `quiet` [m/s] (infinite: as soon as it is pushed apart), with
+   little restitution and a stiffness at which the bed's weight makes overlaps of about this share of the diameter, at
+   most the true one: that of 0. Soft spheres are swollen by twice that share, so that the true ones just do not
+   overlap; what does at the start is pushed apart without gaining speed. */
 static dem_status settle(batch *b, const settings *s, double overlap, double quiet) {
     enum { PUSHES = 20, PUSH_STEPS = 8, STEPS_PER_CONTACT = 8 };
     const int features = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING;
-    const double area = 0.25 * RIDDLE_PI * s->screen_diameter * s->screen_diameter, pressure = 9.81 * batch_mass(b) / area;
+    const double area = 0.25 * RIDDLE_PI * s->screen_diameter * s->screen_diameter,
+                 pressure = 9.81 * batch_mass(b) / area;
     const int glass = GLASS_SPHERE, steel = STEEL_WALL;
     dem_def def = define(s);
-    const double stiffness = fmin(fmax(pressure * class_diameter[SMALL] / overlap, 200.0), dem_pair(&def, glass, glass)->stiffness);
+    const double stiffness =
+        fmin(fmax(pressure * class_diameter[SMALL] / overlap, 200.0), dem_pair(&def, glass, glass)->stiffness);
     dem_world world;
     for (int k = 0; k < 2; k++) {
         dem_pair_def *pair = dem_pair(&def, glass, k ? steel : glass);
@@ -220,14 +230,17 @@ static dem_status settle(batch *b, const settings *s, double overlap, double qui
         const double diameter = (1.0 + 2.0 * overlap) * b->diameter[i];
         status = dem_add_spheres(&world, 1, &b->centre[3 * i], &diameter, glass, 0);
     }
-    if (status == DEM_OK && dem_add_plane(&world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0) status = DEM_BAD_ARGUMENT;
-    if (status == DEM_OK && dem_add_cylinder(&world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.5 * s->screen_diameter, 1) < 0)
+    if (status == DEM_OK && dem_add_plane(&world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) < 0)
+        status = DEM_BAD_ARGUMENT;
+    if (status == DEM_OK &&
+        dem_add_cylinder(&world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1), 0.5 * s->screen_diameter, 1) < 0)
         status = DEM_BAD_ARGUMENT;
     const double dt = dem_advise(&world, DEM_LINEAR, 1.0).contact / STEPS_PER_CONTACT;
     if (status == DEM_OK) status = dem_set_time_step(&world, dt);
     for (int push = 0; push < PUSHES && status == DEM_OK; push++) {
         status = dem_run(&world, PUSH_STEPS * dt, features);
-        for (int i = 0; i < b->n && status == DEM_OK; i++) status = dem_set_motion(&world, i, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0));
+        for (int i = 0; i < b->n && status == DEM_OK; i++)
+            status = dem_set_motion(&world, i, dem_vec3(0, 0, 0), dem_vec3(0, 0, 0));
     }
     double speed = 0.0, before = quiet < HUGE_VAL ? -1.0 : 0.0;
     while ((speed > quiet || speed > before) && world.time < 1.0 && status == DEM_OK && !common_interrupted()) {
@@ -243,9 +256,9 @@ static dem_status settle(batch *b, const settings *s, double overlap, double qui
     return status;
 }
 
-/* In the bin the batch is nearly at rest: it falls as soft spheres, in large steps, settles as stiffer ones, and true ones are only pushed
-   apart. Without a bin it is put on the surface as it is mixed, a third looser than at rest, and only pushed apart: to settle would bring
-   the large ones up. */
+/* In the bin the batch is nearly at rest: it falls as soft spheres, in large steps, settles as stiffer ones, and true
+   ones are only pushed apart. Without a bin it is put on the surface as it is mixed, a third looser than at rest, and
+   only pushed apart: to settle would bring the large ones up. */
 static dem_status fill(batch *b, const settings *s, uint64_t *random) {
     const bool bin = s->scene == SCENE_SCREEN;
     dem_status status = stack_layers(b, 0.5 * s->screen_diameter, bin ? 0.12 : 0.4, random);
@@ -255,11 +268,12 @@ static dem_status fill(batch *b, const settings *s, uint64_t *random) {
     return status;
 }
 
-/* Where passage counts: a plane below the wires; or, at the end of an outlet, an inclined wall at rest onto which grains fall. The outlet
-   is not printed but for the 0.5 s that a sphere takes at least: it is inclined by 30 degrees, begins 20 mm below the mesh at one side, and
-   ends 0.25 m beyond the other, where its wall crosses a level plane. */
+/* Where passage counts: a plane below the wires; or, at the end of an outlet, an inclined wall at rest onto which
+   grains fall. The outlet is not printed but for the 0.5 s that a sphere takes at least: it is inclined by 30 degrees,
+   begins 20 mm below the mesh at one side, and ends 0.25 m beyond the other, where its wall crosses a level plane. */
 static dem_status add_way_out(dem_world *world, const settings *s, int steel) {
-    const double radius = 0.5 * s->screen_diameter, slope = RIDDLE_PI / 6.0, depth = 0.02 + tan(slope) * (2.0 * radius + 0.25);
+    const double radius = 0.5 * s->screen_diameter, slope = RIDDLE_PI / 6.0,
+                 depth = 0.02 + tan(slope) * (2.0 * radius + 0.25);
     int wall = 0;
     if (s->outlet) wall = dem_add_plane(world, steel, dem_vec3(-radius, 0, -0.02), dem_vec3(sin(slope), 0, cos(slope)));
     if (wall < 0 || dem_add_exit(world, dem_vec3(0, 0, s->outlet ? -depth : -s->exit_depth), dem_vec3(0, 0, 1)) < 0)
@@ -290,11 +304,13 @@ static dem_status build(dem_world *world, const batch *b, const settings *s, int
     screen.profile = s->profile ? DEM_ROUND : DEM_SEMICIRCLE;
     const bool plate = s->scene == SCENE_CLOSED_PLATE;
     const double top = plate ? 0.0 : 0.5 * screen.wire;
-    *deck = plate ? dem_add_plane(world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) : dem_add_screen(world, steel, &screen);
+    *deck = plate ? dem_add_plane(world, steel, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1))
+                  : dem_add_screen(world, steel, &screen);
     const int wall = add_side_wall(world, s, s->walls ? PVC_WALL : STEEL_WALL);
     if (*deck < 0 || wall < 0) status = DEM_BAD_ARGUMENT;
     if (status == DEM_OK) status = add_way_out(world, s, steel);
-    const dem_vec amplitude = dem_vec3(s->sideways * s->amplitude, 0, s->vertical * s->amplitude), phase = dem_vec3(0.5 * RIDDLE_PI, 0, 0);
+    const dem_vec amplitude = dem_vec3(s->sideways * s->amplitude, 0, s->vertical * s->amplitude),
+                  phase = dem_vec3(0.5 * RIDDLE_PI, 0, 0);
     if (status == DEM_OK) status = dem_vibrate(world, *deck, amplitude, phase, s->frequency);
     if (status == DEM_OK) status = dem_vibrate(world, wall, amplitude, phase, s->frequency);
     for (int i = 0; i < b->n && status == DEM_OK; i++) {
@@ -309,10 +325,11 @@ static dem_status build(dem_world *world, const batch *b, const settings *s, int
 /* ---- measurement ---- */
 
 enum { CURVES = UNDERSIZE + 3, FREE = UNDERSIZE, OCCUPIED, H_STAR };
-static const char *const curve_name[CURVES] = {"retained_small", "retained_near_mesh", "free_fraction", "occupied_fraction", "h_star_m"};
+static const char *const curve_name[CURVES] = {"retained_small", "retained_near_mesh", "free_fraction",
+                                               "occupied_fraction", "h_star_m"};
 
-/* The numbers of a run: index, name in files, what several seeds give together in the JSON object, value at the end of run_scene(). A number
-   more is a row more. */
+/* The numbers of a run: index, name in files, what several seeds give together in the JSON object, value at the end of
+   run_scene(). A number more is a row more. */
 typedef enum join {
     ALONE,
     SUM,
@@ -350,7 +367,8 @@ typedef struct result {
     bool done;
 } result;
 
-/* Which undersize particles are in the top layer: the body of another stands in their way down to the mesh. Notes the time. */
+/* Which undersize particles are in the top layer: the body of another stands in their way down to the mesh.
+   Notes the time. */
 typedef struct layers {
     int cells, *head, *next;
     double reach, *last_top; /* half width of the map [m]; by id: when last seen in the top layer [s] */
@@ -379,7 +397,8 @@ static void watch_layers(layers *l, const dem_world *world, double time) {
                 for (int k = l->head[cy * l->cells + cx]; k >= 0 && !covered; k = l->next[k]) {
                     const double dx = l->at[k].x - l->at[i].x, dy = l->at[k].y - l->at[i].y,
                                  sum = dem_radius(world, i) + dem_radius(world, k);
-                    covered = k != (int)i && l->at[k].z < l->at[i].z && l->at[k].z > 0.0 && dx * dx + dy * dy < sum * sum;
+                    covered =
+                        k != (int)i && l->at[k].z < l->at[i].z && l->at[k].z > 0.0 && dx * dx + dy * dy < sum * sum;
                 }
             }
         }
@@ -400,8 +419,8 @@ static int make_layers(layers *l, int n, double reach) {
     return l->head && l->next && l->last_top && l->at ? 0 : -1;
 }
 
-/* Mass of each class, particles and their liquid, that has not reached the outlet's end at a time [kg] (eq 21). A particle's liquid is its
-   film and half of its bridges to others, all of those to walls. */
+/* Mass of each class, particles and their liquid, that has not reached the outlet's end at a time [kg] (eq 21). A
+   particle's liquid is its film and half of its bridges to others, all of those to walls. */
 static void remaining_mass(const dem_world *world, const wet_scene *wet, double time, double delay, double *mass) {
     for (int c = 0; c < CLASSES; c++) mass[c] = 0.0;
     for (ptrdiff_t i = 0; i < world->count; i++) {
@@ -447,20 +466,21 @@ typedef struct observer {
     const char *out; /* folder of the series and of the picture; NULL: none */
 } observer;
 
-static const picture_def screen_view = {{"small 5 mm", "near-mesh 7 mm", "large 10 mm"}, CLASSES, 0.0, {0.3, 1.0, -0.75}, 0, 0};
+static picture_def screen_view = {
+    {"small 5 mm", "near-mesh 7 mm", "large 10 mm"}, CLASSES, 0.0, {0.3, 1.0, -0.75}, {960, 640}};
 
 static dem_status add_liquid(wet_scene **wet, dem_world *world, const batch *b, const settings *s, int deck) {
     *wet = malloc(sizeof **wet);
     if (!*wet) return DEM_OUT_OF_MEMORY;
     world->user = *wet;
-    const bridge_status status = wet_init(*wet, b->n, b->group, b->diameter, class_diameter, s->moisture, batch_mass(b), deck, world,
-                                          s->laws == 1, s->walls ? WET_PVC : WET_STEEL);
+    const bridge_status status = wet_init(*wet, b->n, b->group, b->diameter, class_diameter, s->moisture, batch_mass(b),
+                                          deck, world, s->laws == 1, s->walls ? WET_PVC : WET_STEEL);
     return status == BRIDGE_OK ? DEM_OK : DEM_BAD_ARGUMENT;
 }
 
 /* `initial` [CLASSES] is filled by the first sample. */
-static void sample_curves(result *r, int sample, const dem_world *world, const settings *s, const wet_scene *wet, int deck, double time,
-                          double *initial) {
+static void sample_curves(result *r, int sample, const dem_world *world, const settings *s, const wet_scene *wet,
+                          int deck, double time, double *initial) {
     double mass[CLASSES];
     remaining_mass(world, wet, time, s->outlet_delay, mass);
     if (sample == 0) memcpy(initial, mass, sizeof mass);
@@ -484,7 +504,8 @@ static void mean_top_times(double *top_time, const layers *bed, const dem_world 
     }
     for (ptrdiff_t k = 0; k < world->passed_count; k++) {
         const dem_passed *p = &world->passed[k];
-        if (p->group < UNDERSIZE && p->time < bed->last_top[p->id] + WATCH) sum[p->group] -= bed->last_top[p->id] + WATCH - p->time;
+        if (p->group < UNDERSIZE && p->time < bed->last_top[p->id] + WATCH)
+            sum[p->group] -= bed->last_top[p->id] + WATCH - p->time;
     }
     for (int c = 0; c < UNDERSIZE; c++) top_time[c] = count[c] ? sum[c] / count[c] : 0.0;
 }

@@ -1,4 +1,5 @@
-/* screening_study.h - a study is a number of variants of a scene, each run with several seeds: its runs in files, and its statistics. */
+/* screening_study.h - a study is a number of variants of a scene, each run with several seeds: its runs in files, and
+   its statistics. */
 #ifndef SCREENING_STUDY_H
 #define SCREENING_STUDY_H
 
@@ -97,8 +98,8 @@ static bool read_run(const study *st, int v, int q) {
     csv_data data;
     wanted[0] = (double)(st->seed + (uint64_t)q);
     list_settings(&st->variants[v].set, wanted + 1);
-    if (csv_read(riddle_io_path(path, sizeof path, st->runs, run_file(name, sizeof name, st, v, q, "_run")), &data, message,
-                 sizeof message))
+    if (csv_read(riddle_io_path(path, sizeof path, st->runs, run_file(name, sizeof name, st, v, q, "_run")), &data,
+                 message, sizeof message))
         return false;
     bool same = data.rows == 1 && data.columns == 1 + SETTINGS + NUMBERS;
     for (int k = 0; k < 1 + SETTINGS && same; k++) same = data.values[k] == wanted[k];
@@ -108,8 +109,8 @@ static bool read_run(const study *st, int v, int q) {
         if (same) r->number[k] = data.values[column];
     }
     csv_free(&data);
-    if (!same ||
-        csv_read(riddle_io_path(path, sizeof path, st->runs, run_file(name, sizeof name, st, v, q, "")), &data, message, sizeof message))
+    if (!same || csv_read(riddle_io_path(path, sizeof path, st->runs, run_file(name, sizeof name, st, v, q, "")), &data,
+                          message, sizeof message))
         return false;
     if (data.rows == st->samples && data.columns == 1 + CURVES) {
         for (int k = 0; k < data.rows; k++)
@@ -123,7 +124,8 @@ static bool read_run(const study *st, int v, int q) {
 
 /* ---- statistics ---- */
 
-/* Mean and standard deviation of n values; two-sided 95 % interval of the mean. One run says nothing of the scatter: both are NaN then. */
+/* Mean and standard deviation of n values; two-sided 95 % interval of the mean. One run says nothing of the scatter:
+   both are NaN then. */
 typedef struct statistics {
     double mean, sd, interval;
 } statistics;
@@ -164,7 +166,8 @@ static void interval_cell(riddle_io_table *t, int digits, double value) {
 
 enum { SEEDS_MAX = 1000 };
 
-/* One number of a run: the mean of a curve from one time to another [s]; or, with a class's top layer, the mean time in it. */
+/* One number of a run: the mean of a curve from one time to another [s]; or, with a class's top layer, the
+   mean time in it. */
 typedef struct measure {
     int curve; /* or TOP_LAYER + class */
     double from, to;
@@ -194,8 +197,9 @@ static statistics measure_of(const study *st, int v, measure m) {
     return statistics_of(st->seeds, values);
 }
 
-/* Difference between two variants. Seeds are pairs of the same mixture: the paired interval is that of the differences, the other that
-   of two independent samples (Welch 1947; degrees of freedom of Satterthwaite 1946). NaN with one seed. */
+/* Difference between two variants. Seeds are pairs of the same mixture: the paired interval is that of the differences,
+   the other that of two independent samples (Welch 1947; degrees of freedom of Satterthwaite 1946). NaN
+   with one seed. */
 typedef struct contrast {
     double difference, paired, independent, correlation;
 } contrast;

@@ -15,7 +15,8 @@
        progress_begin(&bar, "vibrating", time);
        for (double t = 0.0; t < time && !common_interrupted(); t += 0.01) progress_update(&bar, t);
        progress_end(&bar);
-       json *report = json_open(self.json);                    // NULL when --json was not given: every json call then does nothing
+       // NULL when --json was not given: every json call then does nothing
+       json *report = json_open(self.json);
        json_program(report, &self);
        json_number(report, "time_s", time);
        json_close(report);
@@ -24,12 +25,14 @@
 
    output.h    riddle_io.h, all that is written     options.h  the command line     csv.h       tables from CSV
    progress.h  bar, Ctrl-C, exit status             json.h     one JSON object      particles.h spheres from CSV or .vtp
-   machine.h   clock, memory, cores, jobs on threads                                render.h    pictures and movies of scenes
+   machine.h   clock, memory, cores, jobs on threads                                render.h    pictures and movies of
+               scenes
    random.h    random numbers
    results.h   tables of results: screen, CSV, JSON, figures
    sheet.h     tables of a laboratory: sieves, classes, readings
-   Errors: a function that fails has printed one line on stderr and marked the run as failed; it returns -1 (or NULL), and every
-   function takes the NULL that another returned and does nothing. A program that only ends with common_exit_status() is right. */
+   Errors: a function that fails has printed one line on stderr and marked the run as failed; it returns -1 (or NULL),
+   and every function takes the NULL that another returned and does nothing. A program that only ends with
+   common_exit_status() is right. */
 #ifndef RIDDLE_COMMON_H
 #define RIDDLE_COMMON_H
 

@@ -42,7 +42,8 @@ static bool may_be_thousands(const char *cell) {
     return strspn(cell + first + 1, "0123456789") == 3 && cell[first + 4] == '\0';
 }
 
-/* Returns the end of a quoted cell, its closing quote, or NULL: another character follows the quote, or there is none. */
+/* Returns the end of a quoted cell, its closing quote, or NULL: another character follows the quote, or
+   there is none. */
 static char *closing_quote(char *cell, char separator) {
     char *close = *cell == '"' ? strchr(cell + 1, '"') : NULL;
     const char *next = close ? close + 1 : NULL;
@@ -111,7 +112,8 @@ static bool make_room(const char *text, long size, csv_data *data) {
     data->cells = malloc((size_t)(cuts + lines + widest + 1) * sizeof *data->cells);
     data->values = malloc((size_t)(cuts + lines) * sizeof *data->values);
     data->lines = malloc((size_t)lines * sizeof *data->lines);
-    data->is_text = calloc((size_t)(widest + 1) * 2, sizeof *data->is_text); /* [columns] it is text, [columns] it is known */
+    /* [columns] it is text, [columns] it is known */
+    data->is_text = calloc((size_t)(widest + 1) * 2, sizeof *data->is_text);
     return data->memory && data->names && data->cells && data->values && data->lines && data->is_text;
 }
 
@@ -124,7 +126,8 @@ static char *end_line(char *line) {
     return end + (both ? 2 : 1);
 }
 
-/* Refuses a number in a table that has decimal points as well as decimal commas, if one of them may separate thousands. */
+/* Refuses a number in a table that has decimal points as well as decimal commas, if one of them may
+   separate thousands. */
 static int check_decimals(csv_data *data, const char *path, char *message, int message_size) {
     bool point = false, comma = false;
     int doubtful = -1;
@@ -134,7 +137,8 @@ static int check_decimals(csv_data *data, const char *path, char *message, int m
         if (doubtful < 0 && may_be_thousands(data->cells[k])) doubtful = k;
     }
     if (!point || !comma || doubtful < 0) return 0;
-    return refuse(data, message, message_size, "%s:%d: column %.60s: '%.60s' may be in thousands: other numbers have %s", path,
+    return refuse(data, message, message_size,
+                  "%s:%d: column %.60s: '%.60s' may be in thousands: other numbers have %s", path,
                   data->lines[doubtful / data->columns], data->names[doubtful % data->columns], data->cells[doubtful],
                   strchr(data->cells[doubtful], '.') ? "decimal commas" : "decimal points");
 }
@@ -155,7 +159,9 @@ static void cut_comment(const csv_data *data, char *line, char separator) {
         while (is_blank(*cell)) cell++;
         size_t length = (size_t)(c - cell);
         while (length > 0 && is_blank(cell[length - 1])) length--;
-        if (cuts != last || length == 0 || length >= sizeof text || (data->is_text[data->columns + last] && data->is_text[last])) return;
+        if (cuts != last || length == 0 || length >= sizeof text ||
+            (data->is_text[data->columns + last] && data->is_text[last]))
+            return;
         memcpy(text, cell, length);
         text[length] = '\0';
         if (to_number(text, separator == ',' ? '.' : ',', &value)) *c = '\0';
@@ -163,12 +169,15 @@ static void cut_comment(const csv_data *data, char *line, char separator) {
     }
 }
 
-static int take_row(csv_data *data, char *line, char separator, int number, const char *path, char *message, int message_size) {
+static int take_row(csv_data *data, char *line, char separator, int number, const char *path, char *message,
+                    int message_size) {
     const int columns = data->columns;
     char **row = data->cells + (size_t)data->rows * (size_t)columns;
     cut_comment(data, line, separator);
     const int n = csv_cut(line, separator, row);
-    if (n != columns) return refuse(data, message, message_size, "%s:%d: %d cells, but the header names %d", path, number, n, columns);
+    if (n != columns)
+        return refuse(data, message, message_size, "%s:%d: %d cells, but the header names %d", path, number, n,
+                      columns);
     for (int k = 0; k < n; k++) {
         double *value = &data->values[(size_t)data->rows * (size_t)n + (size_t)k];
         const bool fine = to_number(row[k], separator == ',' ? '.' : ',', value);
@@ -178,8 +187,8 @@ static int take_row(csv_data *data, char *line, char separator, int number, cons
         }
         if (data->is_text[k]) *value = (double)NAN;
         else if (!fine)
-            return refuse(data, message, message_size, "%s:%d: column %.60s: '%.60s' is not a number", path, number, data->names[k],
-                          row[k]);
+            return refuse(data, message, message_size, "%s:%d: column %.60s: '%.60s' is not a number", path, number,
+                          data->names[k], row[k]);
     }
     data->lines[data->rows++] = number;
     return 0;
@@ -190,11 +199,13 @@ int csv_parse(const char *text, long size, const char *path, csv_data *data, cha
     char separator = ',';
     int number = 0;
     *data = empty;
-    if (size < 0 || (size > 0 && memchr(text, '\0', (size_t)size))) return refuse(data, message, message_size, "%s: not a text file", path);
+    if (size < 0 || (size > 0 && memchr(text, '\0', (size_t)size)))
+        return refuse(data, message, message_size, "%s: not a text file", path);
     if (size >= 2 && (memcmp(text, "\xff\xfe", 2) == 0 || memcmp(text, "\xfe\xff", 2) == 0))
         return refuse(data, message, message_size, "%s: not a text file in UTF-8", path);
     if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) text += 3, size -= 3; /* a byte-order mark */
-    if (!make_room(text, size, data)) return refuse(data, message, message_size, "%s: too long, or out of memory", path);
+    if (!make_room(text, size, data))
+        return refuse(data, message, message_size, "%s: too long, or out of memory", path);
     if (size > 0) memcpy(data->memory, text, (size_t)size);
     data->memory[size] = '\0';
     for (char *line = data->memory, *next; line; line = next) {
@@ -315,8 +326,8 @@ int csv_unit(const char *name, char *dimension, double *si) {
 
 static char small_letter(char c) { return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); }
 
-/* A name in small letters, cut into what it names and its unit; found: the unit's row, NULL without one. false: a unit in brackets that is
-   none of the table. */
+/* A name in small letters, cut into what it names and its unit; found: the unit's row, NULL without one. false: a unit
+   in brackets that is none of the table. */
 static bool split_name(const char *name, char *base, size_t size, const unit **found) {
     size_t n = 0;
     *found = NULL;
@@ -354,7 +365,8 @@ int csv_is(const char *name, const char *wanted, double *factor) {
     *factor = 1.0;
     char base[128], asked[128];
     const unit *in, *out;
-    if (small_letter(*name) != small_letter(*wanted)) return 0; /* most columns of most tables: csv_value asks for every cell */
+    if (small_letter(*name) != small_letter(*wanted)) return 0; /* most columns of most tables: csv_value asks
+                                                                   for every cell */
     const bool known = split_name(name, base, sizeof base, &in);
     split_name(wanted, asked, sizeof asked, &out);
     if (strcmp(base, asked) != 0 || (out && known && !in)) return 0;
@@ -386,7 +398,8 @@ int csv_find(const csv_data *data, const char *name, double *factor, char *messa
     }
     if (factor) *factor = scale;
     if (found < 0)
-        say_columns(data, message, message_size, convertible ? "no column %s" : "the unit of column %s cannot be converted", name);
+        say_columns(data, message, message_size,
+                    convertible ? "no column %s" : "the unit of column %s cannot be converted", name);
     return found;
 }
 

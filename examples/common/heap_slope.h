@@ -1,5 +1,5 @@
-/* heap_slope.h: the slope of a heap about a vertical line: the highest centre in each ring and sector, and a line through the means of the
-   rings between a sixth of the radius and the rim. */
+/* heap_slope.h: the slope of a heap about a vertical line: the highest centre in each ring and sector, and a line
+   through the means of the rings between a sixth of the radius and the rim. */
 #ifndef RIDDLE_HEAP_SLOPE_H
 #define RIDDLE_HEAP_SLOPE_H
 
@@ -18,7 +18,8 @@ typedef struct heap_slope {
     double speed;           /* the largest of them [m/s] */
 } heap_slope;
 
-/* Of the particles within `radius` about a line through `centre` along `up` (a unit vector), from the centre's height to below `ceiling`. */
+/* Of the particles within `radius` about a line through `centre` along `up` (a unit vector), from the centre's height
+   to below `ceiling`. */
 static inline heap_slope heap_slope_of(const dem_world *w, dem_vec centre, dem_vec up, double radius, double ceiling) {
     heap_slope h;
     double top[HEAP_RINGS][HEAP_SECTORS], n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;

@@ -1,4 +1,5 @@
-/* json.h: one JSON object, written as it comes. Numbers keep every bit (%.17g), a number that is not finite becomes null. */
+/* json.h: one JSON object, written as it comes. Numbers keep every bit (%.17g), a number that is not finite
+   becomes null. */
 #ifndef RIDDLE_JSON_H
 #define RIDDLE_JSON_H
 

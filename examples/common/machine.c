@@ -33,7 +33,8 @@ double machine_processor_seconds(void) { return seconds_of(CLOCK_PROCESS_CPUTIME
 
 double machine_peak_memory_bytes(void) {
     PROCESS_MEMORY_COUNTERS counters;
-    return GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof counters) ? (double)counters.PeakWorkingSetSize : 0.0;
+    return GetProcessMemoryInfo(GetCurrentProcess(), &counters, sizeof counters) ? (double)counters.PeakWorkingSetSize
+                                                                                 : 0.0;
 }
 
 double machine_free_memory_bytes(void) {
@@ -78,13 +79,17 @@ static double number_in(const char *path, const char *key) {
 }
 
 /* What is left below a limit of which a part is used; a limit of any program of the machine may be a huge number. */
-static double below(double limit, double used) { return limit < 1e18 ? fmax(limit - (used < HUGE_VAL ? used : 0.0), 0.0) : HUGE_VAL; }
+static double below(double limit, double used) {
+    return limit < 1e18 ? fmax(limit - (used < HUGE_VAL ? used : 0.0), 0.0) : HUGE_VAL;
+}
 
 double machine_free_memory_bytes(void) {
     struct rlimit limit;
     double most = 1024.0 * number_in("/proc/meminfo", "MemAvailable:");
-    if (most == HUGE_VAL && sysconf(_SC_PHYS_PAGES) > 0) most = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
-    most = fmin(most, below(number_in("/sys/fs/cgroup/memory.max", ""), number_in("/sys/fs/cgroup/memory.current", "")));
+    if (most == HUGE_VAL && sysconf(_SC_PHYS_PAGES) > 0)
+        most = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    most =
+        fmin(most, below(number_in("/sys/fs/cgroup/memory.max", ""), number_in("/sys/fs/cgroup/memory.current", "")));
     most = fmin(most, below(number_in("/sys/fs/cgroup/memory/memory.limit_in_bytes", ""),
                             number_in("/sys/fs/cgroup/memory/memory.usage_in_bytes", "")));
     if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
@@ -110,7 +115,8 @@ void *machine_resize(void *user, void *old, size_t old_size, size_t new_size) {
         free(old);
         return NULL;
     }
-    if (new_size > old_size && new_size >= LARGE && (double)(new_size - old_size) > machine_free_memory_bytes()) return NULL;
+    if (new_size > old_size && new_size >= LARGE && (double)(new_size - old_size) > machine_free_memory_bytes())
+        return NULL;
     return realloc(old, new_size);
 }
 

@@ -24,7 +24,9 @@ static option make(option_kind kind, const char *name, const char *metavar, void
     return o;
 }
 
-option option_flag(const char *name, bool *value, const char *help) { return make(OPTION_FLAG, name, NULL, value, help); }
+option option_flag(const char *name, bool *value, const char *help) {
+    return make(OPTION_FLAG, name, NULL, value, help);
+}
 
 option option_int(const char *name, const char *metavar, int *value, int low, int high, const char *help) {
     option o = make(OPTION_INT, name, metavar, value, help);
@@ -60,6 +62,12 @@ option option_choice(const char *name, int *value, const char *choices, const ch
     return o;
 }
 
+option option_size(const char *name, int size[2], const char *help) {
+    option o = make(OPTION_SIZE, name, "WxH", size, help);
+    o.low = 64.0, o.high = 4096.0; /* as in picture_new */
+    return o;
+}
+
 /* "a number above 0 and at most 20" */
 static void allowed(const option *o, char *text, size_t size) {
     const char *noun = o->kind == OPTION_DOUBLE ? "a number" : "a whole number";
@@ -67,13 +75,17 @@ static void allowed(const option *o, char *text, size_t size) {
     case OPTION_FLAG: snprintf(text, size, "no value"); return;
     case OPTION_STRING: snprintf(text, size, "a text that is not empty"); return;
     case OPTION_CHOICE: snprintf(text, size, "one of %s", o->choices); return;
+    case OPTION_SIZE:
+        snprintf(text, size, "width x height, such as 1920x1280, each from %.0f to %.0f", o->low, o->high);
+        return;
     case OPTION_SEED: snprintf(text, size, "a whole number from 0 to %llu", (unsigned long long)UINT64_MAX); return;
     case OPTION_INT:
     case OPTION_DOUBLE: break;
     }
     bool has_low = o->low > -HUGE_VAL, has_high = o->high < HUGE_VAL;
     const char *from = o->above ? "above" : has_high ? "from" : "of at least";
-    if (has_low && has_high) snprintf(text, size, "%s %s %.10g %s %.10g", noun, from, o->low, o->above ? "and at most" : "to", o->high);
+    if (has_low && has_high)
+        snprintf(text, size, "%s %s %.10g %s %.10g", noun, from, o->low, o->above ? "and at most" : "to", o->high);
     else if (has_low) snprintf(text, size, "%s %s %.10g", noun, from, o->low);
     else if (has_high) snprintf(text, size, "%s of at most %.10g", noun, o->high);
     else snprintf(text, size, "%s", noun);
@@ -97,6 +109,19 @@ static bool looks_like_number(const char *text, bool fraction) {
     return *text && text[strspn(text, allowed_characters)] == '\0';
 }
 
+/* "1920x1280" */
+static bool set_size(const option *o, const char *text) {
+    char *end = NULL;
+    int size[2];
+    for (int k = 0; k < 2; k++, text = end + 1) {
+        const long v = *text >= '0' && *text <= '9' ? strtol(text, &end, 10) : -1;
+        if (!((double)v >= o->low && (double)v <= o->high) || *end != (k ? '\0' : 'x')) return false;
+        size[k] = (int)v;
+    }
+    memcpy(o->value, size, sizeof size);
+    return true;
+}
+
 static bool set_value(option *o, const char *text) {
     char *end = NULL;
     errno = 0;
@@ -105,7 +130,8 @@ static bool set_value(option *o, const char *text) {
     case OPTION_INT: {
         if (!looks_like_number(text, false)) return false;
         long value = strtol(text, &end, 10);
-        if (*end || errno || (double)value < o->low || (double)value > o->high || value < INT_MIN || value > INT_MAX) return false;
+        if (*end || errno || (double)value < o->low || (double)value > o->high || value < INT_MIN || value > INT_MAX)
+            return false;
         *(int *)o->value = (int)value;
         return true;
     }
@@ -128,6 +154,7 @@ static bool set_value(option *o, const char *text) {
         if (!*text) return false;
         *(const char **)o->value = text;
         return true;
+    case OPTION_SIZE: return set_size(o, text);
     case OPTION_CHOICE: {
         int index = choice_index(o->choices, text);
         if (index < 0) return false;
@@ -186,6 +213,7 @@ static void print_default(const option *o) {
     case OPTION_FLAG: break;
     case OPTION_INT: printf(" (default %d)", *(int *)o->value); break;
     case OPTION_SEED: printf(" (default %llu)", (unsigned long long)*(uint64_t *)o->value); break;
+    case OPTION_SIZE: printf(" (default %dx%d)", ((int *)o->value)[0], ((int *)o->value)[1]); break;
     case OPTION_DOUBLE: printf(" (default %.10g)", *(double *)o->value); break;
     case OPTION_STRING:
         if (*(const char **)o->value) printf(" (default %s)", *(const char **)o->value);
@@ -251,19 +279,21 @@ static int parse(const char *program_name, option **all, int n, int argc, char *
             if (strlen(all[k]->name) == length && memcmp(all[k]->name, name, length) == 0) found = all[k];
         if (!found) {
             const option *guess = nearest((const option *const *)all, n, name, length);
-            return refuse(message, size, "%s: unknown option --%.*s%s%s%s; --help lists all", program_name, (int)length, name,
-                          guess ? ", did you mean --" : "", guess ? guess->name : "", guess ? "?" : "");
+            return refuse(message, size, "%s: unknown option --%.*s%s%s%s; --help lists all", program_name, (int)length,
+                          name, guess ? ", did you mean --" : "", guess ? guess->name : "", guess ? "?" : "");
         }
         allowed(found, range, sizeof range);
         if (found->kind == OPTION_FLAG) {
-            if (equals) return refuse(message, size, "%s: --%s %s: takes no value", program_name, found->name, equals + 1);
+            if (equals)
+                return refuse(message, size, "%s: --%s %s: takes no value", program_name, found->name, equals + 1);
             *(bool *)found->value = true;
             found->given = true;
             continue;
         }
         const char *text = equals ? equals + 1 : i + 1 < argc && strncmp(argv[i + 1], "--", 2) != 0 ? argv[++i] : NULL;
         if (!text) return refuse(message, size, "%s: --%s has no value; allowed: %s", program_name, found->name, range);
-        if (!set_value(found, text)) return refuse(message, size, "%s: --%s %s: allowed: %s", program_name, found->name, text, range);
+        if (!set_value(found, text))
+            return refuse(message, size, "%s: --%s %s: allowed: %s", program_name, found->name, text, range);
         found->given = true;
     }
     return 0;
@@ -324,17 +354,19 @@ program program_start(const char *name, const char *about, option *options, int 
         leave();
     }
     if (status == 0 && strlen(self.out) > LONGEST_OUT)
-        status =
-            refuse(message, (int)sizeof message, "%s: --out %.60s...: allowed: a path of at most %d bytes", name, self.out, LONGEST_OUT);
+        status = refuse(message, (int)sizeof message, "%s: --out %.60s...: allowed: a path of at most %d bytes", name,
+                        self.out, LONGEST_OUT);
     if (status == 0 && riddle_io_make_folder(self.out, message, sizeof message) != 0) {
         char why[600];
         snprintf(why, sizeof why, "%s", message);
-        status = refuse(message, (int)sizeof message, "%s: --out %s: %s; allowed: a folder that can be written to", name, self.out, why);
+        status = refuse(message, (int)sizeof message, "%s: --out %s: %s; allowed: a folder that can be written to",
+                        name, self.out, why);
     }
     if (status == 0 && self.json && riddle_io_can_write(self.json, message, sizeof message) != 0) {
         char why[600];
         snprintf(why, sizeof why, "%s", message);
-        status = refuse(message, (int)sizeof message, "%s: --json %s: %s; allowed: a file that can be written", name, self.json, why);
+        status = refuse(message, (int)sizeof message, "%s: --json %s: %s; allowed: a file that can be written", name,
+                        self.json, why);
     }
     if (status != 0) {
         fprintf(stderr, "%s\n", message);
@@ -354,7 +386,8 @@ bool is_given(const program *self, const char *name) {
 }
 
 void program_refuse(const program *self, const char *option_name, const char *value, const char *allowed_text) {
-    fprintf(stderr, "%s: --%s%s%s: allowed: %s\n", self->name, option_name, value ? " " : "", value ? value : "", allowed_text);
+    fprintf(stderr, "%s: --%s%s%s: allowed: %s\n", self->name, option_name, value ? " " : "", value ? value : "",
+            allowed_text);
     exit(2);
 }
 
@@ -362,8 +395,8 @@ void program_need_memory(const program *self, const char *option_name, double by
     const double there = machine_free_memory_bytes();
     if (bytes <= there) return;
     char allowed_text[160];
-    snprintf(allowed_text, sizeof allowed_text, "what fits into %.3g GB of free memory; this takes about %.3g GB", 1e-9 * there,
-             1e-9 * bytes);
+    snprintf(allowed_text, sizeof allowed_text, "what fits into %.3g GB of free memory; this takes about %.3g GB",
+             1e-9 * there, 1e-9 * bytes);
     program_refuse(self, option_name, NULL, allowed_text);
 }
 

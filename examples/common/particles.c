@@ -44,7 +44,8 @@ static int check(particles *p, const char *path, char *message, int message_size
     for (int i = 0; i < p->n; i++) {
         for (int k = 0; k < 9; k++) {
             if (!(fabs(p->centre[(size_t)(k / 3) * 3 * (size_t)p->n + 3 * (size_t)i + (size_t)(k % 3)]) <= 1e300))
-                return refuse(p, message, message_size, "%s: sphere %d: a coordinate, velocity or spin is not a number", path, i + 1);
+                return refuse(p, message, message_size, "%s: sphere %d: a coordinate, velocity or spin is not a number",
+                              path, i + 1);
         }
         if (!(p->diameter[i] > 0.0 && p->diameter[i] <= 1e300))
             return refuse(p, message, message_size, "%s: sphere %d: its diameter is not above 0", path, i + 1);
@@ -59,17 +60,18 @@ static const char *const column_names[COLUMNS] = {"x",       "y",       "z",    
                                                   "omega_x", "omega_y", "omega_z", "diameter", "radius", "group"};
 
 /* Finds the columns and the factors to SI units. */
-static int find_columns(const csv_data *data, const char *path, int *column, double *factor, particles *p, char *message,
-                        int message_size) {
+static int find_columns(const csv_data *data, const char *path, int *column, double *factor, particles *p,
+                        char *message, int message_size) {
     char said[900];
     for (int k = 0; k < COLUMNS; k++) {
         column[k] = csv_find(data, column_names[k], &factor[k], said, sizeof said);
         if (k == GROUP && column[k] < 0) column[k] = csv_find(data, "class", &factor[k], said, sizeof said);
         const char dimension = k == GROUP ? '#' : k / 3 == 1 ? 'v' : k / 3 == 2 ? 'w' : 'L';
         if (column[k] >= 0 && !csv_measures(data->names[column[k]], dimension))
-            return refuse(p, message, message_size, "%s: the unit of column %.60s cannot be that of %s", path, data->names[column[k]],
-                          column_names[k]);
-        if (column[k] < 0 && (k < 3 || strncmp(said, "no column", 9) != 0)) return refuse(p, message, message_size, "%s: %s", path, said);
+            return refuse(p, message, message_size, "%s: the unit of column %.60s cannot be that of %s", path,
+                          data->names[column[k]], column_names[k]);
+        if (column[k] < 0 && (k < 3 || strncmp(said, "no column", 9) != 0))
+            return refuse(p, message, message_size, "%s: %s", path, said);
     }
     if (column[DIAMETER] >= 0 || column[RADIUS] >= 0) return 0;
     csv_find(data, "diameter or radius", NULL, said, sizeof said);
@@ -91,14 +93,16 @@ static int parse_csv(const char *bytes, size_t size, const char *path, particles
             value[k] = factor[k] * data.values[(size_t)i * (size_t)data.columns + (size_t)column[k]];
             if (!(fabs(value[k]) <= 1e300) || (k == GROUP && (value[k] != floor(value[k]) || fabs(value[k]) > 2e9)))
                 status =
-                    refuse(p, message, message_size, "%s:%d: column %.60s: '%.60s' is not a %s", path, data.lines[i], data.names[column[k]],
-                           data.cells[(size_t)i * (size_t)data.columns + (size_t)column[k]], k == GROUP ? "whole number" : "number");
+                    refuse(p, message, message_size, "%s:%d: column %.60s: '%.60s' is not a %s", path, data.lines[i],
+                           data.names[column[k]], data.cells[(size_t)i * (size_t)data.columns + (size_t)column[k]],
+                           k == GROUP ? "whole number" : "number");
         }
         for (int k = 0; k < 9 && status == 0; k++)
             p->centre[(size_t)(k / 3) * 3 * (size_t)p->n + 3 * (size_t)i + (size_t)(k % 3)] = value[k];
         if (status != 0) break;
         if (column[DIAMETER] >= 0 && column[RADIUS] >= 0 && !(fabs(2.0 * value[RADIUS] / value[DIAMETER] - 1.0) < 1e-3))
-            status = refuse(p, message, message_size, "%s:%d: the diameter is not twice the radius", path, data.lines[i]);
+            status =
+                refuse(p, message, message_size, "%s:%d: the diameter is not twice the radius", path, data.lines[i]);
         if (status != 0) break;
         p->diameter[i] = column[DIAMETER] >= 0 ? value[DIAMETER] : 2.0 * value[RADIUS];
         p->group[i] = (int)value[GROUP];
@@ -134,8 +138,8 @@ static uint64_t little(const unsigned char *bytes, int n) {
 }
 
 /* Reads one array of the appended block into `to`, or an array of whole numbers into `integers`. */
-static bool fetch(const char *raw, const char *end, const char *tag, const char *tag_end, int components, int n, double *to,
-                  int *integers) {
+static bool fetch(const char *raw, const char *end, const char *tag, const char *tag_end, int components, int n,
+                  double *to, int *integers) {
     char type[16], offset_text[24], count_text[8];
     attribute(tag, tag_end, "type", type, sizeof type);
     attribute(tag, tag_end, "offset", offset_text, sizeof offset_text);
@@ -182,7 +186,8 @@ static bool fetch_sizes(const vtp_file *file, const char *tag, const char *tag_e
     double *size = malloc(((size_t)p->n + 1) * sizeof *size);
     bool good = size && fetch(file->raw, file->end, tag, tag_end, 1, p->n, size, NULL);
     for (int i = 0; i < p->n && good; i++) {
-        if (file->seen[VTP_DIAMETER] || file->seen[VTP_RADIUS]) good = fabs(factor * size[i] / p->diameter[i] - 1.0) < 1e-3;
+        if (file->seen[VTP_DIAMETER] || file->seen[VTP_RADIUS])
+            good = fabs(factor * size[i] / p->diameter[i] - 1.0) < 1e-3;
         else p->diameter[i] = factor * size[i];
     }
     free(size);
@@ -190,7 +195,8 @@ static bool fetch_sizes(const vtp_file *file, const char *tag, const char *tag_e
 }
 
 /* Reads an array of point data if its name is one of the table. */
-static int take_array(vtp_file *file, const char *tag, const char *points, particles *p, char *message, int message_size) {
+static int take_array(vtp_file *file, const char *tag, const char *points, particles *p, char *message,
+                      int message_size) {
     const char *tag_end = find(tag, points, ">");
     char name[64];
     double factor = 1.0;
@@ -199,13 +205,16 @@ static int take_array(vtp_file *file, const char *tag, const char *points, parti
     while (k < VTP_ARRAYS && (is = csv_is(name, vtp_arrays[k].name, &factor)) == 0) k++;
     if (k == VTP_ARRAYS || !tag_end || (k > VTP_GROUP && file->seen[VTP_GROUP])) return 0;
     if (is < 0 || !csv_measures(name, vtp_arrays[k].dimension))
-        return refuse(p, message, message_size, "%s: the unit of array %s cannot be that of %s", file->path, name, vtp_arrays[k].name);
-    if (file->seen[k]) return refuse(p, message, message_size, "%s: two arrays are named %s", file->path, vtp_arrays[k].name);
+        return refuse(p, message, message_size, "%s: the unit of array %s cannot be that of %s", file->path, name,
+                      vtp_arrays[k].name);
+    if (file->seen[k])
+        return refuse(p, message, message_size, "%s: two arrays are named %s", file->path, vtp_arrays[k].name);
     double *to = k == VTP_VELOCITY ? p->velocity : p->spin;
-    const bool good = k <= VTP_RADIUS
-                          ? fetch_sizes(file, tag, tag_end, k == VTP_RADIUS ? 2.0 * factor : factor, p)
-                          : fetch(file->raw, file->end, tag, tag_end, vtp_arrays[k].components, p->n, to, k >= VTP_GROUP ? p->group : NULL);
-    if (!good) return refuse(p, message, message_size, "%s: the array %s is damaged or of another type", file->path, name);
+    const bool good = k <= VTP_RADIUS ? fetch_sizes(file, tag, tag_end, k == VTP_RADIUS ? 2.0 * factor : factor, p)
+                                      : fetch(file->raw, file->end, tag, tag_end, vtp_arrays[k].components, p->n, to,
+                                              k >= VTP_GROUP ? p->group : NULL);
+    if (!good)
+        return refuse(p, message, message_size, "%s: the array %s is damaged or of another type", file->path, name);
     for (int i = 0; i < 3 * p->n && (k == VTP_VELOCITY || k == VTP_SPIN); i++) to[i] *= factor;
     file->seen[k] = true;
     return 0;
@@ -221,7 +230,8 @@ static int parse_vtp(const char *bytes, size_t size, const char *path, particles
     raw++;
     attribute(piece, points, "NumberOfPoints", text, sizeof text);
     const long n = strtol(text, NULL, 10);
-    if (n < 0 || n > INT_MAX / 16 || (size_t)n > size / 12) return refuse(p, message, message_size, "%s: NumberOfPoints is wrong", path);
+    if (n < 0 || n > INT_MAX / 16 || (size_t)n > size / 12)
+        return refuse(p, message, message_size, "%s: NumberOfPoints is wrong", path);
     if (!make(p, (int)n)) return refuse(p, message, message_size, "%s: out of memory", path);
     if (find(points, raw, "<Piece ")) return refuse(p, message, message_size, "%s: more than one piece", path);
     vtp_file file = {raw, end, path, {false}};
@@ -234,7 +244,8 @@ static int parse_vtp(const char *bytes, size_t size, const char *path, particles
     if (!tag_end) return refuse(p, message, message_size, "%s: no points", path);
     if (!fetch(raw, end, tag, tag_end, 3, p->n, p->centre, NULL))
         return refuse(p, message, message_size, "%s: the array of points is damaged or of another type", path);
-    if (!file.seen[VTP_DIAMETER] && !file.seen[VTP_RADIUS]) return refuse(p, message, message_size, "%s: no diameter or radius", path);
+    if (!file.seen[VTP_DIAMETER] && !file.seen[VTP_RADIUS])
+        return refuse(p, message, message_size, "%s: no diameter or radius", path);
     return check(p, path, message, message_size);
 }
 
@@ -243,7 +254,8 @@ static int parse_vtp(const char *bytes, size_t size, const char *path, particles
 int particles_parse(const char *bytes, size_t size, const char *path, particles *p, char *message, int message_size) {
     const size_t length = strlen(path);
     memset(p, 0, sizeof *p);
-    if (length > 4 && strcmp(path + length - 4, ".vtp") == 0) return parse_vtp(bytes, size, path, p, message, message_size);
+    if (length > 4 && strcmp(path + length - 4, ".vtp") == 0)
+        return parse_vtp(bytes, size, path, p, message, message_size);
     return parse_csv(bytes, size, path, p, message, message_size);
 }
 

@@ -27,7 +27,8 @@ static void on_signal(int number) {
     _exit(128 + number);
 }
 
-#if defined(_WIN32) || defined(__wasi__) /* the second one ends the program, because a signal that has been caught is not caught again */
+/* The second one ends the program, because a signal that has been caught is not caught again. */
+#if defined(_WIN32) || defined(__wasi__)
 
 void common_open_standard_streams(void) {}
 void common_catch_interrupt(void) {
@@ -38,7 +39,8 @@ void common_catch_interrupt(void) {
 #else
 
 void common_open_standard_streams(void) {
-    for (int descriptor = 0; descriptor <= 2; descriptor++) /* the lowest free number is taken; reading only: to write there fails */
+    /* The lowest free number is taken; reading only: to write there fails. */
+    for (int descriptor = 0; descriptor <= 2; descriptor++)
         if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) return;
 }
 
@@ -50,8 +52,10 @@ void common_catch_interrupt(void) {
     sigemptyset(&action.sa_mask);
     for (int k = 0; k < (int)(sizeof numbers / sizeof *numbers); k++) {
         action.sa_flags =
-            numbers[k] == SIGPIPE ? 0 : (int)SA_RESETHAND; /* the second one ends the program; each line to a closed pipe is one */
-        const bool by_nohup = numbers[k] == SIGHUP && sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler == SIG_IGN;
+            /* The second one ends the program; each line to a closed pipe is one. */
+            numbers[k] == SIGPIPE ? 0 : (int)SA_RESETHAND;
+        const bool by_nohup =
+            numbers[k] == SIGHUP && sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler == SIG_IGN;
         if (!by_nohup) sigaction(numbers[k], &action, NULL);
     }
 }

@@ -22,13 +22,15 @@ bool common_interrupted(void);
 /* Ctrl-C ends the program at once: during work that cannot be stopped in its middle and that has no file open. */
 void common_interrupt_at_once(bool at_once);
 
-/* 128 + the signal that ended the run (130 after Ctrl-C), 1 if anything failed, else 0. Says "interrupted" on stderr in the first case. */
+/* 128 + the signal that ended the run (130 after Ctrl-C), 1 if anything failed, else 0. Says "interrupted" on stderr in
+   the first case. */
 int common_exit_status(void);
 
 /* Prints on stdout unless --quiet. */
 void common_print(const char *format, ...) COMMON_PRINTF(1, 2);
 
-/* Prints "<program>: ..." as one line on stderr and marks the run as failed: common_exit_status() is then 1. Returns -1. */
+/* Prints "<program>: ..." as one line on stderr and marks the run as failed: common_exit_status() is
+   then 1. Returns -1. */
 int common_fail(const char *format, ...) COMMON_PRINTF(1, 2);
 
 /* The bar of riddle_io.h, that several threads may share; nothing when --quiet. */
@@ -39,8 +41,8 @@ void progress_update(progress *bar, double done); /* cheap: at most 10 prints a 
 void progress_add(progress *bar, double more);
 void progress_end(progress *bar); /* clears the bar, prints "what: done in 3.2 s" */
 
-/* Called by program_start. The first: standard streams that were closed are opened on nothing, so that no file of the run takes the
-   place of one. */
+/* Called by program_start. The first: standard streams that were closed are opened on nothing, so that no file of the
+   run takes the place of one. */
 void common_open_standard_streams(void);
 void common_set_quiet(bool quiet);
 void common_set_name(const char *name);

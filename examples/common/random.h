@@ -1,4 +1,5 @@
-/* random.h: random numbers of programs and tests, the same ones everywhere. state: any number; each call moves it on. */
+/* random.h: random numbers of programs and tests, the same ones everywhere. state: any number; each call
+   moves it on. */
 #ifndef RIDDLE_RANDOM_H
 #define RIDDLE_RANDOM_H
 
@@ -11,8 +12,10 @@ static inline uint64_t random_bits(uint64_t *state) {
     z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
     return z ^ (z >> 31);
 }
-static inline double random_share(uint64_t *state) { return (double)(random_bits(state) >> 11) * 0x1p-53; } /* 0 <= x < 1 */
-static inline double random_inner(uint64_t *state) { return ((double)(random_bits(state) >> 11) + 0.5) * 0x1p-53; } /* 0 < x < 1 */
+/* 0 <= x < 1 */
+static inline double random_share(uint64_t *state) { return (double)(random_bits(state) >> 11) * 0x1p-53; }
+/* 0 < x < 1 */
+static inline double random_inner(uint64_t *state) { return ((double)(random_bits(state) >> 11) + 0.5) * 0x1p-53; }
 
 /* Knuth's linear congruential generator of 64 bits, whose upper bits are random: 0 <= x < 1 */
 static inline double random_plain(uint64_t *state) {

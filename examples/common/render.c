@@ -13,10 +13,17 @@
 #include <png.h>
 #endif
 
+#include "letters.h"
 #include "output.h"
+#ifdef RIDDLE_PNG
+#include "apng.h"
+#else
+typedef struct apng apng;
+#endif
 
 enum { FINE = 2, SHADOW = 2048, CORNER_SAMPLES = 12, LEGEND = 8, NAME = 64 }; /* FINE: points a pixel along each axis */
-static const double FIELD = 0.42;                                             /* tangent of half the angle that the picture's width spans */
+/* Tangent of half the angle that the picture's width spans. */
+static const double FIELD = 0.42;
 
 typedef struct vec {
     double x, y, z;
@@ -82,8 +89,9 @@ picture_colour picture_class(int index) {
 
 /* viridis (van der Walt & Smith 2015) at nine places */
 picture_colour picture_scale(double share) {
-    static const unsigned char map[9][3] = {{68, 1, 84},    {71, 44, 122}, {59, 81, 139},  {44, 113, 142}, {33, 144, 141},
-                                            {39, 173, 129}, {92, 200, 99}, {170, 220, 50}, {253, 231, 37}};
+    static const unsigned char map[9][3] = {{68, 1, 84},    {71, 44, 122},  {59, 81, 139},
+                                            {44, 113, 142}, {33, 144, 141}, {39, 173, 129},
+                                            {92, 200, 99},  {170, 220, 50}, {253, 231, 37}};
     const double at = !(share > 0.0) ? 0.0 : share >= 1.0 ? 8.0 : 8.0 * share;
     const int k = at >= 8.0 ? 7 : (int)at;
     unsigned char mixed[3];
@@ -146,7 +154,8 @@ void picture_sphere(picture *s, const double centre[3], double radius, picture_c
     b->centre = of(centre), b->radius = radius, b->colour = colour;
 }
 
-void picture_triangle(picture *s, const double a[3], const double b[3], const double c[3], picture_colour colour, int kind) {
+void picture_triangle(picture *s, const double a[3], const double b[3], const double c[3], picture_colour colour,
+                      int kind) {
     if (!s || !is_finite(of(a)) || !is_finite(of(b)) || !is_finite(of(c))) return;
     void *array = s->faces;
     if (!room(s, &array, s->n_faces, &s->faces_max, sizeof *s->faces)) return;
@@ -188,7 +197,8 @@ static frame axes_towards(vec direction) {
 /* How far the eye must stand back so that one more ball around a point is in the picture. */
 static double needed(const frame *f, vec focus, vec at, double radius, double half_x, double half_y) {
     const vec d = minus(at, focus);
-    const double x = fabs(dot(d, f->right)) + radius, y = fabs(dot(d, f->down)) + radius, z = dot(d, f->forward) - radius;
+    const double x = fabs(dot(d, f->right)) + radius, y = fabs(dot(d, f->down)) + radius,
+                 z = dot(d, f->forward) - radius;
     return fmax(x / half_x, y / half_y) - z;
 }
 
@@ -211,7 +221,8 @@ void picture_look(picture *s, const double direction[3]) {
     for (int i = 0; i < s->n_balls; i++)
         distance = fmax(distance, needed(&f, s->focus, s->balls[i].centre, s->balls[i].radius, half_x, half_y));
     for (int i = 0; i < s->n_faces; i++)
-        for (int k = 0; k < 3; k++) distance = fmax(distance, needed(&f, s->focus, s->faces[i].corner[k], 0.0, half_x, half_y));
+        for (int k = 0; k < 3; k++)
+            distance = fmax(distance, needed(&f, s->focus, s->faces[i].corner[k], 0.0, half_x, half_y));
     if (!(distance > 0.0)) distance = 1.0;
     f.eye = along(s->focus, -distance, f.forward);
     s->camera = f;
@@ -248,8 +259,10 @@ static void span_of(const double x[3], const double y[3], double height, double 
     for (int k = 0; k < 3; k++) {
         const int next = (k + 1) % 3;
         if ((y[k] < height && y[next] < height) || (y[k] > height && y[next] > height)) continue;
-        const double share = y[k] == y[next] ? 0.0 : (height - y[k]) / (y[next] - y[k]), at = x[k] + share * (x[next] - x[k]);
-        *low = fmin(*low, y[k] == y[next] ? fmin(x[k], x[next]) : at), *high = fmax(*high, y[k] == y[next] ? fmax(x[k], x[next]) : at);
+        const double share = y[k] == y[next] ? 0.0 : (height - y[k]) / (y[next] - y[k]),
+                     at = x[k] + share * (x[next] - x[k]);
+        *low = fmin(*low, y[k] == y[next] ? fmin(x[k], x[next]) : at),
+        *high = fmax(*high, y[k] == y[next] ? fmax(x[k], x[next]) : at);
     }
     *low -= 1.0, *high += 1.0;
 }
@@ -301,7 +314,8 @@ static void draw_face(canvas *c, const frame *camera, const face *f, double opac
         for (int x = limited(low, c->width); x < limited(high, c->width); x++) {
             const vec d = ray(c, x, y);
             const double facing = dot(normal, d);
-            if (!(dot(side[0], d) >= 0.0 && dot(side[1], d) >= 0.0 && dot(side[2], d) >= 0.0) || !(facing < -1e-12)) continue;
+            if (!(dot(side[0], d) >= 0.0 && dot(side[1], d) >= 0.0 && dot(side[2], d) >= 0.0) || !(facing < -1e-12))
+                continue;
             put(&c->at[(size_t)y * (size_t)c->width + (size_t)x], plane / facing, normal, f->colour, opacity);
         }
     }
@@ -313,7 +327,8 @@ static void put_solid(sample *p, double depth, vec normal, picture_colour colour
 }
 
 static void put_glass(sample *p, double depth, vec normal, picture_colour colour, double opacity) {
-    if (!(depth > 0.0 && depth < 1.004 * (double)p->depth)) return; /* what touches round glass pierces its flat faces a little */
+    /* What touches round glass pierces its flat faces a little. */
+    if (!(depth > 0.0 && depth < 1.004 * (double)p->depth)) return;
     const double bright = opacity * (0.6 + 0.4 * fabs(normal.z)), keep = 1.0 - bright;
     p->colour.red = (unsigned char)(keep * p->colour.red + bright * colour.red);
     p->colour.green = (unsigned char)(keep * p->colour.green + bright * colour.green);
@@ -333,7 +348,8 @@ static void shade_map(canvas *c, double x, double y, double radius, double depth
     const double mx = (x - c->shadow_low[0]) / texel, my = (y - c->shadow_low[1]) / texel, reach = radius / texel + 1.0;
     for (int j = limited(my - reach, SHADOW); j < limited(my + reach + 1.0, SHADOW); j++)
         for (int i = limited(mx - reach, SHADOW); i < limited(mx + reach + 1.0, SHADOW); i++) {
-            const double dx = (i + 0.5 - mx) * texel, dy = (j + 0.5 - my) * texel, left = radius * radius - dx * dx - dy * dy;
+            const double dx = (i + 0.5 - mx) * texel, dy = (j + 0.5 - my) * texel,
+                         left = radius * radius - dx * dx - dy * dy;
             if (round && !(left > 0.0)) continue;
             float *at = &c->shadow[(size_t)j * SHADOW + (size_t)i];
             const double near = round ? depth - sqrt(left) : depth;
@@ -372,7 +388,8 @@ static void cast_shadows(canvas *c, const picture *s) {
     c->light = axes_towards(along(along(along(make(0, 0, 0), 0.9, k->forward), 0.5, k->right), -0.95, make(0, 0, 1)));
     for (int i = 0; i < s->n_balls; i++) include(s->balls[i].centre, &c->light, low, high, s->balls[i].radius);
     for (int i = 0; i < s->n_faces; i++)
-        for (int v = 0; v < 3 && s->faces[i].kind == PICTURE_SOLID; v++) include(s->faces[i].corner[v], &c->light, low, high, 0.0);
+        for (int v = 0; v < 3 && s->faces[i].kind == PICTURE_SOLID; v++)
+            include(s->faces[i].corner[v], &c->light, low, high, 0.0);
     for (size_t i = 0; i < (size_t)SHADOW * SHADOW; i++) c->shadow[i] = HUGE_VALF;
     if (!(low[0] <= high[0])) low[0] = low[1] = -1.0, high[0] = high[1] = 1.0;
     c->shadow_low[0] = low[0], c->shadow_low[1] = low[1];
@@ -391,7 +408,8 @@ static double lit(const canvas *c, vec world, double bias) {
     const double texel = c->shadow_size / SHADOW, u = (at.x - c->shadow_low[0]) / c->shadow_size,
                  v = (at.y - c->shadow_low[1]) / c->shadow_size;
     if (!(u > 0.0 && u < 1.0 && v > 0.0 && v < 1.0)) return 1.0; /* nobody stands between */
-    const int i = limited((at.x - c->shadow_low[0]) / texel, SHADOW - 1), j = limited((at.y - c->shadow_low[1]) / texel, SHADOW - 1);
+    const int i = limited((at.x - c->shadow_low[0]) / texel, SHADOW - 1),
+              j = limited((at.y - c->shadow_low[1]) / texel, SHADOW - 1);
     double sum = 0.0;
     for (int dj = -1; dj <= 1; dj++)
         for (int di = -1; di <= 1; di++) {
@@ -406,8 +424,8 @@ static double lit(const canvas *c, vec world, double bias) {
     return sum / 9.0;
 }
 
-/* How open the surroundings of a point are, 0 .. 1: neighbours in the picture that stand out of its surface within `reach` [m] take light
-   (Mittring 2007). */
+/* How open the surroundings of a point are, 0 .. 1: neighbours in the picture that stand out of its surface within
+   `reach` [m] take light (Mittring 2007). */
 static double openness(const canvas *c, int x, int y, vec at, vec normal, double reach) {
     const double pixels = fmin(c->scale * reach / at.z, 160.0);
     uint32_t noise = (uint32_t)x * 374761393u + (uint32_t)y * 668265263u;
@@ -433,7 +451,8 @@ static void shade(const canvas *c, const picture *s, sample *to, int x, int y, d
     const sample *p = &c->at[(size_t)y * (size_t)c->width + (size_t)x];
     if (!(p->depth < HUGE_VALF)) {
         const double share = (double)y / c->height; /* a paper with a light at its head */
-        to->colour.red = to->colour.green = bounded(252.0 - 22.0 * share), to->colour.blue = bounded(254.0 - 16.0 * share);
+        to->colour.red = to->colour.green = bounded(252.0 - 22.0 * share),
+        to->colour.blue = bounded(254.0 - 16.0 * share);
         return;
     }
     const double depth = (double)p->depth;
@@ -442,7 +461,8 @@ static void shade(const canvas *c, const picture *s, sample *to, int x, int y, d
     const frame *k = &s->camera;
     const vec place = along(along(along(k->eye, at.x, k->right), at.y, k->down), at.z, k->forward);
     const vec normal = along(along(along(make(0, 0, 0), n.x, k->right), n.y, k->down), n.z, k->forward);
-    const vec light = make(-c->light.forward.x, -c->light.forward.y, -c->light.forward.z), half = unit(minus(light, k->forward));
+    const vec light = make(-c->light.forward.x, -c->light.forward.y, -c->light.forward.z),
+              half = unit(minus(light, k->forward));
     const double facing = fmax(dot(normal, light), 0.0),
                  sun = facing > 0.0 ? facing * lit(c, along(place, 0.03 * reach, normal), 0.02 * reach) : 0.0;
     const double sky = (0.42 + 0.14 * normal.z) * openness(c, x, y, at, n, reach),
@@ -454,74 +474,6 @@ static void shade(const canvas *c, const picture *s, sample *to, int x, int y, d
 }
 
 /* ---- letters ---- */
-
-/* Strokes on a grid 4 wide, 6 high (to 8 below the line): pairs of digits x, y; a blank lifts the pen. From ' ' to 'z'. */
-static const char *glyph(char letter) {
-    static const char *const digits[10] = {"103041453616050110",          "112026 1636", "01103041420646",
-                                           "01103041423323 334445361605", "36300444",    "400003334445361605",
-                                           "413010010516364544331304",    "004016",      "13020110304142331304051636454433",
-                                           "051636454130100102133342"};
-    static const char *const large[26] = {"062046 1434",
-                                          "0006 0030414233 0333 3344453606",
-                                          "4130100105163645",
-                                          "0006 003041453606",
-                                          "40000646 0333",
-                                          "400006 0333",
-                                          "41301001051636454323",
-                                          "0006 4046 0343",
-                                          "1030 2026 1636",
-                                          "4045361605",
-                                          "0006 4004 1346",
-                                          "000646",
-                                          "0600234046",
-                                          "06004640",
-                                          "103041453616050110",
-                                          "06003041423303",
-                                          "103041453616050110 2446",
-                                          "06003041423303 2346",
-                                          "413010010213334445361605",
-                                          "0040 2026",
-                                          "000516364540",
-                                          "002640",
-                                          "0016233640",
-                                          "0046 4006",
-                                          "002340 2326",
-                                          "00400646"};
-    static const char *const small[26] = {"4246 4332120305163645",
-                                          "0006 0312324345361605",
-                                          "4332120305163645",
-                                          "4046 4332120305163645",
-                                          "04444332120305163645",
-                                          "40302126 0242",
-                                          "4247381807 4332120305163645",
-                                          "0006 0312324346",
-                                          "2226 2020",
-                                          "222718 2020",
-                                          "0006 4205 1446",
-                                          "2026",
-                                          "0206 03122326 23324346",
-                                          "0206 0312324346",
-                                          "120305163645433212",
-                                          "0208 0312324345361605",
-                                          "4248 4332120305163645",
-                                          "0206 04133242",
-                                          "43321203143445361605",
-                                          "20253646 0242",
-                                          "0205163645 4246",
-                                          "022642",
-                                          "0216243642",
-                                          "0246 4206",
-                                          "0226 4218",
-                                          "02420646"};
-    static const char marks[] = ".,:-+/=()[]%";
-    static const char *const of_mark[] = {"1616",      "1617",     "1313 1616", "0343",     "0343 2125", "4006",
-                                          "0242 0444", "30212536", "10212516",  "30202636", "10202616",  "4006 0011 3546"};
-    if (letter >= '0' && letter <= '9') return digits[letter - '0'];
-    if (letter >= 'A' && letter <= 'Z') return large[letter - 'A'];
-    if (letter >= 'a' && letter <= 'z') return small[letter - 'a'];
-    const char *mark = letter ? strchr(marks, letter) : NULL;
-    return mark ? of_mark[mark - marks] : "";
-}
 
 typedef struct image {
     int width, height;
@@ -547,25 +499,21 @@ static void stroke(image *m, double x0, double y0, double x1, double y1, double 
         }
 }
 
-/* x, y: left end of the line that the letters stand on. Returns their width. */
-static double write_text(image *m, double x, double y, double size, const char *text, picture_colour colour, bool draw) {
-    const double step = size / 6.0;
-    double at = x;
-    for (; *text; text++) {
-        for (const char *g = draw ? glyph(*text) : ""; g[0] && g[1];) {
-            if (g[0] == ' ') {
-                g++;
-                continue;
-            }
-            if (g[2] && g[2] != ' ') {
-                stroke(m, at + step * (g[0] - '0'), y + step * (g[1] - '6'), at + step * (g[2] - '0'), y + step * (g[3] - '6'), 0.15 * size,
-                       colour);
-            }
-            g += 2;
-        }
-        at += *text == ' ' || strchr(".,:il", *text) ? 4.2 * step : 5.8 * step;
-    }
-    return at - x;
+typedef struct pen {
+    image *m;
+    picture_colour colour;
+} pen;
+
+static void put_ink(void *user, int x, int y, double share) {
+    const pen *p = user;
+    blend(p->m, x, y, share, p->colour);
+}
+
+/* x, y: left end of the line that the letters stand on. Size: height of a capital [pixels]. */
+static void write_text(image *m, double x, double y, double size, const char *text, picture_colour colour) {
+    pen p = {m, colour};
+    const letters_target to = {put_ink, &p};
+    letters_draw(&to, x, y, size, text);
 }
 
 static const picture_colour INK = {45, 48, 54};
@@ -578,36 +526,39 @@ static double round_length(double most) {
 
 /* As long as it would be where the middle of the scene is. */
 static void draw_scale_bar(image *m, const picture *s, double size) {
-    const double pixels_per_metre = 0.5 * m->width / FIELD / s->distance, length = round_length(0.25 * m->width / pixels_per_metre);
+    const double pixels_per_metre = 0.5 * m->width / FIELD / s->distance,
+                 length = round_length(0.25 * m->width / pixels_per_metre);
     const double x = 1.5 * size, y = m->height - 1.6 * size, end = x + length * pixels_per_metre;
     char text[40];
     if (length >= 1.0) snprintf(text, sizeof text, "%.0f m", length);
     else if (length >= 1e-3) snprintf(text, sizeof text, "%.0f mm", 1e3 * length);
-    else snprintf(text, sizeof text, "%.3g um", 1e6 * length);
+    else snprintf(text, sizeof text, "%.3g \xC2\xB5m", 1e6 * length);
     stroke(m, x, y, end, y, 0.2 * size, INK);
     stroke(m, x, y - 0.4 * size, x, y + 0.4 * size, 0.15 * size, INK);
     stroke(m, end, y - 0.4 * size, end, y + 0.4 * size, 0.15 * size, INK);
-    write_text(m, 0.5 * (x + end) - 0.5 * write_text(m, 0, 0, size, text, INK, false), y - 0.6 * size, size, text, INK, true);
+    write_text(m, 0.5 * (x + end) - 0.5 * letters_width(text, size), y - 0.7 * size, size, text, INK);
 }
 
 static void draw_legend(image *m, const picture *s, double size) {
     double widest = 0.0;
-    for (int k = 0; k < s->legends; k++) widest = fmax(widest, write_text(m, 0, 0, size, s->legend[k], INK, false));
+    for (int k = 0; k < s->legends; k++) widest = fmax(widest, letters_width(s->legend[k], size));
     for (int k = 0; k < s->legends; k++) {
         const double y = 2.2 * size + 2.0 * size * k, x = m->width - widest - 1.2 * size;
         stroke(m, x - 1.4 * size, y - 0.5 * size, x - 1.4 * size, y - 0.5 * size, 1.3 * size, s->legend_colour[k]);
-        write_text(m, x, y, size, s->legend[k], INK, true);
+        write_text(m, x, y, size, s->legend[k], INK);
     }
     if (!*s->bar) return;
     char text[40];
     snprintf(text, sizeof text, "%.3g", s->bar_high);
-    const double words = write_text(m, 0, 0, size, s->bar, INK, false) + 2.0 * write_text(m, 0, 0, size, text, INK, false);
-    const double length = fmax(0.22 * m->width, words + size), x0 = m->width - length - 1.5 * size, y = 2.4 * size;
+    const double words = letters_width(s->bar, size) + 2.0 * letters_width(text, size);
+    const double length = fmax(0.22 * m->width, words + size), x0 = m->width - length - 1.5 * size,
+                 y = (2.4 + 2.0 * s->legends) * size;
     for (int k = 0; k < 100; k++)
-        stroke(m, x0 + length * k / 100.0, y, x0 + length * (k + 1) / 100.0, y, 0.7 * size, picture_scale((k + 0.5) / 100.0));
-    write_text(m, x0 - 0.3 * size, y + 2.0 * size, size, "0", INK, true);
-    write_text(m, x0 + length - 0.7 * write_text(m, 0, 0, size, text, INK, false), y + 2.0 * size, size, text, INK, true);
-    write_text(m, x0 + 0.5 * length - 0.5 * write_text(m, 0, 0, size, s->bar, INK, false), y + 2.0 * size, size, s->bar, INK, true);
+        stroke(m, x0 + length * k / 100.0, y, x0 + length * (k + 1) / 100.0, y, 0.7 * size,
+               picture_scale((k + 0.5) / 100.0));
+    write_text(m, x0 - 0.3 * size, y + 2.0 * size, size, "0", INK);
+    write_text(m, x0 + length - 0.7 * letters_width(text, size), y + 2.0 * size, size, text, INK);
+    write_text(m, x0 + 0.5 * length - 0.5 * letters_width(s->bar, size), y + 2.0 * size, size, s->bar, INK);
 }
 
 /* ---- the picture ---- */
@@ -623,7 +574,8 @@ static void average(const canvas *c, image *m) {
         for (int x = 0; x < m->width; x++) {
             int sum[3] = {0, 0, 0};
             for (int k = 0; k < FINE * FINE; k++) {
-                const picture_colour p = c->at[(size_t)(FINE * y + k / FINE) * (size_t)c->width + (size_t)(FINE * x + k % FINE)].colour;
+                const picture_colour p =
+                    c->at[(size_t)(FINE * y + k / FINE) * (size_t)c->width + (size_t)(FINE * x + k % FINE)].colour;
                 sum[0] += p.red, sum[1] += p.green, sum[2] += p.blue;
             }
             for (int k = 0; k < 3; k++)
@@ -638,12 +590,14 @@ static void draw_scene(canvas *c, picture *s) {
     for (size_t i = 0; i < points; i++) c->at[i].depth = HUGE_VALF;
     for (int i = 0; i < s->n_balls; i++) draw_ball(c, &s->camera, &s->balls[i]);
     for (int i = 0; i < s->n_faces; i++)
-        if (s->faces[i].kind == PICTURE_SOLID || is_behind(s, &s->faces[i])) draw_face(c, &s->camera, &s->faces[i], 1.0, put_solid);
+        if (s->faces[i].kind == PICTURE_SOLID || is_behind(s, &s->faces[i]))
+            draw_face(c, &s->camera, &s->faces[i], 1.0, put_solid);
     cast_shadows(c, s);
     for (int y = 0; y < c->height; y++)
         for (int x = 0; x < c->width; x++) shade(c, s, &c->at[(size_t)y * (size_t)c->width + (size_t)x], x, y, reach);
     for (int i = 0; i < s->n_faces; i++)
-        if (s->faces[i].kind == PICTURE_GLASS && !is_behind(s, &s->faces[i])) draw_face(c, &s->camera, &s->faces[i], 0.12, put_glass);
+        if (s->faces[i].kind == PICTURE_GLASS && !is_behind(s, &s->faces[i]))
+            draw_face(c, &s->camera, &s->faces[i], 0.12, put_glass);
 }
 
 int picture_draw(picture *s, unsigned char *rgb) {
@@ -662,7 +616,7 @@ int picture_draw(picture *s, unsigned char *rgb) {
         average(&c, &m);
         draw_scale_bar(&m, s, size);
         draw_legend(&m, s, size);
-        write_text(&m, 1.5 * size, 2.2 * size, size, s->title, INK, true);
+        write_text(&m, 1.5 * size, 2.2 * size, size, s->title, INK);
     }
     const bool drawn = c.at && c.shadow;
     free(c.at);
@@ -715,8 +669,8 @@ int picture_write(picture *s, const char *folder, const char *name) {
     if (!s) return -1;
 #if defined(RIDDLE_PNG) || defined(__wasi__)
     unsigned char *rgb = malloc(3 * (size_t)s->width * (size_t)s->height);
-    const int status =
-        !rgb || picture_draw(s, rgb) != 0 ? common_fail("%s: out of memory", name) : write_png(folder, name, s->width, s->height, rgb);
+    const int status = !rgb || picture_draw(s, rgb) != 0 ? common_fail("%s: out of memory", name)
+                                                         : write_png(folder, name, s->width, s->height, rgb);
     free(rgb);
     return status;
 #else
@@ -730,12 +684,48 @@ int picture_write(picture *s, const char *folder, const char *name) {
 
 struct movie {
     FILE *pipe;
+    apng *frames;                    /* of an animated PNG; NULL: the pipe to ffmpeg */
     char temporary[1000], path[900]; /* a folder that program_start has accepted, and a name */
     int rate, width, height;
     bool failed;
 };
 
+static movie *open_png(const char *folder, const char *name, int frames_per_second) {
+#ifdef RIDDLE_PNG
+    movie *m = calloc(1, sizeof *m);
+    if (m) m->frames = calloc(1, sizeof *m->frames);
+    if (!m || !m->frames) {
+        free(m);
+        return NULL;
+    }
+    m->frames->rate = frames_per_second;
+    snprintf(m->temporary, sizeof m->temporary, "%s", folder);
+    snprintf(m->path, sizeof m->path, "%s", name);
+    return m;
+#else
+    (void)folder, (void)frames_per_second;
+    common_print("%s is left out: built without libpng (Debian: libpng-dev)\n", name);
+    return NULL;
+#endif
+}
+
+static int close_png(movie *m) {
+    int status = -1;
+#ifdef RIDDLE_PNG
+    const bool empty = !m->failed && !m->frames->frames;
+    if (m->failed) m->frames->body.failed = 1;
+    status = apng_write(m->frames, m->temporary, m->path);
+    if (empty) status = 0;
+    free(m->frames);
+#endif
+    if (status) common_fail("%s: the animation could not be written", m->path);
+    free(m);
+    return status;
+}
+
 movie *movie_open(const char *folder, const char *name, int frames_per_second) {
+    const size_t length = strlen(name);
+    if (length > 4 && strcmp(name + length - 4, ".png") == 0) return open_png(folder, name, frames_per_second);
     if (system("command -v ffmpeg >/dev/null 2>&1") != 0) {
         common_print("%s is left out: ffmpeg is not installed\n", name);
         return NULL;
@@ -761,15 +751,29 @@ static void quoted(const char *text, char *to, size_t size) {
     to[n] = '\0';
 }
 
+static void add_png(movie *m, picture *s) {
+#ifdef RIDDLE_PNG
+    unsigned char *rgb = malloc(3 * (size_t)s->width * (size_t)s->height);
+    m->failed = !rgb || picture_draw(s, rgb) != 0 || apng_frame(m->frames, rgb, s->width, s->height) != 0;
+    free(rgb);
+#else
+    (void)m, (void)s;
+#endif
+}
+
 void movie_add(movie *m, picture *s) {
     if (!m || !s || m->failed) return;
+    if (m->frames) {
+        add_png(m, s);
+        return;
+    }
     if (!m->pipe) {
         char file[4000], command[4400];
         quoted(m->temporary, file, sizeof file);
         m->width = s->width, m->height = s->height;
         snprintf(command, sizeof command,
-                 "ffmpeg -y -loglevel error -f rawvideo -pix_fmt rgb24 -s %dx%d -r %d -i - -an -pix_fmt yuv420p -movflags +faststart '%s' "
-                 "</dev/stdin",
+                 "ffmpeg -y -loglevel error -f rawvideo -pix_fmt rgb24 -s %dx%d -r %d -i - -an "
+                 "-vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2:0:0:white' -pix_fmt yuv420p -movflags +faststart '%s' </dev/stdin",
                  s->width, s->height, m->rate, file);
         m->pipe = popen(command, "w");
     }
@@ -781,6 +785,7 @@ void movie_add(movie *m, picture *s) {
 
 int movie_close(movie *m) {
     if (!m) return 0;
+    if (m->frames) return close_png(m);
     int status = 0;
     if (m->pipe && (pclose(m->pipe) != 0 || m->failed || rename(m->temporary, m->path) != 0))
         status = common_fail("%s: the movie could not be written", m->path);

@@ -21,8 +21,8 @@
 #pragma GCC diagnostic ignored "-Wmissing-field-initializers" /* what a column does not need is left out */
 #endif
 
-/* key: "json|csv" if the names differ, "json|" or "|csv" in one of them only, NULL in none; "?key" is not in JSON where there is none.
-   heading: NULL is not on the screen.
+/* key: "json|csv" if the names differ, "json|" or "|csv" in one of them only, NULL in none; "?key" is not in JSON where
+   there is none. heading: NULL is not on the screen.
    format: "%s" is a text, "yes|no" a truth value, else that of a number on the screen; NULL: a number of the files.
    scale: of the number on the screen over that of the files; 0 is 1. */
 typedef struct result_column {
@@ -52,7 +52,8 @@ void results_print(const result_table *r);
 void results_csv(const result_table *r, const char *folder, const char *name);
 /* An array of objects; key NULL: the objects, into an array that is open. */
 void results_json(const result_table *r, json *report, const char *key);
-void results_write(const result_table *r, json *report, const char *key, const char *folder, const char *name); /* all three */
+/* All three. */
+void results_write(const result_table *r, json *report, const char *key, const char *folder, const char *name);
 
 /* Single numbers, to JSON by the key and to the screen, a line each, by the heading, if they have one:
    results_values(report, {"x50_m", x50, "cut size [um]", "%.2f", 1e6}, {"wall_s", wall}); */
@@ -63,7 +64,8 @@ typedef struct result_value {
     double scale;
 } result_value;
 #define results_values(report, ...)                                                                                    \
-    results_say(report, (const result_value[]){__VA_ARGS__}, (int)(sizeof((const result_value[]){__VA_ARGS__}) / sizeof(result_value)))
+    results_say(report, (const result_value[]){__VA_ARGS__},                                                           \
+                (int)(sizeof((const result_value[]){__VA_ARGS__}) / sizeof(result_value)))
 void results_say(json *report, const result_value *values, int n);
 
 #endif

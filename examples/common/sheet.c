@@ -47,8 +47,10 @@ static bool fits(const sheet_heading *h, char dimension) {
            (dimension == '#' && h->dimension == 's');
 }
 
-/* Finds the columns among these headings; returns how many of those that are needed are missing, or -1 and a message. */
-static int find_columns(const char **names, int n, sheet_column *want, int wants, const char *path, char *message, int size) {
+/* Finds the columns among these headings; returns how many of those that are needed are missing, or -1
+   and a message. */
+static int find_columns(const char **names, int n, sheet_column *want, int wants, const char *path, char *message,
+                        int size) {
     int missing = 0;
     for (int w = 0; w < wants; w++) {
         sheet_column *c = &want[w];
@@ -73,7 +75,8 @@ static int find_columns(const char **names, int n, sheet_column *want, int wants
             c->factor = h.dimension ? h.si : 1.0;
         }
         if (twice >= 0) return sheet_refuse_columns(message, size, path, "several columns are ", c->name, names, n);
-        if (c->index < 0 && unfit) return sheet_refuse_columns(message, size, path, "the unit cannot be one of ", c->name, names, n);
+        if (c->index < 0 && unfit)
+            return sheet_refuse_columns(message, size, path, "the unit cannot be one of ", c->name, names, n);
         missing += c->index < 0 && c->needed;
     }
     return missing;
@@ -98,7 +101,8 @@ static int distance(const char *a, const char *b) {
 }
 
 /* A column that is nearly one that may be missing: a default in its place would be wrong. */
-static int refuse_near(const char **names, int n, const sheet_column *want, int wants, const char *path, char *message, int size) {
+static int refuse_near(const char **names, int n, const sheet_column *want, int wants, const char *path, char *message,
+                       int size) {
     for (int k = 0; k < n; k++) {
         sheet_heading h;
         bool taken = false;
@@ -108,7 +112,8 @@ static int refuse_near(const char **names, int n, const sheet_column *want, int 
         const char *word = h.words[0];
         for (int w = 0; w < wants; w++)
             if (want[w].index < 0 && strlen(word) >= 4 && distance(word, want[w].name) <= (strlen(word) > 4 ? 2 : 1))
-                return sheet_refuse(message, size, "%s: a column %s, in a unit such as _mm, _percent, _kg_m2; there is '%.60s'", path,
+                return sheet_refuse(message, size,
+                                    "%s: a column %s, in a unit such as _mm, _percent, _kg_m2; there is '%.60s'", path,
                                     want[w].name, names[k]);
     }
     return 0;
@@ -130,8 +135,8 @@ static const char *si_unit(char dimension) {
 }
 
 /* Numbers of a column in SI; text and empty cells are NaN, what is no number of its kind is refused. */
-static int read_column(const sheet_text *t, const int *rows, int n, sheet_column *c, const sheet_marks *marks, double *value,
-                       const char *path, char *message, int size) {
+static int read_column(const sheet_text *t, const int *rows, int n, sheet_column *c, const sheet_marks *marks,
+                       double *value, const char *path, char *message, int size) {
     double largest = 0.0;
     bool said = c->factor != 1.0;
     const char kind = c->dimension == '%' ? 's' : c->dimension;
@@ -144,34 +149,38 @@ static int read_column(const sheet_text *t, const int *rows, int n, sheet_column
         if (!*cell || c->dimension == 't') continue;
         const int unit = sheet_scan(cell, marks, &value[i], &end) ? sheet_unit(end, &dimension, &si) : -1;
         if (unit < 0 || (unit > 0 && dimension != kind))
-            return sheet_refuse(message, size, "%s:%d: column '%.60s': '%.60s' is not a number", path, t->line[r], c->heading, cell);
+            return sheet_refuse(message, size, "%s:%d: column '%.60s': '%.60s' is not a number", path, t->line[r],
+                                c->heading, cell);
         if (kind == 's' && unit == 0 && fabs(value[i]) > largest) largest = fabs(value[i]);
         said |= unit > 0;
         value[i] = value[i] * (unit > 0 ? si : c->factor);
     }
     if (kind != 's' || said || !(largest > 1.5)) return 0;
     if (c->dimension == 's')
-        return sheet_refuse(message, size, "%s: column '%.60s': a share of %g; in per cent, its heading says so, such as %s_percent", path,
-                            c->heading, largest, c->name);
+        return sheet_refuse(message, size,
+                            "%s: column '%.60s': a share of %g; in per cent, its heading says so, such as %s_percent",
+                            path, c->heading, largest, c->name);
     c->factor = 0.01; /* per cent, although nothing says so */
     for (int i = 0; i < n; i++) value[i] *= 0.01;
     return 0;
 }
 
-static void say_how(sheet *s, const sheet_text *t, const sheet_marks *marks, const sheet_column *want, int n, const char *path) {
+static void say_how(sheet *s, const sheet_text *t, const sheet_marks *marks, const sheet_column *want, int n,
+                    const char *path) {
     const int size = (int)sizeof s->how;
     int at = snprintf(s->how, (size_t)size, "%.150s: %s%d rows", path, sheet_marks_text(t, marks), s->rows);
     for (int w = 0; w < n && at >= 0 && at < size; w++) {
         if (want[w].index < 0) continue;
-        at += snprintf(s->how + at, (size_t)(size - at), "%s %s from '%.40s'", w ? "," : ";", want[w].name, want[w].heading);
+        at += snprintf(s->how + at, (size_t)(size - at), "%s %s from '%.40s'", w ? "," : ";", want[w].name,
+                       want[w].heading);
         if (want[w].dimension == 't' || at >= size) continue;
-        at += snprintf(s->how + at, (size_t)(size - at), " %.6g ... %.6g%s%s", want[w].value[0], want[w].value[s->rows - 1],
-                       *si_unit(want[w].dimension) ? " " : "", si_unit(want[w].dimension));
+        at += snprintf(s->how + at, (size_t)(size - at), " %.6g ... %.6g%s%s", want[w].value[0],
+                       want[w].value[s->rows - 1], *si_unit(want[w].dimension) ? " " : "", si_unit(want[w].dimension));
     }
 }
 
-int sheet_parse(const char *bytes, long size, const char *path, sheet_column *want, int wants, sheet *out, char *message,
-                int message_size) {
+int sheet_parse(const char *bytes, long size, const char *path, sheet_column *want, int wants, sheet *out,
+                char *message, int message_size) {
     static const sheet empty;
     const char *names[SHEET_COLUMNS];
     static const char nothing[1];
@@ -213,22 +222,25 @@ int sheet_parse(const char *bytes, long size, const char *path, sheet_column *wa
         if (sheet_is_total(&t, r)) continue;
         for (int k = width; k < here && !failed; k++)
             if (*t.cell[t.first[r] + k])
-                failed = sheet_refuse(message, message_size, "%s:%d: %d cells, but the heading names %d%s", path, t.line[r], here, width,
-                                      t.separator == ',' ? ": decimal commas need semicolons or tabs between cells" : "");
+                failed = sheet_refuse(
+                    message, message_size, "%s:%d: %d cells, but the heading names %d%s", path, t.line[r], here, width,
+                    t.separator == ',' ? ": decimal commas need semicolons or tabs between cells" : "");
         for (int k = 0; k < width; k++) cells[rows * width + k] = k < here ? t.cell[t.first[r] + k] : nothing;
         line[rows] = t.line[r], kept[rows++] = r;
     }
     for (int w = 0; w < wants; w++)
         if (want[w].index >= 0 && want[w].dimension != 't') column[used++] = want[w].index;
     failed = failed || refuse_near(names, width, want, wants, path, message, message_size);
-    if (!failed && rows == 0) failed = sheet_refuse(message, message_size, "%s: no rows below the heading in line %d", path, t.line[head]);
+    if (!failed && rows == 0)
+        failed = sheet_refuse(message, message_size, "%s: no rows below the heading in line %d", path, t.line[head]);
     failed = failed || sheet_find_marks(&t, after, column, used, path, &marks, message, message_size);
     for (int w = 0; w < wants && !failed; w++) {
         sheet_column *c = &want[w];
         c->value = NULL, c->unit = "";
         if (c->index < 0) continue;
         failed = read_column(&t, kept, rows, c, &marks, values + w * rows, path, message, message_size);
-        c->value = values + w * rows, c->heading = t.cell[t.first[head] + (c->index < t.first[head + 1] - t.first[head] ? c->index : 0)];
+        c->value = values + w * rows,
+        c->heading = t.cell[t.first[head] + (c->index < t.first[head + 1] - t.first[head] ? c->index : 0)];
     }
     free(kept);
     if (failed) {

@@ -83,10 +83,10 @@ static unsigned bits_of(const sheet_heading *h, const char *skip) {
 }
 
 static column_kind kind_of(const sheet_heading *h, unsigned b) {
-    const bool of_mass =
-        h->dimension == 'M' || ((b & WORD_MASS) && h->dimension != 's' && !(b & (WORD_PERCENT | WORD_SHARE | WORD_FRACTION)));
-    const bool share =
-        h->dimension == 's' || (b & (WORD_SHARE | WORD_PERCENT)) || ((b & WORD_FRACTION) && (b & (WORD_MASS | WORD_VOLUME | WORD_NUMBER)));
+    const bool of_mass = h->dimension == 'M' ||
+                         ((b & WORD_MASS) && h->dimension != 's' && !(b & (WORD_PERCENT | WORD_SHARE | WORD_FRACTION)));
+    const bool share = h->dimension == 's' || (b & (WORD_SHARE | WORD_PERCENT)) ||
+                       ((b & WORD_FRACTION) && (b & (WORD_MASS | WORD_VOLUME | WORD_NUMBER)));
     if ((b & WORD_UNKNOWN) || (h->dimension && !strchr("sLM", h->dimension))) return NONE;
     if (b & WORD_PHI) return PHI;
     if (h->dimension == 'L') return b & WORD_LOW ? LOW : b & WORD_HIGH ? HIGH : SIZE;
@@ -105,7 +105,8 @@ static column_kind kind_of(const sheet_heading *h, unsigned b) {
     if (share) return SHARE;
     if (b & WORD_LOW) return LOW;
     if (b & WORD_HIGH) return HIGH;
-    if (!(b & WORD_SIZE) && ((b & (WORD_MESH | WORD_ASTM | WORD_TYLER)) || ((b & WORD_SIEVE) && (b & WORD_NUMBER)))) return MESH;
+    if (!(b & WORD_SIZE) && ((b & (WORD_MESH | WORD_ASTM | WORD_TYLER)) || ((b & WORD_SIEVE) && (b & WORD_NUMBER))))
+        return MESH;
     if (b & (WORD_SIZE | WORD_SIEVE | WORD_CLASS | WORD_FRACTION | WORD_GRAIN)) return SIZE;
     return NONE;
 }
@@ -212,8 +213,12 @@ static double mesh_width(const sheet_mesh *table, size_t n, double number) {
         if (fabs(table[k].number - number) < 1e-9) return 1e-3 * table[k].width;
     return (double)NAN;
 }
-static double astm_width(double number) { return mesh_width(sheet_astm, sizeof sheet_astm / sizeof *sheet_astm, number); }
-static double tyler_width(double number) { return mesh_width(sheet_tyler, sizeof sheet_tyler / sizeof *sheet_tyler, number); }
+static double astm_width(double number) {
+    return mesh_width(sheet_astm, sizeof sheet_astm / sizeof *sheet_astm, number);
+}
+static double tyler_width(double number) {
+    return mesh_width(sheet_tyler, sizeof sheet_tyler / sizeof *sheet_tyler, number);
+}
 
 /* Whole and broken inches at the beginning of a text: 1 1/2, 3/8; NaN if there is no fraction. */
 static double inches(const char *text, const char **end) {
@@ -254,8 +259,10 @@ static bool read_length(const char **at, const sheet_marks *marks, double *size,
     return true;
 }
 
-/* A cell of sizes: a sieve, a class, "< x", "> x", the pan. factor: of a number without a unit; bare: set where a number had none. */
-static bool read_size(const char *cell, const sheet_marks *marks, double factor, bool inch, sieve_row *row, bool *bare) {
+/* A cell of sizes: a sieve, a class, "< x", "> x", the pan. factor: of a number without a unit; bare: set where a
+   number had none. */
+static bool read_size(const char *cell, const sheet_marks *marks, double factor, bool inch, sieve_row *row,
+                      bool *bare) {
     static const char *const words[] = {"bis ", "to ", "...", "..", "-", "/", "and ", "und ", "+"};
     char text[80];
     const char *at = text, *end;
@@ -335,11 +342,13 @@ static const char *cell_of(const reader *r, int row, int column) {
 }
 
 static int refuse_cell(reader *r, int row, int column, const char *what) {
-    return sheet_refuse(r->message, r->message_size, "%s:%d: column '%.60s': '%.60s' is %s", r->path, r->text->line[row],
-                        column >= 0 && column < r->columns ? r->names[column] : "", cell_of(r, row, column), what);
+    return sheet_refuse(r->message, r->message_size, "%s:%d: column '%.60s': '%.60s' is %s", r->path,
+                        r->text->line[row], column >= 0 && column < r->columns ? r->names[column] : "",
+                        cell_of(r, row, column), what);
 }
 
-/* Mesh numbers or inches: which table? ASTM or Tyler as the heading says, else where all numbers are, or where both say the same. */
+/* Mesh numbers or inches: which table? ASTM or Tyler as the heading says, else where all numbers are, or where both
+   say the same. */
 static int find_table(reader *r, int from, double (**width)(double)) {
     const layout *l = &r->l;
     bool astm = true, tyler = true, same = true;
@@ -354,7 +363,8 @@ static int find_table(reader *r, int from, double (**width)(double)) {
     }
     *width = astm ? astm_width : tyler_width;
     if (same || astm != tyler) return 0;
-    return sheet_refuse(r->message, r->message_size, "%s: the mesh numbers may be of ASTM or Tyler: the heading must say which", r->path);
+    return sheet_refuse(r->message, r->message_size,
+                        "%s: the mesh numbers may be of ASTM or Tyler: the heading must say which", r->path);
 }
 
 /* The size of a row by whatever the table has. */
@@ -372,17 +382,20 @@ static int read_place(reader *r, int row, double (*width)(double), sieve_row *ou
         sieve_row high = *out;
         const char *low_cell = cell_of(r, row, l->low), *high_cell = cell_of(r, row, l->high);
         out->low = out->high = 0.0;
-        if (*low_cell && strcmp(low_cell, "-") != 0 && !read_size(low_cell, &r->marks, l->size_heading.si, false, out, &r->bare))
+        if (*low_cell && strcmp(low_cell, "-") != 0 &&
+            !read_size(low_cell, &r->marks, l->size_heading.si, false, out, &r->bare))
             return refuse_cell(r, row, l->low, "no size");
         high.high = HUGE_VAL;
-        if (*high_cell && strcmp(high_cell, "-") != 0 && !read_size(high_cell, &r->marks, l->high_heading.si, false, &high, &r->bare))
+        if (*high_cell && strcmp(high_cell, "-") != 0 &&
+            !read_size(high_cell, &r->marks, l->high_heading.si, false, &high, &r->bare))
             return refuse_cell(r, row, l->high, "no size");
         out->high = high.high, out->less = out->more = false;
         r->classes = true;
         return out->high > out->low ? 0 : refuse_cell(r, row, l->high, "not above the lower limit");
     }
     if (l->size >= 0) {
-        if (!read_size(cell_of(r, row, l->size), &r->marks, l->size_heading.si, strcmp(l->size_heading.unit, "in") == 0, out, &r->bare))
+        if (!read_size(cell_of(r, row, l->size), &r->marks, l->size_heading.si, strcmp(l->size_heading.unit, "in") == 0,
+                       out, &r->bare))
             return refuse_cell(r, row, l->size, "no size");
         if (out->high > out->low) r->classes = true;
         else if (out->low == 0.0) out->pan = true; /* a sieve of width 0 */
@@ -390,7 +403,8 @@ static int read_place(reader *r, int row, double (*width)(double), sieve_row *ou
     }
     if (l->phi >= 0) {
         const char *cell = cell_of(r, row, l->phi);
-        if (!sheet_scan(cell, &r->marks, &x, &end) || *end || !(fabs(x) < 40.0)) return refuse_cell(r, row, l->phi, "no phi");
+        if (!sheet_scan(cell, &r->marks, &x, &end) || *end || !(fabs(x) < 40.0))
+            return refuse_cell(r, row, l->phi, "no phi");
         out->low = out->high = 1e-3 * pow(2.0, -x);
         return 0;
     }
@@ -402,7 +416,9 @@ static int read_place(reader *r, int row, double (*width)(double), sieve_row *ou
     }
     if (!read_mesh(cell, &r->marks, &x)) return refuse_cell(r, row, l->mesh, "no mesh number");
     out->low = out->high = width(x);
-    return isnan(out->low) ? refuse_cell(r, row, l->mesh, width == astm_width ? "no sieve of ASTM E11" : "no sieve of Tyler") : 0;
+    return isnan(out->low)
+               ? refuse_cell(r, row, l->mesh, width == astm_width ? "no sieve of ASTM E11" : "no sieve of Tyler")
+               : 0;
 }
 
 static int read_amount(reader *r, int row, int column, int j, double *value) {
@@ -413,7 +429,8 @@ static int read_amount(reader *r, int row, int column, int j, double *value) {
     *value = 0.0;
     if (!*cell || strcmp(cell, "-") == 0) return 0;
     const int unit = sheet_scan(cell, &r->marks, value, &end) ? sheet_unit(end, &dimension, &si) : -1;
-    if (unit < 0 || (unit > 0 && dimension != 's' && dimension != 'M')) return refuse_cell(r, row, column, "not a number");
+    if (unit < 0 || (unit > 0 && dimension != 's' && dimension != 'M'))
+        return refuse_cell(r, row, column, "not a number");
     if (unit > 0 && si == 0.01) r->scaled[j] = true;
     *value *= unit > 0 ? si : h->si;
     return *value >= 0.0 || r->l.amount[j].kind == DEVIATION ? 0 : refuse_cell(r, row, column, "below 0");
@@ -425,10 +442,13 @@ static int find_unit(reader *r, double (*width)(double)) {
     int at = 0;
     for (int k = 0; k < r->n; k++)
         if (!r->row[k].pan && r->row[k].low > largest) largest = r->row[k].low, at = k;
-    if (!r->bare || r->l.phi >= 0 || (r->l.size < 0 && r->l.low < 0) || r->l.size_heading.dimension || !(largest > 0.5)) return 0;
+    if (!r->bare || r->l.phi >= 0 || (r->l.size < 0 && r->l.low < 0) || r->l.size_heading.dimension || !(largest > 0.5))
+        return 0;
     for (int k = 0; k < r->n && r->l.mesh >= 0; k++) {
         double number;
-        if (r->row[k].pan || !read_mesh(cell_of(r, r->row[k].row, r->l.mesh), &r->marks, &number) || !(width(number) > 0.0)) continue;
+        if (r->row[k].pan || !read_mesh(cell_of(r, r->row[k].row, r->l.mesh), &r->marks, &number) ||
+            !(width(number) > 0.0))
+            continue;
         const double ratio = width(number) / r->row[k].low, here = fabs(ratio / 1e-3 - 1.0) < 0.06   ? 1e-3
                                                                    : fabs(ratio / 1e-6 - 1.0) < 0.06 ? 1e-6
                                                                                                      : -1.0;
@@ -439,7 +459,8 @@ static int find_unit(reader *r, double (*width)(double)) {
         return 0;
     }
     if (largest <= 1.0) return 0;
-    return sheet_refuse(r->message, r->message_size, "%s:%d: a size of %g of what? The column must name its unit, such as size_mm", r->path,
+    return sheet_refuse(r->message, r->message_size,
+                        "%s:%d: a size of %g of what? The column must name its unit, such as size_mm", r->path,
                         r->row[at].line, largest);
 }
 
@@ -457,9 +478,10 @@ static int read_rows(reader *r, int from) {
         for (int c = 0; c < t->first[k + 1] - t->first[k]; c++) {
             empty &= !*t->cell[t->first[k] + c];
             if (c >= r->columns && *t->cell[t->first[k] + c])
-                return sheet_refuse(r->message, r->message_size, "%s:%d: %d cells, but the heading names %d%s", r->path, row->line,
-                                    t->first[k + 1] - t->first[k], r->columns,
-                                    t->separator == ',' ? ": decimal commas need semicolons or tabs between cells" : "");
+                return sheet_refuse(r->message, r->message_size, "%s:%d: %d cells, but the heading names %d%s", r->path,
+                                    row->line, t->first[k + 1] - t->first[k], r->columns,
+                                    t->separator == ',' ? ": decimal commas need semicolons or tabs between cells"
+                                                        : "");
         }
         if (empty) continue;
         for (int j = 0; j < l->amounts; j++) {
@@ -503,7 +525,8 @@ static bool falls(const reader *r, int j) {
 }
 
 static int refuse_amount(const reader *r, int j, const char *why) {
-    return sheet_refuse(r->message, r->message_size, "%s: column '%.60s': %s", r->path, r->names[r->l.amount[j].column], why);
+    return sheet_refuse(r->message, r->message_size, "%s: column '%.60s': %s", r->path, r->names[r->l.amount[j].column],
+                        why);
 }
 
 /* Per cent although nothing says so? */
@@ -512,21 +535,27 @@ static void scale_shares(reader *r, int j, double most) {
     for (int k = 0; k < r->n; k++) r->row[k].value[j] *= 0.01;
 }
 
-/* What an amount is where its heading leaves it open. Share on each sieve: adds up to 1; cumulated: falls as sizes rise. */
+/* What an amount is where its heading leaves it open. Share on each sieve: adds up to 1; cumulated: falls
+   as sizes rise. */
 static int settle_kind(reader *r, int j) {
     amount *a = &r->l.amount[j];
     double sum = 0.0, most = 0.0;
     for (int k = 0; k < r->n; k++) sum += r->row[k].value[j], most = fmax(most, r->row[k].value[j]);
     if (a->kind == NONE) /* feed, coarse, fine without a word */
-        a->kind = r->classes || r->pan                                                                                     ? RETAINED
-                  : rises(r, j) && most > 0.0 && fabs(r->row[r->n - 1].value[j] / (most > 1.5 ? 100.0 : 1.0) - 1.0) < 0.01 ? FINER
-                                                                                                                           : SHARE;
+        a->kind =
+            r->classes || r->pan ? RETAINED
+            : rises(r, j) && most > 0.0 && fabs(r->row[r->n - 1].value[j] / (most > 1.5 ? 100.0 : 1.0) - 1.0) < 0.01
+                ? FINER
+                : SHARE;
     if (a->kind == SHARE && (r->classes || r->pan)) a->kind = RETAINED;
     if (a->kind == CUM) {
-        if (rises(r, j) == falls(r, j)) return refuse_amount(r, j, "cumulated, but it neither rises nor falls with the size");
+        if (rises(r, j) == falls(r, j))
+            return refuse_amount(r, j, "cumulated, but it neither rises nor falls with the size");
         a->kind = rises(r, j) ? FINER : COARSER;
     }
-    if (a->heading.dimension == 'M' && a->kind != MASS && a->kind != GROSS && a->kind != COARSER && a->kind != DEVIATION) a->kind = MASS;
+    if (a->heading.dimension == 'M' && a->kind != MASS && a->kind != GROSS && a->kind != COARSER &&
+        a->kind != DEVIATION)
+        a->kind = MASS;
     if (a->kind != RETAINED || r->classes) {
         if (a->kind == FINER || (a->kind == COARSER && a->heading.dimension != 'M')) scale_shares(r, j, most);
         return 0;
@@ -540,9 +569,10 @@ static int settle_kind(reader *r, int j) {
         return 0;
     }
     if (!falls(r, j) && sum < 1.0) return 0; /* the rest is in the pan, which is not there */
-    return refuse_amount(r, j,
-                         falls(r, j) ? "on each sieve, or cumulated? The heading must say cumulative, or there must be a row for the pan"
-                                     : "neither adds up to 100 % nor falls as sizes rise; masses need a unit, such as retained_g");
+    return refuse_amount(
+        r, j,
+        falls(r, j) ? "on each sieve, or cumulated? The heading must say cumulative, or there must be a row for the pan"
+                    : "neither adds up to 100 % nor falls as sizes rise; masses need a unit, such as retained_g");
 }
 
 /* Deviations of shares stand at the upper end of their class. */
@@ -580,11 +610,12 @@ static int sum_up(reader *r, int j, sheet_sizes *out) {
     if (shares) {
         if (!(all > 0.0)) return refuse_amount(r, j, "all amounts are 0");
         if (a->kind == MASS && fabs(all - r->total) > 0.02 * all)
-            return sheet_refuse(r->message, r->message_size, "%s: the rows of '%.60s' add up to %g kg, the row of the total says %g kg",
-                                r->path, r->names[a->column], all, r->total);
+            return sheet_refuse(r->message, r->message_size,
+                                "%s: the rows of '%.60s' add up to %g kg, the row of the total says %g kg", r->path,
+                                r->names[a->column], all, r->total);
         if (a->kind == RETAINED && r->classes && a->heading.percent && !(fabs(all - 1.0) <= 0.03))
-            return sheet_refuse(r->message, r->message_size, "%s: column '%.60s' adds up to %.4g %%, not to 100", r->path,
-                                r->names[a->column], 100.0 * all);
+            return sheet_refuse(r->message, r->message_size, "%s: column '%.60s' adds up to %.4g %%, not to 100",
+                                r->path, r->names[a->column], 100.0 * all);
         if (a->kind == RETAINED && !r->pan && all < 0.99 && !r->classes) sum = 1.0 - all, all = 1.0;
     }
     if (a->kind == COARSER && a->heading.dimension == 'M') {
@@ -620,14 +651,16 @@ static int sum_up(reader *r, int j, sheet_sizes *out) {
     if (a->kind == SHARE) return 0;
     for (int k = 0; k < out->n; k++) {
         if (!(passing[k] >= -1e-9 && passing[k] <= 1.0 + 1e-3))
-            return sheet_refuse(r->message, r->message_size,
-                                "%s:%d: column '%.60s': %g of the whole is finer than %g mm; it is 0 to 1, or 0 to 100 %%", r->path,
-                                out->line[k], r->names[a->column], passing[k], 1e3 * out->size[k]);
+            return sheet_refuse(
+                r->message, r->message_size,
+                "%s:%d: column '%.60s': %g of the whole is finer than %g mm; it is 0 to 1, or 0 to 100 %%", r->path,
+                out->line[k], r->names[a->column], passing[k], 1e3 * out->size[k]);
         passing[k] = fmin(fmax(passing[k], 0.0), 1.0); /* what per cents were rounded to */
         if (k > 0 && passing[k] < passing[k - 1] - 1e-9)
-            return sheet_refuse(r->message, r->message_size, "%s:%d: column '%.60s': less is finer than %g mm (%g) than %g mm (%g)",
-                                r->path, out->line[k], r->names[a->column], 1e3 * out->size[k], passing[k], 1e3 * out->size[k - 1],
-                                passing[k - 1]);
+            return sheet_refuse(r->message, r->message_size,
+                                "%s:%d: column '%.60s': less is finer than %g mm (%g) than %g mm (%g)", r->path,
+                                out->line[k], r->names[a->column], 1e3 * out->size[k], passing[k],
+                                1e3 * out->size[k - 1], passing[k - 1]);
     }
     return 0;
 }
@@ -644,18 +677,21 @@ static int find_sizes(reader *r, sheet_sizes *out) {
             const double before = k ? r->row[k - 1].high : row->low;
             if (fabs(row->low - before) > 1e-6 * before)
                 return sheet_refuse(r->message, r->message_size,
-                                    "%s:%d: the class from %g mm does not begin where the one below ends, at %g mm", r->path, row->line,
-                                    1e3 * row->low, 1e3 * before);
+                                    "%s:%d: the class from %g mm does not begin where the one below ends, at %g mm",
+                                    r->path, row->line, 1e3 * row->low, 1e3 * before);
             if (k == 0 && row->low > 0.0) out->line[out->n] = row->line, out->size[out->n++] = row->low;
             if (row->high < HUGE_VAL) out->line[out->n] = row->line, out->size[out->n++] = row->high;
             else if (k < r->n - 1)
-                return sheet_refuse(r->message, r->message_size, "%s:%d: two classes without an upper limit", r->path, row->line);
+                return sheet_refuse(r->message, r->message_size, "%s:%d: two classes without an upper limit", r->path,
+                                    row->line);
             continue;
         }
         const double x = kind == COARSER ? row->low : row->high;
-        if (!(x > 0.0 && x < HUGE_VAL)) return sheet_refuse(r->message, r->message_size, "%s:%d: no size", r->path, row->line);
+        if (!(x > 0.0 && x < HUGE_VAL))
+            return sheet_refuse(r->message, r->message_size, "%s:%d: no size", r->path, row->line);
         if (out->n && !(x > out->size[out->n - 1]))
-            return sheet_refuse(r->message, r->message_size, "%s:%d: the size %g mm is there twice", r->path, row->line, 1e3 * x);
+            return sheet_refuse(r->message, r->message_size, "%s:%d: the size %g mm is there twice", r->path, row->line,
+                                1e3 * x);
         out->line[out->n] = row->line, out->size[out->n++] = x;
     }
     return out->n ? 0 : sheet_refuse(r->message, r->message_size, "%s: no sizes", r->path);
@@ -682,17 +718,22 @@ static void settle_ends(reader *r) {
 static void say_how(const reader *r, bool top_down, sheet_sizes *out) {
     const amount *a = &r->l.amount[0];
     const layout *l = &r->l;
-    const int size = (int)sizeof out->how, place = l->low >= 0 ? l->low : l->size >= 0 ? l->size : l->phi >= 0 ? l->phi : l->mesh;
+    const int size = (int)sizeof out->how, place = l->low >= 0    ? l->low
+                                                   : l->size >= 0 ? l->size
+                                                   : l->phi >= 0  ? l->phi
+                                                                  : l->mesh;
     const char *what = out->single ? "share" : "finer";
-    int at = snprintf(out->how, (size_t)size, "%.150s: %s%s of '%.40s' by '%.40s', %s%s", r->path, sheet_marks_text(r->text, &r->marks),
-                      kind_text[a->kind], r->names[a->column], r->names[place], r->classes ? "classes, " : "",
-                      top_down ? "top-down" : "bottom-up");
+    int at = snprintf(out->how, (size_t)size, "%.150s: %s%s of '%.40s' by '%.40s', %s%s", r->path,
+                      sheet_marks_text(r->text, &r->marks), kind_text[a->kind], r->names[a->column], r->names[place],
+                      r->classes ? "classes, " : "", top_down ? "top-down" : "bottom-up");
     for (int j = 1; j < l->amounts && at >= 0 && at < size; j++)
-        if (l->amount[j].column >= 0) at += snprintf(out->how + at, (size_t)(size - at), ", '%.40s'", r->names[l->amount[j].column]);
+        if (l->amount[j].column >= 0)
+            at += snprintf(out->how + at, (size_t)(size - at), ", '%.40s'", r->names[l->amount[j].column]);
     if (at >= 0 && at < size)
-        at += snprintf(out->how + at, (size_t)(size - at), "; %s %.6g at %.6g m ... %.6g at %.6g m", what, out->amount[0][0], out->size[0],
-                       out->amount[0][out->n - 1], out->size[out->n - 1]);
-    if (at >= 0 && at < size && out->above[0] > 1e-3) snprintf(out->how + at, (size_t)(size - at), "; %.4g are coarser", out->above[0]);
+        at += snprintf(out->how + at, (size_t)(size - at), "; %s %.6g at %.6g m ... %.6g at %.6g m", what,
+                       out->amount[0][0], out->size[0], out->amount[0][out->n - 1], out->size[out->n - 1]);
+    if (at >= 0 && at < size && out->above[0] > 1e-3)
+        snprintf(out->how + at, (size_t)(size - at), "; %.4g are coarser", out->above[0]);
 }
 
 void sheet_free_sizes(sheet_sizes *s) {
@@ -726,7 +767,9 @@ static int read_body(reader *r, int from, sheet_sizes *out) {
     }
     for (int j = 0; j < l->amounts; j++) column[used++] = l->amount[j].column, column[used++] = l->amount[j].tare;
     column[used++] = l->size, column[used++] = l->low, column[used++] = l->high, column[used++] = l->phi;
-    if (sheet_find_marks(r->text, from, column, used, r->path, &r->marks, r->message, r->message_size) || read_rows(r, from)) return -1;
+    if (sheet_find_marks(r->text, from, column, used, r->path, &r->marks, r->message, r->message_size) ||
+        read_rows(r, from))
+        return -1;
     const bool top_down = r->n > 1 && !r->row[0].pan && (r->row[r->n - 1].pan || r->row[0].low > r->row[r->n - 1].low);
     settle_ends(r);
     qsort(r->row, (size_t)r->n, sizeof *r->row, by_size);
@@ -745,13 +788,15 @@ static int read_body(reader *r, int from, sheet_sizes *out) {
     for (int j = 0; j < l->amounts; j++)
         if (l->amount[j].column >= 0 && sum_up(r, j, out)) return -1;
     const unsigned bits = bits_of(&l->amount[0].heading, NULL);
-    out->by_number = bits & WORD_NUMBER ? 1 : (bits & (WORD_MASS | WORD_VOLUME)) || l->amount[0].heading.dimension == 'M' ? 0 : -1;
+    out->by_number = bits & WORD_NUMBER                                                            ? 1
+                     : (bits & (WORD_MASS | WORD_VOLUME)) || l->amount[0].heading.dimension == 'M' ? 0
+                                                                                                   : -1;
     say_how(r, top_down, out);
     return 0;
 }
 
-int sheet_parse_sizes(const char *bytes, long size, const char *path, const char *const *names, int n, sheet_sizes *out, char *message,
-                      int message_size) {
+int sheet_parse_sizes(const char *bytes, long size, const char *path, const char *const *names, int n, sheet_sizes *out,
+                      char *message, int message_size) {
     static const sheet_sizes empty;
     static const reader fresh;
     char room[SHEET_COLUMNS * 184];
@@ -778,8 +823,9 @@ int sheet_parse_sizes(const char *bytes, long size, const char *path, const char
             missing = find_layout(r.names, r.columns, names, n, &r.l);
             if (!missing) missing = "size";
         }
-        failed = sheet_refuse_columns(message, message_size, path, missing == r.l.twice ? "several columns are " : "no column ", missing,
-                                      r.names, r.columns);
+        failed = sheet_refuse_columns(message, message_size, path,
+                                      missing == r.l.twice ? "several columns are " : "no column ", missing, r.names,
+                                      r.columns);
     } else if (!make_room(&r, out, text.rows)) failed = sheet_refuse(message, message_size, "%s: out of memory", path);
     else failed = read_body(&r, head + (lines > 1 ? 2 : 1), out);
     free(r.row);
@@ -788,7 +834,8 @@ int sheet_parse_sizes(const char *bytes, long size, const char *path, const char
     return failed;
 }
 
-int sheet_read_sizes(const char *path, const char *const *names, int n, sheet_sizes *out, char *message, int message_size) {
+int sheet_read_sizes(const char *path, const char *const *names, int n, sheet_sizes *out, char *message,
+                     int message_size) {
     static const sheet_sizes empty;
     size_t size;
     *out = empty;

@@ -50,7 +50,8 @@ static size_t put_rune(char *out, uint32_t c) {
     if (c < 0x80) return (size_t)((out[0] = (char)c) != 0 || 1);
     if (c < 0x800) return (size_t)((out[0] = (char)(0xc0 | c >> 6), out[1] = (char)(0x80 | (c & 63)), 2));
     if (c < 0x10000)
-        return (size_t)((out[0] = (char)(0xe0 | c >> 12), out[1] = (char)(0x80 | (c >> 6 & 63)), out[2] = (char)(0x80 | (c & 63)), 3));
+        return (size_t)((out[0] = (char)(0xe0 | c >> 12), out[1] = (char)(0x80 | (c >> 6 & 63)),
+                         out[2] = (char)(0x80 | (c & 63)), 3));
     out[0] = (char)(0xf0 | (c >> 18 & 7)), out[1] = (char)(0x80 | (c >> 12 & 63));
     out[2] = (char)(0x80 | (c >> 6 & 63)), out[3] = (char)(0x80 | (c & 63));
     return 4;
@@ -97,7 +98,8 @@ static char *to_utf8(const char *raw, size_t size) {
             n += put_rune(text + n, c >= 0xd800 && c < 0xe000 ? '?' : c);
         }
     } else if (utf8) {
-        for (size_t i = 0; i < size; i += length) length = get_rune(bytes + i, size - i, &c), n += put_rune(text + n, c);
+        for (size_t i = 0; i < size; i += length)
+            length = get_rune(bytes + i, size - i, &c), n += put_rune(text + n, c);
     } else {
         for (size_t i = 0; i < size; i++) n += put_rune(text + n, latin(bytes[i]));
     }
@@ -159,7 +161,8 @@ static int count_of(const char *line, char separator) {
     return n;
 }
 
-/* What separates the cells: what most lines have, of tabs, semicolons, commas; where the line before the first numbers has none: blanks. */
+/* What separates the cells: what most lines have, of tabs, semicolons, commas; where the line before the first numbers
+   has none: blanks. */
 static char find_separator(char *const *lines, int n) {
     static const char choices[3] = {'\t', ';', ','};
     for (int k = 0; k < 3; k++) {
@@ -167,7 +170,8 @@ static char find_separator(char *const *lines, int n) {
         for (int i = 0; i < n; i++) {
             if (count_of(lines[i], choices[k]) == 0) continue;
             have++;
-            if (first < 0 && lines[i][0] && strpbrk(lines[i], "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ%")) first = i;
+            if (first < 0 && lines[i][0] && strpbrk(lines[i], "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ%"))
+                first = i;
         }
         if (2 * have >= n && have > 0 && (choices[k] != ',' || first >= 0)) return choices[k];
     }
@@ -181,8 +185,11 @@ static int cut_blanks(char *line, const char **cells) {
         while (is_space(*at) || *at == '\t') at++;
         if (!*at) return n;
         cells[n++] = at;
-        for (int open = 0; *at && (open > 0 || (!is_space(*at) && *at != '\t') || (is_space(*at) && (at[1] == '[' || at[1] == '('))); at++)
-            open += (*at == '[' || *at == '(') - (*at == ']' || *at == ')'); /* a unit in brackets belongs to the word before */
+        for (int open = 0;
+             *at && (open > 0 || (!is_space(*at) && *at != '\t') || (is_space(*at) && (at[1] == '[' || at[1] == '(')));
+             at++)
+            open += (*at == '[' || *at == '(') - (*at == ']' || *at == ')'); /* a unit in brackets belongs to
+                                                                                the word before */
         if (*at) *at++ = '\0';
     }
 }
@@ -223,7 +230,8 @@ int sheet_cut(const char *bytes, long size, const char *path, sheet_text *out, c
     for (int r = 0; r < out->rows; r++) {
         out->first[r] = used;
         char **cells = (char **)(void *)(out->cell + used);
-        used += out->separator == ' ' ? cut_blanks(lines[r], out->cell + used) : csv_cut(lines[r], out->separator, cells);
+        used +=
+            out->separator == ' ' ? cut_blanks(lines[r], out->cell + used) : csv_cut(lines[r], out->separator, cells);
     }
     out->first[out->rows] = used;
     free(lines);
@@ -238,10 +246,11 @@ void sheet_fold(const char *text, char *out, size_t size) {
     static const struct {
         uint32_t rune;
         const char *text;
-    } folds[] = {{0xe4, "ae"},    {0xf6, "oe"},   {0xfc, "ue"},   {0xc4, "ae"},   {0xd6, "oe"}, {0xdc, "ue"}, {0xdf, "ss"},
-                 {0xe9, "e"},     {0xe8, "e"},    {0xb5, "u"},    {0x3bc, "u"},   {0xb2, "2"},  {0xb3, "3"},  {0xb0, "deg"},
-                 {0x3c6, "phi"},  {0x3d5, "phi"}, {0x3a6, "phi"}, {0x2300, "d"},  {0xd8, "d"},  {0xf8, "d"},  {0x3a3, "sum"},
-                 {0x2211, "sum"}, {0x2264, "<"},  {0x2265, ">"},  {0x2026, ".."}, {0x394, "d"}};
+    } folds[] = {{0xe4, "ae"},   {0xf6, "oe"},  {0xfc, "ue"},   {0xc4, "ae"},    {0xd6, "oe"},   {0xdc, "ue"},
+                 {0xdf, "ss"},   {0xe9, "e"},   {0xe8, "e"},    {0xb5, "u"},     {0x3bc, "u"},   {0xb2, "2"},
+                 {0xb3, "3"},    {0xb0, "deg"}, {0x3c6, "phi"}, {0x3d5, "phi"},  {0x3a6, "phi"}, {0x2300, "d"},
+                 {0xd8, "d"},    {0xf8, "d"},   {0x3a3, "sum"}, {0x2211, "sum"}, {0x2264, "<"},  {0x2265, ">"},
+                 {0x2026, ".."}, {0x394, "d"}};
     const unsigned char *at = (const unsigned char *)text;
     size_t n = 0, left = strlen(text), length;
     uint32_t c = 0;
@@ -318,7 +327,8 @@ static void take_unit(sheet_heading *h, const char *text, char dimension, double
     h->percent = dimension == 's' && si == 0.01;
 }
 
-/* Takes the unit off a folded heading: the last brackets that hold one, else what follows a blank, _, comma, slash or "in" at its end. */
+/* Takes the unit off a folded heading: the last brackets that hold one, else what follows a blank, _, comma, slash or
+   "in" at its end. */
 static void cut_unit(char *base, sheet_heading *h) {
     char dimension;
     double si;
@@ -336,8 +346,11 @@ static void cut_unit(char *base, sheet_heading *h) {
     for (char *at = base; *at; at++) {
         if (at > base && !strchr(" _,/", at[-1])) continue;
         const char *unit = strncmp(at, "in ", 3) == 0 && at[3] ? at + 3 : strncmp(at, "in_", 3) == 0 ? at + 3 : at;
-        if (strlen(unit) > 20 || !unit_of(unit, &dimension, &si) || (dimension == 's' && si == 1.0 && !strchr("-1", unit[0]))) continue;
-        if (unit[0] && !unit[1] && strchr("tm", *unit) && (at == base || at[-1] == ' ') && unit == at) continue; /* symbols: "Zeit t" */
+        if (strlen(unit) > 20 || !unit_of(unit, &dimension, &si) ||
+            (dimension == 's' && si == 1.0 && !strchr("-1", unit[0])))
+            continue;
+        /* Symbols: "Zeit t". */
+        if (unit[0] && !unit[1] && strchr("tm", *unit) && (at == base || at[-1] == ' ') && unit == at) continue;
         take_unit(h, unit, dimension, si);
         *at = '\0';
         return;
@@ -351,7 +364,8 @@ void sheet_read_heading(const char *text, sheet_heading *h) {
     *h = empty;
     h->si = 1.0;
     for (const char *c = text; *c && n + 2 < sizeof apart; c++) { /* PercentPassing is two words */
-        const bool up = *c >= 'A' && *c <= 'Z' && c - text >= 3 && c[1] >= 'a' && c[1] <= 'z' && c[2] >= 'a' && c[2] <= 'z';
+        const bool up =
+            *c >= 'A' && *c <= 'Z' && c - text >= 3 && c[1] >= 'a' && c[1] <= 'z' && c[2] >= 'a' && c[2] <= 'z';
         if (up && c[-1] >= 'a' && c[-1] <= 'z' && c[-2] >= 'a' && c[-2] <= 'z') apart[n++] = ' ';
         apart[n++] = *c;
     }
@@ -376,7 +390,8 @@ void sheet_read_heading(const char *text, sheet_heading *h) {
             continue;
         }
         snprintf(h->words[h->n++], sizeof h->words[0], "%.*s", (int)(length < 39 ? length : 39), at);
-        if (strcmp(h->words[h->n - 1], "percent") == 0 || strcmp(h->words[h->n - 1], "prozent") == 0) h->percent = true, h->n--;
+        if (strcmp(h->words[h->n - 1], "percent") == 0 || strcmp(h->words[h->n - 1], "prozent") == 0)
+            h->percent = true, h->n--;
         else if (strcmp(h->words[h->n - 1], "qq") == 0) strcpy(h->words[h->n - 1], "passing");
         at += length;
     }
@@ -397,8 +412,8 @@ int sheet_headings(const sheet_text *t, int row, int lines, const char **names, 
         names[c] = part[0];
         if (lines < 2) continue;
         const bool bare = lines == 3 && *part[1] && *part[1] != '[' && *part[1] != '(';
-        const int used =
-            snprintf(room, size, "%.90s%s%s%.90s%s", part[0], *part[0] && *part[1] ? " " : "", bare ? "[" : "", part[1], bare ? "]" : "");
+        const int used = snprintf(room, size, "%.90s%s%s%.90s%s", part[0], *part[0] && *part[1] ? " " : "",
+                                  bare ? "[" : "", part[1], bare ? "]" : "");
         if (used < 0 || (size_t)used + 1 > size) return c;
         names[c] = room, room += used + 1, size -= (size_t)used + 1;
     }
@@ -445,9 +460,10 @@ static size_t token_of(const char *text, int *commas, int *points, size_t *last)
     size_t n = 0;
     *commas = *points = 0, *last = 0;
     while (is_digit(text[n]) ||
-           ((text[n] == '.' || text[n] == ',') && (is_digit(text[n + 1]) || (n > 0 && is_digit(text[n - 1]) && text[n + 1] != '.'))) ||
-           (n > 0 && (text[n] == ' ' || text[n] == '\'') && is_digit(text[n - 1]) && is_digit(text[n + 1]) && is_digit(text[n + 2]) &&
-            is_digit(text[n + 3]) && !is_digit(text[n + 4]))) {
+           ((text[n] == '.' || text[n] == ',') &&
+            (is_digit(text[n + 1]) || (n > 0 && is_digit(text[n - 1]) && text[n + 1] != '.'))) ||
+           (n > 0 && (text[n] == ' ' || text[n] == '\'') && is_digit(text[n - 1]) && is_digit(text[n + 1]) &&
+            is_digit(text[n + 2]) && is_digit(text[n + 3]) && !is_digit(text[n + 4]))) {
         if (text[n] == ',') ++*commas, *last = n;
         if (text[n] == '.') ++*points, *last = n;
         n++;
@@ -456,10 +472,12 @@ static size_t token_of(const char *text, int *commas, int *points, size_t *last)
 }
 
 /* One mark, and exactly three digits behind one to three that are not 0: thousands, or decimals? */
-static bool in_doubt(const char *token, size_t n, size_t mark) { return mark >= 1 && mark <= 3 && token[0] != '0' && n - mark == 4; }
+static bool in_doubt(const char *token, size_t n, size_t mark) {
+    return mark >= 1 && mark <= 3 && token[0] != '0' && n - mark == 4;
+}
 
-int sheet_find_marks(const sheet_text *t, int from, const int *column, int n, const char *path, sheet_marks *marks, char *message,
-                     int message_size) {
+int sheet_find_marks(const sheet_text *t, int from, const int *column, int n, const char *path, sheet_marks *marks,
+                     char *message, int message_size) {
     bool sure[2] = {false, false}, grouped[2] = {false, false}; /* of commas, of points */
     int doubt[2] = {-1, -1}, row_of[2] = {0, 0};
     for (int r = from; r < t->rows; r++)
@@ -483,20 +501,25 @@ int sheet_find_marks(const sheet_text *t, int from, const int *column, int n, co
         }
     for (int mark = 0; mark < 2; mark++) { /* a number that may have thousands */
         const int other = 1 - mark;
-        const bool clear = sure[mark] ? !sure[other] && !grouped[mark]
-                                      : grouped[mark] || (!sure[other] && doubt[other] < 0 && (mark == 1 || t->separator != ','));
+        const bool clear =
+            sure[mark] ? !sure[other] && !grouped[mark]
+                       : grouped[mark] || (!sure[other] && doubt[other] < 0 && (mark == 1 || t->separator != ','));
         if (doubt[mark] < 0 || clear) continue;
-        return sheet_refuse(message, message_size, "%s:%d: '%.60s' may be in thousands: write numbers without a mark for them", path,
+        return sheet_refuse(message, message_size,
+                            "%s:%d: '%.60s' may be in thousands: write numbers without a mark for them", path,
                             t->line[row_of[mark]], t->cell[doubt[mark]]);
     }
-    const bool comma = sure[0] || (!sure[1] && doubt[0] >= 0 && !grouped[0]), point = sure[1] || (!sure[0] && doubt[1] >= 0 && !grouped[1]);
+    const bool comma = sure[0] || (!sure[1] && doubt[0] >= 0 && !grouped[0]),
+               point = sure[1] || (!sure[0] && doubt[1] >= 0 && !grouped[1]);
     marks->decimal = comma && point ? '\0' : comma ? ',' : '.';
     marks->grouped = grouped[0] || grouped[1];
     return 0;
 }
 
 const char *sheet_marks_text(const sheet_text *t, const sheet_marks *marks) {
-    return marks->decimal == ',' ? "decimal commas, " : t->separator == ';' && marks->decimal == '.' ? "decimal points, " : "";
+    return marks->decimal == ','                          ? "decimal commas, "
+           : t->separator == ';' && marks->decimal == '.' ? "decimal points, "
+                                                          : "";
 }
 
 bool sheet_scan(const char *text, const sheet_marks *marks, double *value, const char **end) {
@@ -544,7 +567,8 @@ int sheet_unit(const char *text, char *dimension, double *si) {
     return unit_of(folded, dimension, si) ? 1 : -1;
 }
 
-int sheet_refuse_columns(char *message, int size, const char *path, const char *what, const char *name, const char *const *names, int n) {
+int sheet_refuse_columns(char *message, int size, const char *path, const char *what, const char *name,
+                         const char *const *names, int n) {
     int at = snprintf(message, (size_t)size, "%s: %s%s; the columns are ", path, what, name);
     for (int k = 0, first = 1; k < n && at >= 0 && at < size; k++) {
         if (!*names[k]) continue;

@@ -1,4 +1,5 @@
-/* sheet_words.h: the words of headings, in small letters, umlauts as ae, oe, ue, ss. To be included by sheet.c and sheet_sizes.c only. */
+/* sheet_words.h: the words of headings, in small letters, umlauts as ae, oe, ue, ss. To be included by sheet.c and
+   sheet_sizes.c only. */
 #ifndef RIDDLE_SHEET_WORDS_H
 #define RIDDLE_SHEET_WORDS_H
 
@@ -83,26 +84,33 @@ typedef struct sheet_word {
 } sheet_word;
 static const sheet_word sheet_sieve_words[] = {
     {WORD_SIEVE, " sieve sieves sieb siebe tamis screen "},
-    {WORD_SIZE,
-     " size sizes opening openings aperture apertures diameter diameters dia width weite groesse siebweite maschenweite korngroesse "
-     "korndurchmesser siebgroesse lochweite durchmesser maschengroesse nennweite siebnennweite oeffnung siebmaschenweite "
-     "partikelgroesse partikeldurchmesser d x w dp "},
-    {WORD_GRAIN, " grain grains particle particles korn koerner partikel equivalent aequivalent nominal limit limits grenze klassengrenze "
+    {WORD_SIZE, " size sizes opening openings aperture apertures diameter diameters dia width weite groesse siebweite "
+                "maschenweite korngroesse "
+                "korndurchmesser siebgroesse lochweite durchmesser maschengroesse nennweite siebnennweite oeffnung "
+                "siebmaschenweite "
+                "partikelgroesse partikeldurchmesser d x w dp "},
+    {WORD_GRAIN, " grain grains particle particles korn koerner partikel equivalent aequivalent nominal limit limits "
+                 "grenze klassengrenze "
                  "boundary edge korngrenze "},
     {WORD_LOW, " low lower from von untere unterer min minimum "},
     {WORD_HIGH, " high upper to bis obere oberer max maximum "},
-    {WORD_CLASS, " class classes interval range klasse kornklasse kornfraktion bereich bin korngroessenklasse siebklasse "},
+    {WORD_CLASS,
+     " class classes interval range klasse kornklasse kornfraktion bereich bin korngroessenklasse siebklasse "},
     {WORD_FRACTION, " fraction fractions fraktion "},
     {WORD_PHI, " phi "},
     {WORD_MESH, " mesh meshes "},
     {WORD_ASTM, " astm us std standard e11 no nr "}, /* sieves with a "No." are those of ASTM */
     {WORD_TYLER, " tyler "},
-    {WORD_FINER, " passing passed finer undersize durchgang siebdurchgang durchgangssumme durchgaenge less below smaller than kleiner "
+    {WORD_FINER, " passing passed finer undersize durchgang siebdurchgang durchgangssumme durchgaenge less below "
+                 "smaller than kleiner "
                  "unterkorn cpft tamisat passant "},
-    {WORD_COARSER, " coarser oversize larger above greater rueckstandssumme rueckstandsumme siebrueckstandssumme r groesser ueberkorn "},
+    {WORD_COARSER, " coarser oversize larger above greater rueckstandssumme rueckstandsumme siebrueckstandssumme r "
+                   "groesser ueberkorn "},
     {WORD_RETAINED, " retained rueckstand siebrueckstand on auf residue refus retaining "},
-    {WORD_CUM, " cumulative cumulated cum cumul accumulated kumuliert kumulierter kumulierte kumulativ summe summen sum kum summiert "},
-    {WORD_SHARE, " share shares anteil anteile massenanteil masseanteil gewichtsanteil mengenanteil volumenanteil frequency haeufigkeit "
+    {WORD_CUM, " cumulative cumulated cum cumul accumulated kumuliert kumulierter kumulierte kumulativ summe summen "
+               "sum kum summiert "},
+    {WORD_SHARE, " share shares anteil anteile massenanteil masseanteil gewichtsanteil mengenanteil volumenanteil "
+                 "frequency haeufigkeit "
                  "proportion q3 q0 "},
     {WORD_MASS, " mass masse weight gewicht auswaage m siebgewicht "},
     {WORD_VOLUME, " volume volumen vol volumenanteil "},
@@ -112,8 +120,8 @@ static const sheet_word sheet_sieve_words[] = {
     {WORD_NET, " net netto nettomasse "},
     {WORD_PERCENT, " percent percentage prozent pct perc "},
     {WORD_NUMBER, " number anzahl zahl nummer "},
-    {WORD_NOTHING,
-     " the of in by a an at der des die das dem den im am mean measured gemessen each per je individual einzeln test wt total "},
+    {WORD_NOTHING, " the of in by a an at der des die das dem den im am mean measured gemessen each per je individual "
+                   "einzeln test wt total "},
 };
 
 static const char sheet_pan_words[] =
@@ -124,16 +132,17 @@ static const char sheet_total_words[] = " total sum summe gesamt gesamtsumme tot
 typedef struct sheet_mesh {
     double number, width;
 } sheet_mesh;
-static const sheet_mesh sheet_astm[] = {{3.5, 5.6},   {4, 4.75},    {5, 4.0},     {6, 3.35},    {7, 2.8},     {8, 2.36},    {10, 2.0},
-                                        {12, 1.7},    {14, 1.4},    {16, 1.18},   {18, 1.0},    {20, 0.85},   {25, 0.71},   {30, 0.6},
-                                        {35, 0.5},    {40, 0.425},  {45, 0.355},  {50, 0.3},    {60, 0.25},   {70, 0.212},  {80, 0.18},
-                                        {100, 0.15},  {120, 0.125}, {140, 0.106}, {170, 0.09},  {200, 0.075}, {230, 0.063}, {270, 0.053},
-                                        {325, 0.045}, {400, 0.038}, {450, 0.032}, {500, 0.025}, {635, 0.02}};
-static const sheet_mesh sheet_tyler[] = {{3.5, 5.6},   {4, 4.75},    {5, 4.0},     {6, 3.35},   {7, 2.8},     {8, 2.36},    {9, 2.0},
-                                         {10, 1.7},    {12, 1.4},    {14, 1.18},   {16, 1.0},   {20, 0.85},   {24, 0.71},   {28, 0.6},
-                                         {32, 0.5},    {35, 0.425},  {42, 0.355},  {48, 0.3},   {60, 0.25},   {65, 0.212},  {80, 0.18},
-                                         {100, 0.15},  {115, 0.125}, {150, 0.106}, {170, 0.09}, {200, 0.075}, {250, 0.063}, {270, 0.053},
-                                         {325, 0.045}, {400, 0.038}, {500, 0.025}};
+static const sheet_mesh sheet_astm[] = {
+    {3.5, 5.6},   {4, 4.75},    {5, 4.0},     {6, 3.35},    {7, 2.8},     {8, 2.36},    {10, 2.0},
+    {12, 1.7},    {14, 1.4},    {16, 1.18},   {18, 1.0},    {20, 0.85},   {25, 0.71},   {30, 0.6},
+    {35, 0.5},    {40, 0.425},  {45, 0.355},  {50, 0.3},    {60, 0.25},   {70, 0.212},  {80, 0.18},
+    {100, 0.15},  {120, 0.125}, {140, 0.106}, {170, 0.09},  {200, 0.075}, {230, 0.063}, {270, 0.053},
+    {325, 0.045}, {400, 0.038}, {450, 0.032}, {500, 0.025}, {635, 0.02}};
+static const sheet_mesh sheet_tyler[] = {
+    {3.5, 5.6},  {4, 4.75},    {5, 4.0},     {6, 3.35},    {7, 2.8},     {8, 2.36},    {9, 2.0},     {10, 1.7},
+    {12, 1.4},   {14, 1.18},   {16, 1.0},    {20, 0.85},   {24, 0.71},   {28, 0.6},    {32, 0.5},    {35, 0.425},
+    {42, 0.355}, {48, 0.3},    {60, 0.25},   {65, 0.212},  {80, 0.18},   {100, 0.15},  {115, 0.125}, {150, 0.106},
+    {170, 0.09}, {200, 0.075}, {250, 0.063}, {270, 0.053}, {325, 0.045}, {400, 0.038}, {500, 0.025}};
 
 /* ---- shared by the two files ---- */
 
@@ -172,15 +181,16 @@ int sheet_heading_lines(const sheet_text *t, int row);
 int sheet_headings(const sheet_text *t, int row, int lines, const char **names, char *room, size_t size);
 bool sheet_is_total(const sheet_text *t, int row);
 /* The marks of all numbers in these columns below a row; -1: in doubt. */
-int sheet_find_marks(const sheet_text *t, int from, const int *column, int n, const char *path, sheet_marks *marks, char *message,
-                     int message_size);
+int sheet_find_marks(const sheet_text *t, int from, const int *column, int n, const char *path, sheet_marks *marks,
+                     char *message, int message_size);
 /* A number at the beginning of a text; *end: behind it. */
 bool sheet_scan(const char *text, const sheet_marks *marks, double *value, const char **end);
 /* A unit behind a number: 0 none, 1 read; -1 something else. */
 int sheet_unit(const char *text, char *dimension, double *si);
 int sheet_refuse(char *message, int size, const char *format, ...);
 /* "path: what name; the columns are ..." */
-int sheet_refuse_columns(char *message, int size, const char *path, const char *what, const char *name, const char *const *names, int n);
+int sheet_refuse_columns(char *message, int size, const char *path, const char *what, const char *name,
+                         const char *const *names, int n);
 const char *sheet_marks_text(const sheet_text *t, const sheet_marks *marks);
 
 #endif

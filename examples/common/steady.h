@@ -11,7 +11,8 @@ typedef struct steady_mean {
     double mean, error; /* standard error from blocks, NaN for fewer than two values a block */
     double drift;       /* change over the whole time of a line through the blocks */
     bool
-        is_steady; /* that line is level within its scatter (Student's t, 99.5 %), or its drift is below 1 % of the mean */
+        is_steady; /* that line is level within its scatter (Student's t, 99.5 %), or its drift is below 1
+                      % of the mean */
 } steady_mean;
 
 /* Of n values at equal times. Blocks are long enough to be independent where a single value is not. */

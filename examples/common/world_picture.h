@@ -1,6 +1,6 @@
 /* world_picture.h - a dem_world as a picture and as a movie, for programs.
 
-       picture_def look = {{"small", "large"}, 2, 0.0, {0.3, 1.0, -0.4}, 0, 0};
+       picture_def look = {{"small", "large"}, 2, 0.0, {0.3, 1.0, -0.4}, {960, 640}};
        draw_world(&world, &look, self.out, "scene.png");
        world_movie film = world_movie_open(self.out, "scene.mp4", &look);  // with --movie
        world_movie_add(&film, &world);                                     // at each frame; a film of NULL is none
@@ -13,13 +13,14 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 typedef struct picture_def {
     const char *names[8]; /* of the groups, for the legend */
     int n_names;
     double speed;        /* [m/s] above 0: coloured by speed up to it instead */
     double direction[3]; /* from the eye to the picture */
-    int width, height;   /* [pixels]; 0: 960 x 640 */
+    int size[2];         /* width, height [pixels]; 0: 960 x 640; with option_size("size", look.size, ...) the user's */
 } picture_def;
 
 /* Whether a wall is looked through: what holds the particles, not what stands among them. */
@@ -79,7 +80,7 @@ static void put_world(picture *s, const dem_world *world, const picture_def *loo
 }
 
 static picture *world_scene(const picture_def *look) {
-    picture *s = picture_new(look->width ? look->width : 960, look->height ? look->height : 640);
+    picture *s = picture_new(look->size[0] ? look->size[0] : 960, look->size[1] ? look->size[1] : 640);
     for (int k = 0; k < look->n_names && !(look->speed > 0.0); k++) picture_legend(s, look->names[k], picture_class(k));
     if (look->speed > 0.0) picture_bar(s, "speed [m/s]", look->speed);
     return s;
@@ -111,7 +112,9 @@ typedef struct world_movie {
 } world_movie;
 
 static inline world_movie world_movie_open(const char *folder, const char *name, const picture_def *look) {
-    world_movie m = {movie_open(folder, name, 25), NULL, look};
+    const size_t length = strlen(name);
+    const int animation = length > 4 && strcmp(name + length - 4, ".png") == 0; /* for a page: fewer frames */
+    world_movie m = {movie_open(folder, name, animation ? 12 : 25), NULL, look};
     if (m.film) m.s = world_scene(look);
     return m;
 }

@@ -1,20 +1,23 @@
 /* my_drum.c - a drum with four lifters, half full of spheres of 3 and 6 mm; two turns.
 
-   cc -O3 -I. examples/first/my_drum.c -lm -o my_drum && ./my_drum              (in the folder that holds dem.h; writes out/my_drum/)
+   cc -O3 -I. examples/first/my_drum.c -lm -o my_drum && ./my_drum              (in the folder that holds dem.h; writes
+   out/my_drum/)
 
-   For your own case change the numbers below, the materials, the lifters (dem_add_mesh takes any triangles, dem_read_stl reads them), and
-   the feed. */
+   For your own case change the numbers below, the materials, the lifters (dem_add_mesh takes any triangles,
+   dem_read_stl reads them), and the feed. */
 #include "dem_io.h"
 
 static const double radius = 0.05, width = 0.024, speed = 4.0, turns = 2.0; /* [m], [m], [rad/s], [-] */
 static const double lifter[] = {0.012, 0.004};                              /* height, thickness [m] */
-static const double diameter[] = {6e-3, 3e-3}, mass = 0.05;                 /* [m], the large ones find room first; [kg], half of it each */
+/* [m], the large ones find room first; [kg], half of it each */
+static const double diameter[] = {6e-3, 3e-3}, mass = 0.05;
 static const char *const names[] = {"6 mm", "3 mm"};
 enum { FRAMES = 60, FEATURES = DEM_LINEAR | DEM_FRICTION };
 
 int main(void) {
     dem_def def = dem_default_def();
-    int glass = dem_add_material(&def, 2500.0, 5e9, 0.2), steel = dem_add_material(&def, 7850.0, 2e11, 0.3); /* [kg/m3], [Pa], [-] */
+    /* [kg/m3], [Pa], [-] */
+    int glass = dem_add_material(&def, 2500.0, 5e9, 0.2), steel = dem_add_material(&def, 7850.0, 2e11, 0.3);
     for (int k = glass; k <= steel; k++) {
         dem_pair_def *pair = dem_pair(&def, glass, k);
         pair->stiffness = 300.0, pair->restitution = 0.6, pair->friction = 0.5; /* [N/m], [-], [-] */
@@ -34,7 +37,8 @@ int main(void) {
     for (int k = 0; k < 2; k++) {
         double side = 0.7 * (radius - lifter[0]);
         dem_feed feed = dem_default_feed();
-        feed.sizes = dem_one_size(diameter[k]), feed.material = glass, feed.group = k, feed.random = (uint64_t)k, feed.tries = 2000;
+        feed.sizes = dem_one_size(diameter[k]), feed.material = glass, feed.group = k, feed.random = (uint64_t)k,
+        feed.tries = 2000;
         feed.region = dem_box_region(dem_vec3(-side, -0.5 * width, -side), dem_vec3(side, 0.5 * width, side));
         if (status == DEM_OK) status = dem_fill_mass(&world, &feed, 0.5 * mass);
         printf("%.0f spheres of %s\n", (double)feed.placed, names[k]);
@@ -51,7 +55,7 @@ int main(void) {
     }
     dem_io_close(&series);
     riddle_plot *picture = riddle_plot_new("My drum", 1, 2);
-    riddle_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
+    riddle_plot_panel(picture, 0, 0, NULL, NULL);
     dem_io_section(&world, picture, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), names, 2);
     riddle_plot_panel(picture, 0, 1, "time [s]", "unlike contacts, 1: mixed [-]");
     riddle_plot_line(picture, NULL, time, unlike, status == DEM_OK && written == RIDDLE_IO_OK ? FRAMES : 0);

@@ -1,11 +1,14 @@
 /* my_hopper.c - a conical hopper whose gate is drawn aside after half a second: how fast it runs out.
 
-   cc -O3 -I. examples/first/my_hopper.c -lm -o my_hopper && ./my_hopper        (in the folder that holds dem.h; writes out/my_hopper/)
+   cc -O3 -I. examples/first/my_hopper.c -lm -o my_hopper && ./my_hopper        (in the folder that holds dem.h; writes
+   out/my_hopper/)
 
-   For your own case change the numbers below, the materials, the cone (or a mesh: dem_read_stl, dem_add_mesh), and the feed. */
+   For your own case change the numbers below, the materials, the cone (or a mesh: dem_read_stl, dem_add_mesh),
+   and the feed. */
 #include "dem_io.h"
 
-static const double outlet = 0.03, top = 0.1, slope = 60.0, wall = 0.1; /* diameters [m], of the cone [degrees], above it [m] */
+/* Diameters [m], of the cone [degrees], above it [m]. */
+static const double outlet = 0.03, top = 0.1, slope = 60.0, wall = 0.1;
 static const double diameter = 5e-3, mass = 0.15;                       /* [m], [kg] */
 static const double shut = 0.5, duration = 1.5;                         /* [s] */
 enum { FRAMES = 75, FEATURES = DEM_LINEAR | DEM_FRICTION };
@@ -19,7 +22,8 @@ static void draw_aside(void *user, double time, dem_pose *pose) {
 
 int main(void) {
     dem_def def = dem_default_def();
-    int glass = dem_add_material(&def, 2500.0, 5e9, 0.2), steel = dem_add_material(&def, 7850.0, 2e11, 0.3); /* [kg/m3], [Pa], [-] */
+    /* [kg/m3], [Pa], [-] */
+    int glass = dem_add_material(&def, 2500.0, 5e9, 0.2), steel = dem_add_material(&def, 7850.0, 2e11, 0.3);
     for (int k = glass; k <= steel; k++) {
         dem_pair_def *pair = dem_pair(&def, glass, k);
         pair->stiffness = 1000.0, pair->restitution = 0.5, pair->friction = 0.4; /* [N/m], [-], [-] */
@@ -28,11 +32,14 @@ int main(void) {
     dem_status status = dem_init(&world, &def, NULL);
     dem_cone cone = dem_default_cone();
     double height = 0.5 * (top - outlet) * tan(slope * RIDDLE_PI / 180.0);
-    cone.low = dem_vec3(0, 0, 0), cone.low_radius = 0.5 * outlet, cone.high = dem_vec3(0, 0, height), cone.high_radius = 0.5 * top;
+    cone.low = dem_vec3(0, 0, 0), cone.low_radius = 0.5 * outlet, cone.high = dem_vec3(0, 0, height),
+    cone.high_radius = 0.5 * top;
     dem_add_cone(&world, steel, &cone);
-    cone.low = cone.high, cone.low_radius = cone.high_radius, cone.high = dem_vec3(0, 0, height + wall); /* the same radius: a tube */
+    /* The same radius: a tube. */
+    cone.low = cone.high, cone.low_radius = cone.high_radius, cone.high = dem_vec3(0, 0, height + wall);
     dem_add_cone(&world, steel, &cone);
-    int gate = dem_add_box(&world, steel, dem_vec3(-0.7 * outlet, -0.7 * outlet, -0.004), dem_vec3(0.7 * outlet, 0.7 * outlet, -0.001));
+    int gate = dem_add_box(&world, steel, dem_vec3(-0.7 * outlet, -0.7 * outlet, -0.004),
+                           dem_vec3(0.7 * outlet, 0.7 * outlet, -0.001));
     dem_prescribe(&world, gate, dem_vec3(0, 0, 0), draw_aside, NULL);
     dem_add_exit(&world, dem_vec3(0, 0, -0.06), dem_vec3(0, 0, 1));
 
@@ -45,7 +52,7 @@ int main(void) {
     dem_io_series series = dem_io_open("out/my_hopper", "hopper");
     riddle_io_status written = RIDDLE_IO_OK;
     riddle_plot *picture = riddle_plot_new("My hopper", 1, 2);
-    riddle_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
+    riddle_plot_panel(picture, 0, 0, NULL, NULL);
     double time[FRAMES], out[FRAMES];
     for (int f = 0; f < FRAMES && status == DEM_OK && written == RIDDLE_IO_OK; f++) {
         status = dem_run(&world, duration / FRAMES, FEATURES);
@@ -60,7 +67,8 @@ int main(void) {
     riddle_plot_vertical(picture, "gate opens", shut);
     if (riddle_plot_write(picture, "out/my_hopper", "my_hopper.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
     const char *said = written ? riddle_io_status_text(written) : dem_status_text(status);
-    printf("%s: %.0f spheres, %.0f have run out after %.2f s\n", said, (double)feed.placed, (double)world.passed_count, world.time);
+    printf("%s: %.0f spheres, %.0f have run out after %.2f s\n", said, (double)feed.placed, (double)world.passed_count,
+           world.time);
     dem_free(&world);
     return status != DEM_OK || written != RIDDLE_IO_OK;
 }

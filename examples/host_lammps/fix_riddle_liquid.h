@@ -1,14 +1,15 @@
-/* fix_riddle_liquid.h - who has which liquid. Owns the film of every particle and the state of every pair; takes both along when particles
-   change ranks, when neighbour lists are made anew, and into restart files.
+/* fix_riddle_liquid.h - who has which liquid. Owns the film of every particle and the state of every pair; takes both
+   along when particles change ranks, when neighbour lists are made anew, and into restart files.
 
        fix ID all riddle/liquid moisture SHARE      mass of water over mass of spheres
 
    f_ID[1] bridges, f_ID[2] liquid [m3] (films and bridges), f_ID[3] liquid at the start [m3], f_ID[4] ruptures so far,
    f_ID[5] bridges that only one of their two ranks knows: 0, or the books are wrong.
 
-   A pair whose particles live on two ranks is stored on both. Both copies must agree on when a bridge forms and ruptures, though their
-   distances may differ in the last bit across a periodic border. So the rank of the lesser id decides; it tells the other in a message of
-   the same step, and both then compute the new bridge from the same numbers. Forces of a new bridge begin in the next step. */
+   A pair whose particles live on two ranks is stored on both. Both copies must agree on when a bridge forms and
+   ruptures, though their distances may differ in the last bit across a periodic border. So the rank of the lesser id
+   decides; it tells the other in a message of the same step, and both then compute the new bridge from the same
+   numbers. Forces of a new bridge begin in the next step. */
 #ifndef RIDDLE_FIX_LIQUID_H
 #define RIDDLE_FIX_LIQUID_H
 
@@ -104,7 +105,8 @@ class FixRiddleLiquid : public Fix {
     double moisture, initial, ruptures;
     bool has_lists, filled;
     int phase;
-    std::vector<double> film, returned, demand; /* by particle, ghosts too: film [m3], liquid back from ruptures [m3], sum of offers */
+    /* By particle, ghosts too: film [m3], liquid back from ruptures [m3], sum of offers. */
+    std::vector<double> film, returned, demand;
     std::vector<std::vector<wish>> told;        /* by particle, ghosts too */
     std::vector<std::vector<carried_pair>> carried;
     std::vector<entry> live;

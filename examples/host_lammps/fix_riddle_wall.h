@@ -1,11 +1,13 @@
-/* fix_riddle_wall.h - a wall for wet spheres. It supplies geometry (distance, normal, surface velocity); the rest is wet_law.h's.
+/* fix_riddle_wall.h - a wall for wet spheres. It supplies geometry (distance, normal, surface velocity); the rest is
+   wet_law.h's.
 
        fix ID all riddle/wall CONTACT plane x|y|z POSITION [wiggle AMPLITUDE PERIOD]
        fix ID all riddle/wall CONTACT cylinder RADIUS SPIN
 
-   CONTACT as in pair_coeff: stiffness K restitution E friction MU angle A. A plane has its spheres on the greater side; it moves along its
-   normal by A (1 - cos(2 pi t/PERIOD)). A cylinder has the axis x = y = 0 and its spheres inside; it turns with SPIN [rad/s]. Walls stay
-   dry: at rupture a sphere takes back what it gave. Give the fix after fix riddle/liquid. */
+   CONTACT as in pair_coeff: stiffness K restitution E friction MU angle A. A plane has its spheres on the greater side;
+   it moves along its normal by A (1 - cos(2 pi t/PERIOD)). A cylinder has the axis x = y = 0 and its spheres inside; it
+   turns with SPIN [rad/s]. Walls stay dry: at rupture a sphere takes back what it gave. Give the fix after fix
+   riddle/liquid. */
 #ifndef RIDDLE_FIX_WALL_H
 #define RIDDLE_FIX_WALL_H
 

@@ -3,8 +3,8 @@
        pair_style riddle/wet surface_tension S viscosity V         [N/m], [Pa s]
        pair_coeff I J stiffness K restitution E friction MU angle A [N/m], -, -, contact angle [degrees]
 
-   All spheres of a type are of nearly one size (2 %): a type is a size class. Needs newton off, comm_modify vel yes, atom_modify map array
-   and a fix riddle/liquid. */
+   All spheres of a type are of nearly one size (2 %): a type is a size class. Needs newton off, comm_modify vel yes,
+   atom_modify map array and a fix riddle/liquid. */
 #ifndef RIDDLE_PAIR_WET_H
 #define RIDDLE_PAIR_WET_H
 
@@ -33,7 +33,8 @@ class PairRiddleWet : public Pair {
     void *extract(const char *, int &) override;
 
     /* Prepares a kind of pair for size classes a and b; b = 0: a wall. */
-    void prepare(wet_kind *kind, int a, int b, const dem_pair_def &contact, double angle_a, double angle_b, bridge_split split) const;
+    void prepare(wet_kind *kind, int a, int b, const dem_pair_def &contact, double angle_a, double angle_b,
+                 bridge_split split) const;
     const wet_kind *kind(int a, int b) const { return &kinds[(size_t)a * (size_t)(types + 1) + (size_t)b]; }
 
     bridge_liquid liquid;

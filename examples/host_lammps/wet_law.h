@@ -1,5 +1,5 @@
-/* wet_law.h - the forces between two wet bodies, for a host that has its own particles: composed of dem.h's linear contact law and
-   liquid_bridge.h's bridges. Nothing here knows a host. A host calls three functions:
+/* wet_law.h - the forces between two wet bodies, for a host that has its own particles: composed of dem.h's linear
+   contact law and liquid_bridge.h's bridges. Nothing here knows a host. A host calls three functions:
 
        wet_form    when two bodies touch that no bridge joins: makes the bridge from the liquid that each gives
        wet_force   in every step in which they touch or a bridge joins them: force and torques, and 1 at rupture
@@ -61,8 +61,8 @@ static inline bridge_status wet_prepare(wet_kind *kind, const dem_pair_def *cont
 }
 
 /* What of a film [m3] a body offers a new bridge; the answer is capped to what the bridge may hold. */
-static inline void wet_offer(const wet_kind *kind, double film_i, double film_j, double radius_i, double radius_j, double quantum,
-                             double *offer_i, double *offer_j) {
+static inline void wet_offer(const wet_kind *kind, double film_i, double film_j, double radius_i, double radius_j,
+                             double quantum, double *offer_i, double *offer_j) {
     double smallest, largest;
     const int wall = !(radius_j < (double)HUGE_VAL);
     *offer_i = wall ? bridge_share_wall(film_i) : bridge_share_sphere(film_i, radius_i, radius_j);
@@ -73,15 +73,18 @@ static inline void wet_offer(const wet_kind *kind, double film_i, double film_j,
     *offer_j = bridge_quantised(*offer_j * cap, quantum);
 }
 
-/* Forms the bridge of what i and j give [m3], multiples of the quantum. Returns 1; or 0, takes nothing, if it is too little. swapped: i is
-   of the kind's second class. */
-static inline int wet_form(const wet_kind *kind, double radius_i, double radius_j, double given_i, double given_j, int swapped,
-                           wet_state *state) {
+/* Forms the bridge of what i and j give [m3], multiples of the quantum. Returns 1; or 0, takes nothing, if it is too
+   little. swapped: i is of the kind's second class. */
+static inline int wet_form(const wet_kind *kind, double radius_i, double radius_j, double given_i, double given_j,
+                           int swapped, wet_state *state) {
     return bridge_form(&kind->bridge, radius_i, radius_j, given_i, given_j, swapped, &state->liquid) == BRIDGE_OK;
 }
 
-/* What of the bridge's liquid goes to i at rupture [m3]; the rest is j's. Both together are exactly the bridge's volume. */
-static inline double wet_split(const wet_state *state, double quantum) { return bridge_split_volume(&state->liquid, quantum); }
+/* What of the bridge's liquid goes to i at rupture [m3]; the rest is j's. Both together are exactly the
+   bridge's volume. */
+static inline double wet_split(const wet_state *state, double quantum) {
+    return bridge_split_volume(&state->liquid, quantum);
+}
 
 /* Turns the stored slip into the tangential plane; its length stays. */
 static inline void wet_turn_slip(double *slip, const double *normal) {
@@ -92,8 +95,8 @@ static inline void wet_turn_slip(double *slip, const double *normal) {
 }
 
 /* Adds the dry contact force of dem.h's linear law to the tangential and normal parts. */
-static inline void wet_dry_contact(const wet_kind *kind, const wet_encounter *e, const dem_contact *geometry, double *slip, double *normal,
-                                   double *tangential) {
+static inline void wet_dry_contact(const wet_kind *kind, const wet_encounter *e, const dem_contact *geometry,
+                                   double *slip, double *normal, double *tangential) {
     double constants[DEM_LINEAR_CONSTANTS];
     dem_birth birth;
     dem_response r;
@@ -113,8 +116,8 @@ static inline void wet_dry_contact(const wet_kind *kind, const wet_encounter *e,
     for (int a = 0; a < 3; a++) tangential[a] += r.tangential[a];
 }
 
-static inline void wet_force(const wet_kind *kind, const bridge_liquid *liquid, const wet_encounter *e, wet_state *state,
-                             wet_answer *answer) {
+static inline void wet_force(const wet_kind *kind, const bridge_liquid *liquid, const wet_encounter *e,
+                             wet_state *state, wet_answer *answer) {
     dem_contact c;
     double lever[3], turn[3], normal = 0.0, tangential[3] = {0.0, 0.0, 0.0}, moment[3];
     const double opening = wet_dot(e->velocity, e->normal);

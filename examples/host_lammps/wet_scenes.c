@@ -1,5 +1,6 @@
-/* The scenes of host_lammps in dem.h alone: a wet bed of spheres on a vibrating floor and wet spheres in a rotating drum. Writes the
-   start as a LAMMPS data file and the course as a CSV with the columns of measure.lammps, so that both codes can be compared.
+/* The scenes of host_lammps in dem.h alone: a wet bed of spheres on a vibrating floor and wet spheres in a rotating
+   drum. Writes the start as a LAMMPS data file and the course as a CSV with the columns of measure.lammps, so that both
+   codes can be compared.
 
    To change for your own case: bed_scene and drum_scene below, and the same numbers in bed.lammps and drum.lammps. */
 #include <math.h>
@@ -37,14 +38,16 @@ static int write_data(const start *s, const char *path) {
     riddle_io_file *f = riddle_io_open(NULL, path);
     if (!f) return -1;
     riddle_io_print(f, "start of a wet scene, by wet_scenes\n\n%d atoms\n1 atom types\n\n", s->n);
-    for (int a = 0; a < 3; a++) riddle_io_print(f, "%.17g %.17g %clo %chi\n", s->low[a], s->high[a], "xyz"[a], "xyz"[a]);
+    for (int a = 0; a < 3; a++)
+        riddle_io_print(f, "%.17g %.17g %clo %chi\n", s->low[a], s->high[a], "xyz"[a], "xyz"[a]);
     riddle_io_print(f, "\nAtoms # sphere\n\n");
     for (int i = 0; i < s->n; i++)
-        riddle_io_print(f, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", i + 1, s->diameter[i], sphere_density, s->centre[3 * i],
-                        s->centre[3 * i + 1], s->centre[3 * i + 2]);
+        riddle_io_print(f, "%d 1 %.17g %.17g %.17g %.17g %.17g\n", i + 1, s->diameter[i], sphere_density,
+                        s->centre[3 * i], s->centre[3 * i + 1], s->centre[3 * i + 2]);
     riddle_io_print(f, "\nVelocities\n\n");
     for (int i = 0; i < s->n; i++)
-        riddle_io_print(f, "%d %.17g %.17g %.17g 0 0 0\n", i + 1, s->velocity[3 * i], s->velocity[3 * i + 1], s->velocity[3 * i + 2]);
+        riddle_io_print(f, "%d %.17g %.17g %.17g 0 0 0\n", i + 1, s->velocity[3 * i], s->velocity[3 * i + 1],
+                        s->velocity[3 * i + 2]);
     return riddle_io_close(f);
 }
 
@@ -52,7 +55,8 @@ static int write_data(const start *s, const char *path) {
 
 static dem_def definition(double stiffness, double friction, double wall_friction, double dt) {
     dem_def def = dem_default_def();
-    const int glass = dem_add_material(&def, sphere_density, 5e10, 0.2), wall = dem_add_material(&def, sphere_density, 5e10, 0.2);
+    const int glass = dem_add_material(&def, sphere_density, 5e10, 0.2),
+              wall = dem_add_material(&def, sphere_density, 5e10, 0.2);
     for (int k = 0; k < 2; k++) {
         dem_pair_def *pair = dem_pair(&def, glass, k ? wall : glass);
         pair->stiffness = stiffness;
@@ -82,7 +86,10 @@ static int bed_scene(start *s, dem_world *world, const char *folder, double ampl
     for (int a = 0; a < 3; a++) s->low[a] = a == 2 ? -0.01 : 0.0, s->high[a] = a == 2 ? 0.5 : 0.045;
     if (dem_init(world, &def, NULL) != DEM_OK) return common_fail("the bed cannot be made");
     const int floor_wall = dem_add_plane(world, 1, dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0));
-    return dem_vibrate(world, floor_wall, dem_vec3(0.0, 0.0, amplitude), dem_vec3(0.0, 0.0, -0.5 * RIDDLE_PI), 50.6) == DEM_OK ? 0 : -1;
+    return dem_vibrate(world, floor_wall, dem_vec3(0.0, 0.0, amplitude), dem_vec3(0.0, 0.0, -0.5 * RIDDLE_PI), 50.6) ==
+                   DEM_OK
+               ? 0
+               : -1;
 }
 
 /* A drum of 60 mm, 20 mm long, periodic along its axis z, 60 turns a minute, a third full of spheres of 2.5 mm. */
@@ -94,32 +101,37 @@ static int drum_scene(start *s, dem_world *world, uint64_t seed) {
     def.low = dem_vec3(-0.1, -0.1, 0.0);
     def.high = dem_vec3(0.1, 0.1, 0.02);
     for (int a = 0; a < 3; a++) s->low[a] = a == 2 ? 0.0 : -0.031, s->high[a] = a == 2 ? 0.02 : 0.031;
-    if (start_allocate(s, SPHERES) != 0 || dem_init(world, &def, NULL) != DEM_OK) return common_fail("the drum cannot be made");
+    if (start_allocate(s, SPHERES) != 0 || dem_init(world, &def, NULL) != DEM_OK)
+        return common_fail("the drum cannot be made");
     const int drum = dem_add_cylinder(world, 1, dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0), 0.03, 1);
     dem_feed feed = dem_default_feed();
     feed.region = dem_cylinder_region(dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0), 0.02, 0.0285);
     feed.sizes = dem_one_size(0.0025);
     feed.random = seed;
-    if (dem_fill(world, &feed, SPHERES) != DEM_OK || world->count != SPHERES) return common_fail("the drum cannot be filled");
+    if (dem_fill(world, &feed, SPHERES) != DEM_OK || world->count != SPHERES)
+        return common_fail("the drum cannot be filled");
     for (int i = 0; i < SPHERES; i++) {
         const dem_vec x = dem_position(world, i);
         s->centre[3 * i] = x.x, s->centre[3 * i + 1] = x.y, s->centre[3 * i + 2] = x.z;
         s->diameter[i] = 0.0025;
     }
-    return dem_rotate(world, drum, dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0), 2.0 * RIDDLE_PI) == DEM_OK ? 0 : -1;
+    return dem_rotate(world, drum, dem_vec3(0.0, 0.0, 0.0), dem_vec3(0.0, 0.0, 1.0), 2.0 * RIDDLE_PI) == DEM_OK ? 0
+                                                                                                                : -1;
 }
 
-/* Wets the spheres of a world whose wall 0 is its only one. Walls stay dry: at rupture a sphere takes back what it gave. */
+/* Wets the spheres of a world whose wall 0 is its only one. Walls stay dry: at rupture a sphere takes back
+   what it gave. */
 static int wet(wet_scene *wet, dem_world *world, const start *s, const int *group, double moisture) {
     dem_screen screen = dem_default_screen();
     const double classes[WET_CLASSES] = {s->diameter[0], s->diameter[0], s->diameter[0]};
     double mass = 0.0;
     screen.centre = dem_vec3(0.0, 0.0, -50.0);
-    for (int i = 0; i < s->n; i++) mass += RIDDLE_PI / 6.0 * sphere_density * s->diameter[i] * s->diameter[i] * s->diameter[i];
+    for (int i = 0; i < s->n; i++)
+        mass += RIDDLE_PI / 6.0 * sphere_density * s->diameter[i] * s->diameter[i] * s->diameter[i];
     const int deck = dem_add_screen(world, 1, &screen); /* the books of dem_wet.h want one; it is out of the way */
     if (deck < 0 || dem_enable_wall(world, deck, 0) != DEM_OK) return -1;
-    if (wet_init(wet, s->n, group, s->diameter, classes, moisture * 1000.0 / water_density, mass, deck, world, false, WET_STEEL) !=
-        BRIDGE_OK)
+    if (wet_init(wet, s->n, group, s->diameter, classes, moisture * 1000.0 / water_density, mass, deck, world, false,
+                 WET_STEEL) != BRIDGE_OK)
         return -1;
     world->user = wet;
     for (int a = 0; a < WET_CLASSES; a++) {
@@ -160,8 +172,9 @@ int main(int argc, char **argv) {
         option_string("beds", "DIR", &folder, "folder of the bed's start"),
         option_string("data", "FILE", &data, "write the start as a LAMMPS data file and run nothing"),
     };
-    program self = program_start("wet_scenes", "The scenes of host_lammps in dem.h: a wet vibrated bed, a wet rotating drum.", options,
-                                 sizeof options / sizeof *options, argc, argv);
+    program self =
+        program_start("wet_scenes", "The scenes of host_lammps in dem.h: a wet vibrated bed, a wet rotating drum.",
+                      options, sizeof options / sizeof *options, argc, argv);
     if (self.quick && !is_given(&self, "time")) duration = 0.01;
     start s = {0};
     dem_world world;
@@ -176,8 +189,9 @@ int main(int argc, char **argv) {
         dem_status status = group ? DEM_OK : DEM_OUT_OF_MEMORY;
         if (status == DEM_OK && !scene) status = dem_add_spheres(&world, s.n, s.centre, s.diameter, 0, 0);
         for (int i = 0; i < s.n && status == DEM_OK; i++)
-            status = dem_set_motion(&world, i, dem_vec3(s.velocity[3 * i], s.velocity[3 * i + 1], s.velocity[3 * i + 2]),
-                                    dem_vec3(0.0, 0.0, 0.0));
+            status =
+                dem_set_motion(&world, i, dem_vec3(s.velocity[3 * i], s.velocity[3 * i + 1], s.velocity[3 * i + 2]),
+                               dem_vec3(0.0, 0.0, 0.0));
         if (status == DEM_OK && !dry && wet(&books, &world, &s, group, moisture) != 0) status = DEM_BAD_ARGUMENT;
         riddle_io_file *file = csv_open(self.out, "course.csv", "time_s,bridges,liquid_m3,height_m,kinetic_energy_J");
         double cpu = 0.0;
@@ -193,8 +207,8 @@ int main(int argc, char **argv) {
         progress_end(&bar);
         riddle_io_close(file);
         if (status != DEM_OK) common_fail("%s", dem_status_text(status));
-        printf("%s: %d spheres, %.4g s, %.3g s of processor time, %.3g particle-steps/s\n", scene ? "drum" : "bed", s.n, world.time, cpu,
-               s.n * world.time / world.def.dt / (cpu > 0.0 ? cpu : 1.0));
+        printf("%s: %d spheres, %.4g s, %.3g s of processor time, %.3g particle-steps/s\n", scene ? "drum" : "bed", s.n,
+               world.time, cpu, s.n * world.time / world.def.dt / (cpu > 0.0 ? cpu : 1.0));
         free(group);
     }
     dem_free(&world);

@@ -1,5 +1,6 @@
-/* deck_measure.h - what is measured on a deck_scene.h machine: which grain left where, when the machine is steady, and then the
-   partition curve, the flow along the deck, blocked holes and times of residence, with intervals from batch means over windows. */
+/* deck_measure.h - what is measured on a deck_scene.h machine: which grain left where, when the machine is steady, and
+   then the partition curve, the flow along the deck, blocked holes and times of residence, with intervals from batch
+   means over windows. */
 #ifndef DECK_MEASURE_H
 #define DECK_MEASURE_H
 
@@ -10,10 +11,12 @@ static const double DECK_HELD = 0.5; /* a grain that stays so long in one hole b
 
 /* ---- statistics: pure functions ---- */
 
-/* Two-sided 95 % quantile of Student's t: from a table, from 5 degrees of freedom on to 0.15 % (Cornish-Fisher expansion about 1.96). */
+/* Two-sided 95 % quantile of Student's t: from a table, from 5 degrees of freedom on to 0.15 % (Cornish-Fisher
+   expansion about 1.96). */
 static inline double deck_student(int freedom) {
     static const double few[] = {HUGE_VAL, 12.706, 4.303, 3.182, 2.776};
-    const double z = 1.959963984540054, v = freedom, a = (z * z * z + z) / 4.0, b = (5.0 * pow(z, 5) + 16.0 * z * z * z + 3.0 * z) / 96.0,
+    const double z = 1.959963984540054, v = freedom, a = (z * z * z + z) / 4.0,
+                 b = (5.0 * pow(z, 5) + 16.0 * z * z * z + 3.0 * z) / 96.0,
                  c = (3.0 * pow(z, 7) + 19.0 * pow(z, 5) + 17.0 * z * z * z - 15.0 * z) / 384.0;
     return freedom < 5 ? few[freedom < 0 ? 0 : freedom] : z + a / v + b / (v * v) + c / (v * v * v);
 }
@@ -34,8 +37,8 @@ static inline deck_estimate deck_mean(int n, const double *x) {
     return e;
 }
 
-/* Ratio of two sums over n batches, and its interval by the batches' residuals (ratio estimator, Cochran 1977, section 6.4). NaN where the
-   lower sum is not positive. */
+/* Ratio of two sums over n batches, and its interval by the batches' residuals (ratio estimator, Cochran 1977, section
+   6.4). NaN where the lower sum is not positive. */
 static inline deck_estimate deck_ratio(int n, const double *upper, const double *lower) {
     deck_estimate e = {(double)NAN, (double)NAN};
     double a = 0.0, b = 0.0, square = 0.0;
@@ -47,9 +50,10 @@ static inline deck_estimate deck_ratio(int n, const double *upper, const double 
     return e;
 }
 
-/* Whether n windows, 4 or more, are steady: what comes in and what leaves [kg each] differ by no more than their own scatter, and by less
-   than `tolerance` of the feed for certain; no more leaves in the second half than in the first, beyond that scatter; and the mean hold-up
-   [kg each] of the two halves differs by less than half the tolerance. 1 or 0. */
+/* Whether n windows, 4 or more, are steady: what comes in and what leaves [kg each] differ by no more than their own
+   scatter, and by less than `tolerance` of the feed for certain; no more leaves in the second half than in the first,
+   beyond that scatter; and the mean hold-up [kg each] of the two halves differs by less than half the
+   tolerance. 1 or 0. */
 static inline int deck_is_steady(int n, const double *in, const double *out, const double *holdup, double tolerance) {
     double gain[64], feed = 0.0, leaves[2] = {0.0, 0.0}, holds[2] = {0.0, 0.0}, square = 0.0;
     const int half[2] = {n / 2, n - n / 2};
@@ -65,7 +69,8 @@ static inline int deck_is_steady(int n, const double *in, const double *out, con
     const double drift = deck_student(n - 2) * sqrt(square * (1.0 / half[0] + 1.0 / half[1]));
     if (!(feed > 0.0 && holds[0] + holds[1] < HUGE_VAL)) return 0;
     return fabs(rest.value) <= rest.interval && fabs(rest.value) + rest.interval <= tolerance * feed &&
-           fabs(leaves[1] - leaves[0]) <= drift && fabs(holds[1] - holds[0]) <= 0.25 * tolerance * (holds[0] + holds[1]);
+           fabs(leaves[1] - leaves[0]) <= drift &&
+           fabs(holds[1] - holds[0]) <= 0.25 * tolerance * (holds[0] + holds[1]);
 }
 
 /* ---- books ---- */
@@ -102,7 +107,8 @@ typedef struct deck_grain {
     bool left;
 } deck_grain;
 
-/* Something that happened to a grain: it passed the mesh of deck `level`, or left over its end (level = decks: as underflow). */
+/* Something that happened to a grain: it passed the mesh of deck `level`, or left over its end (level = decks:
+   as underflow). */
 typedef struct deck_event {
     double time, x, mass, stay; /* [s], place along the deck [m], [kg], time since it was fed [s] */
     int klass, level;
@@ -112,7 +118,8 @@ typedef struct deck_event {
 /* Sums over the looks of a window, by deck and zone of its length. */
 typedef struct deck_zone {
     double mass, momentum, height; /* sum of m, m v_x, m z over the wires */
-    double held, sitting;          /* holes with a grain that blocks, or sits in them; of slots, blocked length over pitch */
+    double held, sitting;          /* holes with a grain that blocks, or sits in them; of slots, blocked
+                                      length over pitch */
 } deck_zone;
 typedef struct deck_window {
     double fed, left, holdup; /* [kg]; mean of grains present [kg] */
@@ -130,7 +137,8 @@ typedef struct deck_books {
     double window_time;          /* [s] */
     ptrdiff_t fed[DECK_CLASSES]; /* numbers by class, from the start */
     ptrdiff_t left[DECKS_MAX + 1][DECK_CLASSES];
-    double first_over, first_left; /* when the first grain left over the first deck's end, or anywhere [s]; infinite: none yet */
+    double first_over, first_left; /* when the first grain left over the first deck's end, or anywhere [s];
+                                      infinite: none yet */
     int steady, finish;            /* windows: first steady one or -1; where measuring ends */
 } deck_books;
 
@@ -215,8 +223,8 @@ static inline int deck_book_left(deck_books *b, deck_machine *k, deck_window *w)
     return 0;
 }
 
-/* A grain stands in a hole while its centre is within one radius of the wires' plane and within a tenth of the aperture of the place where
-   it came to stand, in the frame of the deck. */
+/* A grain stands in a hole while its centre is within one radius of the wires' plane and within a tenth of the aperture
+   of the place where it came to stand, in the frame of the deck. */
 static inline void deck_book_hole(deck_grain *g, const deck_machine *k, dem_vec at, double radius, deck_zone *zone) {
     const dem_wall *wall = &k->world.wall[g->level];
     const double x = at.x - (wall->position.x - wall->asked.origin.x), y = at.y, z = at.z - wall->position.z;
@@ -253,7 +261,8 @@ static inline int deck_look(deck_books *b, deck_machine *k) {
         if (deck_book_level(b, d, id, k->world.time, at.x, at.z + radius)) return -1;
         deck_grain *g = &b->grain[id];
         w->holdup += g->mass, w->grains += 1.0;
-        if (g->level >= d->decks || at.z > k->feed.region.low.z) continue; /* what falls onto the deck is not yet on it */
+        /* What falls onto the deck is not yet on it. */
+        if (g->level >= d->decks || at.z > k->feed.region.low.z) continue;
         deck_zone *zone = &w->zone[g->level][(int)fmin(fmax(at.x / d->length * DECK_ZONES, 0.0), DECK_ZONES - 1.0)];
         zone->mass += g->mass;
         zone->momentum += g->mass * dem_velocity(&k->world, i).x;
@@ -268,8 +277,8 @@ static inline int deck_windows_done(const deck_books *b, const deck_machine *k) 
     return (int)fmin((double)b->windows, floor((k->world.time + 0.5 * k->step) / b->window_time));
 }
 
-/* At the end of a window: looks for the steady state, from when grains have crossed the deck twice over. As many windows as a small
-   section needs for its scatter to allow a judgement are taken together: 1, 2, 4 ... */
+/* At the end of a window: looks for the steady state, from when grains have crossed the deck twice over. As many
+   windows as a small section needs for its scatter to allow a judgement are taken together: 1, 2, 4 ... */
 static inline void deck_find_steady(deck_books *b, int windows, double tolerance, double measure) {
     double in[DECK_STEADY_WINDOWS], out[DECK_STEADY_WINDOWS], holdup[DECK_STEADY_WINDOWS];
     const int need = DECK_STEADY_WINDOWS;
@@ -293,7 +302,8 @@ static inline void deck_find_steady(deck_books *b, int windows, double tolerance
 
 /* ---- answers ---- */
 
-/* Of a deck, over the steady windows. Curves by class: what arrives is what passes the mesh and what leaves over the end. */
+/* Of a deck, over the steady windows. Curves by class: what arrives is what passes the mesh and what leaves
+   over the end. */
 typedef struct deck_answer {
     double duration;                                    /* [s] */
     deck_estimate partition[DECK_CLASSES];              /* share of a class that leaves over the end */
@@ -303,7 +313,8 @@ typedef struct deck_answer {
     deck_estimate recovery;                             /* share of what is smaller than the aperture that passes */
     deck_estimate over, under;                          /* flows [kg/s] */
     deck_estimate undersize_in_over, oversize_in_under; /* mass shares of the products */
-    double largest_under;                               /* grain that passed [m]: soft ones are a little wider than the holes */
+    double largest_under;                               /* grain that passed [m]: soft ones are a little wider
+                                                           than the holes */
     double load[DECK_ZONES], depth[DECK_ZONES], velocity[DECK_ZONES]; /* [kg/m2], [m], [m/s] */
     deck_estimate held[DECK_ZONES], sitting[DECK_ZONES];              /* shares of the holes */
     double stay, stay_low, stay_high;                                 /* of what leaves over the end [s] */
@@ -333,12 +344,12 @@ static inline void deck_stays(const deck_books *b, int level, double from, doubl
 /* Sums of what arrived and what left over, by class and batch. */
 typedef struct deck_sums {
     double arrived[DECK_CLASSES][DECK_BATCHES], over[DECK_CLASSES][DECK_BATCHES];
-    double under_all[DECK_BATCHES], over_all[DECK_BATCHES], fine[DECK_BATCHES], fine_passed[DECK_BATCHES], fine_over[DECK_BATCHES],
-        coarse_passed[DECK_BATCHES];
+    double under_all[DECK_BATCHES], over_all[DECK_BATCHES], fine[DECK_BATCHES], fine_passed[DECK_BATCHES],
+        fine_over[DECK_BATCHES], coarse_passed[DECK_BATCHES];
 } deck_sums;
 
-static inline void deck_sum_events(const deck_books *b, const deck_def *d, int level, double from, double to, deck_sums *s,
-                                   deck_answer *a) {
+static inline void deck_sum_events(const deck_books *b, const deck_def *d, int level, double from, double to,
+                                   deck_sums *s, deck_answer *a) {
     double place[DECK_CLASSES][DECK_STATIONS + 1];
     memset(s, 0, sizeof *s);
     memset(place, 0, sizeof place);
@@ -364,12 +375,14 @@ static inline void deck_sum_events(const deck_books *b, const deck_def *d, int l
             here += place[c][q];
             a->retained[c][q] = a->arrived[c] > 0.0 ? 1.0 - here / a->arrived[c] : (double)NAN;
         }
-        a->size[c] = a->arrived[c] > 0.0 ? a->size[c] / a->arrived[c] : sqrt(b->classes.edge[c] * b->classes.edge[c + 1]);
+        a->size[c] =
+            a->arrived[c] > 0.0 ? a->size[c] / a->arrived[c] : sqrt(b->classes.edge[c] * b->classes.edge[c + 1]);
     }
 }
 
 /* Zones: means over looks; intervals of blocked holes by batches of windows. */
-static inline void deck_sum_zones(const deck_books *b, const deck_def *d, int level, int first, int end, deck_answer *a) {
+static inline void deck_sum_zones(const deck_books *b, const deck_def *d, int level, int first, int end,
+                                  deck_answer *a) {
     const double area = d->length * d->width / DECK_ZONES, pitch = deck_pitch(d, level);
     const double holes = area / (pitch * pitch); /* of slots: lengths of a pitch */
     for (int z = 0; z < DECK_ZONES; z++) {
@@ -402,7 +415,8 @@ static inline void deck_measure(const deck_books *b, const deck_def *d, int leve
         deck_estimate *p = &a->partition[c];
         *p = deck_ratio(DECK_BATCHES, s.over[c], s.arrived[c]);
         /* none of n went the other way: up to 3/n may (rule of three); what is larger than the holes cannot */
-        if ((p->value == 0.0 || p->value == 1.0) && b->classes.edge[c] < d->aperture[level]) p->interval = 3.0 / a->grains[c];
+        if ((p->value == 0.0 || p->value == 1.0) && b->classes.edge[c] < d->aperture[level])
+            p->interval = 3.0 / a->grains[c];
     }
     a->recovery = deck_ratio(DECK_BATCHES, s.fine_passed, s.fine);
     a->undersize_in_over = deck_ratio(DECK_BATCHES, s.fine_over, s.over_all);

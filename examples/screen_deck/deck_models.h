@@ -1,5 +1,5 @@
-/* deck_models.h - process models of screen_models.h on a deck that was measured by deck_measure.h: fitted to one feed rate, they predict
-   another; and the deck that a recovery needs. */
+/* deck_models.h - process models of screen_models.h on a deck that was measured by deck_measure.h: fitted to one feed
+   rate, they predict another; and the deck that a recovery needs. */
 #ifndef DECK_MODELS_H
 #define DECK_MODELS_H
 
@@ -19,7 +19,9 @@ typedef struct deck_curves {
     double recovery[DECK_STATIONS];                     /* of the undersize [-] */
 } deck_curves;
 
-static inline double deck_feed_middle(const deck_def *d) { return 1.1 * deck_largest(&d->sizes) + 0.5 * d->feed_length; }
+static inline double deck_feed_middle(const deck_def *d) {
+    return 1.1 * deck_largest(&d->sizes) + 0.5 * d->feed_length;
+}
 
 /* Mean velocity along the deck [m/s]. */
 static inline double deck_travel(const deck_answer *a) {
@@ -30,7 +32,8 @@ static inline double deck_travel(const deck_answer *a) {
 }
 
 /* Classes that make less than a thousandth of the feed are left out. velocity: of travel, own or assumed [m/s]. */
-static inline void deck_take_curves(const deck_answer *a, const deck_classes *classes, const deck_def *d, double velocity, deck_curves *c) {
+static inline void deck_take_curves(const deck_answer *a, const deck_classes *classes, const deck_def *d,
+                                    double velocity, deck_curves *c) {
     const double origin = deck_feed_middle(d), start = origin + 0.5 * d->feed_length;
     double all = 0.0, fine = 0.0;
     memset(c, 0, sizeof *c);
@@ -55,7 +58,8 @@ static inline void deck_take_curves(const deck_answer *a, const deck_classes *cl
             c->recovery[p] += c->share[k] * (1.0 - c->retained[k * c->points + p]);
         }
     }
-    c->undersize = fine / a->duration * d->length / velocity, c->oversize = (all - fine) / a->duration * d->length / velocity;
+    c->undersize = fine / a->duration * d->length / velocity,
+    c->oversize = (all - fine) / a->duration * d->length / velocity;
 }
 
 /* Models 0, 1, 2 along the length; 3, which is of a batch, along the time in which the bed travels. */
@@ -92,10 +96,12 @@ static inline screen_def deck_screen_of(const deck_fit *fit, const deck_curves *
     return s;
 }
 
-static inline const double *deck_way(const deck_curves *c, screen_model model) { return model == SCREEN_SOLDINGER ? c->time : c->length; }
+static inline const double *deck_way(const deck_curves *c, screen_model model) {
+    return model == SCREEN_SOLDINGER ? c->time : c->length;
+}
 
-static inline void deck_fit_model(const deck_curves *c, const deck_def *d, screen_model model, double load_exponent, uint64_t seed,
-                                  deck_fit *fit) {
+static inline void deck_fit_model(const deck_curves *c, const deck_def *d, screen_model model, double load_exponent,
+                                  uint64_t seed, deck_fit *fit) {
     const screen_def def = deck_screen(c, d, model);
     const screen_case data = {deck_operation(d), c->points, deck_way(c, model), c->retained};
     screen_fit_options options = screen_default_fit_options(model);
@@ -104,7 +110,8 @@ static inline void deck_fit_model(const deck_curves *c, const deck_def *d, scree
     memset(fit, 0, sizeof *fit);
     fit->model = model;
     fit->load_exponent = load_exponent, fit->load_reference = (c->undersize + c->oversize) / (d->length * d->width);
-    fit->status = c->classes < 1 || c->points < 2 ? SCREEN_TOO_FEW_POINTS : screen_fit(&def, model, 1, &data, &options, &result);
+    fit->status =
+        c->classes < 1 || c->points < 2 ? SCREEN_TOO_FEW_POINTS : screen_fit(&def, model, 1, &data, &options, &result);
     fit->deviation = (double)NAN;
     if (fit->status != SCREEN_OK) return;
     memcpy(fit->parameter, result.parameter, sizeof fit->parameter);
@@ -117,13 +124,16 @@ static inline double deck_predict(const deck_fit *fit, const deck_curves *c, con
     const screen_operation o = deck_operation(d);
     screen_status status = fit->status;
     if (status == SCREEN_OK)
-        status = screen_predict(&def, fit->model, fit->parameter, &o, c->points, deck_way(c, fit->model), retained, NULL, NULL);
+        status = screen_predict(&def, fit->model, fit->parameter, &o, c->points, deck_way(c, fit->model), retained,
+                                NULL, NULL);
     for (int k = 0; k < c->classes * c->points && status != SCREEN_OK; k++) retained[k] = (double)NAN;
     return status == SCREEN_OK ? screen_deviation(c->classes * c->points, retained, c->retained) : (double)NAN;
 }
 
-/* Length from the feed on at which the share `recovery` of the undersize has passed [m]; NaN if not within ten decks. */
-static inline double deck_length_by_model(const deck_fit *fit, const deck_curves *c, const deck_def *d, double velocity, double recovery) {
+/* Length from the feed on at which the share `recovery` of the undersize has passed [m]; NaN if not
+   within ten decks. */
+static inline double deck_length_by_model(const deck_fit *fit, const deck_curves *c, const deck_def *d, double velocity,
+                                          double recovery) {
     const screen_def def = deck_screen_of(fit, c, d);
     const screen_operation o = deck_operation(d);
     const double scale = fit->model == SCREEN_SOLDINGER ? velocity : 1.0;
@@ -134,10 +144,11 @@ static inline double deck_length_by_model(const deck_fit *fit, const deck_curves
     return way * scale;
 }
 
-/* What a fitted model says of the deck itself at this feed, from the feed's place to the last station: share of the undersize that passes [-];
-   and the largest feed at which that reaches `recovery` [kg/s], NaN where the model does not know the load or no feed does. */
-static inline void deck_duty_by_model(const deck_fit *fit, const deck_curves *c, const deck_def *d, double velocity, double recovery,
-                                      double *efficiency, double *capacity) {
+/* What a fitted model says of the deck itself at this feed, from the feed's place to the last station: share of the
+   undersize that passes [-]; and the largest feed at which that reaches `recovery` [kg/s], NaN where the model does not
+   know the load or no feed does. */
+static inline void deck_duty_by_model(const deck_fit *fit, const deck_curves *c, const deck_def *d, double velocity,
+                                      double recovery, double *efficiency, double *capacity) {
     double retained[DECK_CLASSES];
     screen_flow flow;
     *efficiency = *capacity = (double)NAN;
@@ -147,7 +158,8 @@ static inline void deck_duty_by_model(const deck_fit *fit, const deck_curves *c,
     const screen_duty duty = {d->flow, d->width, c->length[c->points - 1], velocity};
     if (screen_steady(&def, fit->model, fit->parameter, &o, &duty, 1, retained, NULL, NULL, &flow) == SCREEN_OK)
         *efficiency = flow.efficiency;
-    if (screen_capacity(&def, fit->model, fit->parameter, &o, &duty, recovery, capacity) != SCREEN_OK) *capacity = (double)NAN;
+    if (screen_capacity(&def, fit->model, fit->parameter, &o, &duty, recovery, capacity) != SCREEN_OK)
+        *capacity = (double)NAN;
 }
 
 /* The same by DEM, between stations; NaN if the deck is shorter. */
@@ -155,8 +167,8 @@ static inline double deck_length_by_dem(const deck_curves *c, double recovery) {
     for (int p = 0; p < c->points; p++) {
         if (c->recovery[p] < recovery) continue;
         if (p == 0) return c->length[0];
-        return c->length[p - 1] +
-               (recovery - c->recovery[p - 1]) / (c->recovery[p] - c->recovery[p - 1]) * (c->length[p] - c->length[p - 1]);
+        return c->length[p - 1] + (recovery - c->recovery[p - 1]) / (c->recovery[p] - c->recovery[p - 1]) *
+                                      (c->length[p] - c->length[p - 1]);
     }
     return (double)NAN;
 }

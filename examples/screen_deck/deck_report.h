@@ -1,4 +1,5 @@
-/* deck_report.h - what screen_deck has found, as tables, figures, a picture of the machine, CSV, JSON and ParaView files. */
+/* deck_report.h - what screen_deck has found, as tables, figures, a picture of the machine, CSV, JSON and
+   ParaView files. */
 #ifndef DECK_REPORT_H
 #define DECK_REPORT_H
 
@@ -33,7 +34,10 @@ typedef struct study {
     progress bar;
 } study;
 
-static double tons(const study *st, const deck_run *r, double flow) { return 3.6 * flow * st->machine_width / r->def.width; } /* [t/h] */
+/* [t/h] */
+static double tons(const study *st, const deck_run *r, double flow) {
+    return 3.6 * flow * st->machine_width / r->def.width;
+}
 
 /* Grains of a class that were fed and are neither in the machine nor in a product: 0. */
 static ptrdiff_t missing(const deck_run *r, int c) {
@@ -64,7 +68,8 @@ static dem_vec level_of(const deck_def *d, dem_vec v) {
 static void write_frame(const deck_run *r, const char *folder, riddle_io_series *series) {
     const dem_world *world = &r->deck.world;
     const ptrdiff_t n = world->count;
-    double *buffer = malloc((size_t)(7 * n + 1) * sizeof *buffer), *x = buffer, *v = buffer + 3 * n, *size = buffer + 6 * n;
+    double *buffer = malloc((size_t)(7 * n + 1) * sizeof *buffer), *x = buffer, *v = buffer + 3 * n,
+           *size = buffer + 6 * n;
     int *klass = malloc((size_t)(2 * n + 2) * sizeof *klass), *level = klass + n, m = 0;
     for (ptrdiff_t i = 0; i < n && buffer && klass; i++) {
         if (!world->alive[i]) continue;
@@ -78,7 +83,8 @@ static void write_frame(const deck_run *r, const char *folder, riddle_io_series 
     const riddle_io_array arrays[] = {riddle_io_scalar("diameter_m", size), riddle_io_vector("velocity_m_s", v),
                                       riddle_io_ints("class", klass), riddle_io_ints("deck", level)};
     if (buffer && klass)
-        riddle_io_points(folder, riddle_io_series_name(series, world->time), m, riddle_io_vector("position", x), arrays, 4);
+        riddle_io_points(folder, riddle_io_series_name(series, world->time), m, riddle_io_vector("position", x), arrays,
+                         4);
     else common_fail("out of memory for a frame");
     free(buffer);
     free(klass);
@@ -88,56 +94,64 @@ static void write_frame(const deck_run *r, const char *folder, riddle_io_series 
 
 static const char *const grain_name[5] = {"under half the aperture", "0.5 to 0.8", "near-mesh, 0.8 to 1", "1 to 1.5",
                                           "over 1.5 times the aperture"};
-static const char *const grain_colour[5] = {"#e8c468", "#d98a3d", "#b0352c", "#5b86a8", "#2d4a66"};
-static int grain_kind(double share) { return share < 0.5 ? 0 : share < 0.8 ? 1 : share < 1.0 ? 2 : share < 1.5 ? 3 : 4; }
-
-typedef struct view {
-    riddle_io_file *file;
-    double scale, x0, z0; /* [1/m]; place of the left upper corner [m] */
-} view;
-
-static void draw_disc(const view *v, dem_vec at, double radius, const char *colour) {
-    riddle_io_print(v->file, "<circle cx='%.1f' cy='%.1f' r='%.2f' fill='%s'/>\n", (at.x - v->x0) * v->scale, (v->z0 - at.z) * v->scale,
-                    radius * v->scale, colour);
+static const int grain_colour[5] = {5, 0, 1, 2, 6};
+static int grain_kind(double share) {
+    return share < 0.5 ? 0 : share < 0.8 ? 1 : share < 1.0 ? 2 : share < 1.5 ? 3 : 4;
 }
 
-/* A slice as thick as one and a half of the largest grains, as it is at the end of the run; wires or bars in section. */
+/* Wires of a deck, or bars of slots across, in section: x, z, radius [mm] of the first `most`. Returns their number. */
+static int wires_of(const deck_run *r, int level, double *x, double *z, double *radius, int most) {
+    const deck_def *d = &r->def;
+    const dem_wall *wall = &r->deck.world.wall[level];
+    const double pitch = d->mesh == DECK_SLOTS_ALONG ? d->slot_length + d->wire[level] : deck_pitch(d, level);
+    int n = 0;
+    if (d->mesh == DECK_SLOTS_ALONG && d->slot_length <= 0.0) return 0;
+    for (double along = 0.0; along <= d->length + 0.5 * pitch && n < most; along += pitch) {
+        const dem_vec at =
+            level_of(d, dem_vec3(along + wall->position.x - wall->asked.origin.x, 0.0, wall->position.z));
+        x[n] = 1e3 * at.x, z[n] = 1e3 * at.z, radius[n++] = 0.5e3 * d->wire[level];
+    }
+    return n;
+}
+
+/* A slice as thick as one and a half of the largest grains, as it is at the end of the run; wires or
+   bars in section. */
 static void draw_machine(const study *st, const deck_run *r, const char *name) {
+    enum { WIRES = 4000 };
     const deck_def *d = &r->def;
     const dem_world *world = &r->deck.world;
     const double slice = 1.5 * deck_largest(&d->sizes), c = cos(d->inclination), s = sin(d->inclination);
-    const double above = r->deck.feed.region.high.z + 0.01, below = deck_height(d, d->decks - 1) - 0.04,
-                 width = d->length * c + (above - below) * s;
-    const double height = above * c - below * c + d->length * s;
-    const view v = {riddle_io_open(st->self->out, name), 1000.0 / width, below * s, above * c};
-    riddle_io_print(v.file, "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1000 %.0f' font-family='sans-serif' font-size='13'>\n",
-                    height * v.scale + 30.0);
-    riddle_io_print(v.file, "<rect width='100%%' height='100%%' fill='white'/>\n");
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        const dem_vec at = dem_position(world, i);
-        if (!world->alive[i] || !(at.y >= 0.0 && at.y < slice)) continue;
-        const double radius = dem_radius(world, i);
-        draw_disc(&v, level_of(d, at), radius, grain_colour[grain_kind(2.0 * radius / d->aperture[0])]);
+    const double above = r->deck.feed.region.high.z + 0.01, below = deck_height(d, d->decks - 1) - 0.04;
+    const double width = d->length * c + (above - below) * s, height = (above - below) * c + d->length * s;
+    const int room = (int)world->count > WIRES ? (int)world->count : WIRES;
+    double *x = malloc((size_t)room * 3 * sizeof *x), *z = x + room, *radius = z + room;
+    if (!x) {
+        common_fail("out of memory for %s", name);
+        return;
+    }
+    riddle_plot *figure = riddle_plot_new("From the side, at the end of the run", 1, 1);
+    riddle_plot_panel_size(figure, 1000.0, fmin(1000.0 * height / width, 2000.0));
+    riddle_plot_scale_bar(figure, "mm");
+    riddle_plot_range_x(figure, 1e3 * below * s, 1e3 * (below * s + width));
+    riddle_plot_range_y(figure, 1e3 * (above * c - height), 1e3 * above * c);
+    for (int q = 0; q < 5; q++) {
+        int n = 0;
+        for (ptrdiff_t i = 0; i < world->count; i++) {
+            const dem_vec place = dem_position(world, i), at = level_of(d, place);
+            const double own = dem_radius(world, i);
+            if (!world->alive[i] || !(place.y >= 0.0 && place.y < slice) || grain_kind(2.0 * own / d->aperture[0]) != q)
+                continue;
+            x[n] = 1e3 * at.x, z[n] = 1e3 * at.z, radius[n++] = 1e3 * own;
+        }
+        riddle_plot_discs(figure, grain_name[q], x, z, radius, n);
+        riddle_plot_style(figure, 0, grain_colour[q]);
     }
     for (int k = 0; k < d->decks; k++) {
-        const double pitch = d->mesh == DECK_SLOTS_ALONG ? d->slot_length + d->wire[k] : deck_pitch(d, k);
-        const dem_wall *wall = &world->wall[k];
-        for (double x = 0.0; x <= d->length + 0.5 * pitch && !(d->mesh == DECK_SLOTS_ALONG && d->slot_length <= 0.0); x += pitch)
-            draw_disc(&v, level_of(d, dem_vec3(x + wall->position.x - wall->asked.origin.x, 0.0, wall->position.z)), 0.5 * d->wire[k],
-                      "black");
+        riddle_plot_discs(figure, NULL, x, z, radius, wires_of(r, k, x, z, radius, WIRES));
+        riddle_plot_style(figure, 0, RIDDLE_PLOT_BLACK);
     }
-    const double most = 150.0 / v.scale, power = pow(10.0, floor(log10(most))); /* of the scale bar */
-    const double bar = power * (most >= 5.0 * power ? 5.0 : most >= 2.0 * power ? 2.0 : 1.0), low = height * v.scale + 18.0;
-    riddle_io_print(v.file, "<path d='M%.1f %.0fv8v-4H985v-4v8' fill='none' stroke='black'/><text x='%.1f' y='%.0f'>%.3g mm</text>\n",
-                    985.0 - bar * v.scale, low - 4.0, 965.0 - 0.5 * bar * v.scale, low - 7.0, 1e3 * bar);
-    double at = 20.0;
-    for (int q = 0; q < 5; q++) {
-        riddle_io_print(v.file, "<circle cx='%.0f' cy='%.0f' r='6' fill='%s'/><text x='%.0f' y='%.0f'>%s</text>\n", at,
-                        height * v.scale + 14.0, grain_colour[q], at + 11.0, height * v.scale + 19.0, grain_name[q]);
-        at += 40.0 + 7.2 * (double)strlen(grain_name[q]);
-    }
-    riddle_io_print(v.file, "</svg>\n");
-    riddle_io_close(v.file);
+    free(x);
+    riddle_plot_write(figure, st->self->out, name);
 }
 
 /* ---- figures ---- */
@@ -190,9 +204,14 @@ static void draw_partition(const study *st) {
 
 static void draw_along(const study *st) {
     riddle_plot *figure = riddle_plot_new("Along the first deck, steady", 2, 2);
-    static const char *const label[4] = {"load [kg/m\xc2\xb2]", "velocity along the deck [m/s]", "bed depth [mm]", "blocked holes [%]"};
+    static const char *const label[4] = {"load [kg/m\xc2\xb2]", "velocity along the deck [m/s]", "bed depth [mm]",
+                                         "blocked holes [%]"};
     char text[80];
-    for (int q = 0; q < 4; q++) {
+    double blocked = 0.0;
+    for (int k = 0; k < st->runs; k++)
+        for (int z = 0; z < DECK_ZONES; z++) blocked = fmax(blocked, st->run[k].answer[0].held[z].value);
+    if (!(blocked > 0.0)) common_print("No hole of the first deck was blocked: along.svg has no panel for that.\n");
+    for (int q = 0; q < (blocked > 0.0 ? 4 : 3); q++) {
         riddle_plot_panel(figure, q / 2, q % 2, "length [m]", label[q]);
         for (int k = 0; k < st->runs; k++) {
             const deck_run *r = &st->run[k];
@@ -200,7 +219,10 @@ static void draw_along(const study *st) {
             double x[DECK_ZONES], y[DECK_ZONES], interval[DECK_ZONES], most = 0.0;
             for (int z = 0; z < DECK_ZONES; z++) {
                 x[z] = (z + 0.5) * r->def.length / DECK_ZONES;
-                y[z] = q == 0 ? a->load[z] : q == 1 ? a->velocity[z] : q == 2 ? 1e3 * a->depth[z] : 1e2 * a->held[z].value;
+                y[z] = q == 0   ? a->load[z]
+                       : q == 1 ? a->velocity[z]
+                       : q == 2 ? 1e3 * a->depth[z]
+                                : 1e2 * a->held[z].value;
                 interval[z] = 1e2 * a->held[z].interval;
                 most = fmax(most, y[z]);
             }
@@ -230,8 +252,10 @@ static void draw_models(const study *st) {
         riddle_plot_range_y(figure, 0.0, 1.02);
         for (int q = 0; q < c->classes; q++) {
             snprintf(text, sizeof text, "%.3g mm", 1e3 * c->diameter[q]);
-            riddle_plot_points(figure, text, c->length, c->retained + q * c->points, c->points), riddle_plot_style(figure, 0, q % 8);
-            riddle_plot_line(figure, NULL, c->length, r->predicted[best] + q * c->points, c->points), riddle_plot_style(figure, 0, q % 8);
+            riddle_plot_points(figure, text, c->length, c->retained + q * c->points, c->points),
+                riddle_plot_style(figure, 0, q % 8);
+            riddle_plot_line(figure, NULL, c->length, r->predicted[best] + q * c->points, c->points),
+                riddle_plot_style(figure, 0, q % 8);
         }
         riddle_plot_legend_outside(figure);
     }
@@ -239,7 +263,8 @@ static void draw_models(const study *st) {
 }
 
 static void draw_steady(const study *st) {
-    riddle_plot *figure = riddle_plot_new("In, out and hold-up in time; from the line on the deck is steady", 2, st->runs);
+    riddle_plot *figure =
+        riddle_plot_new("In, out and hold-up in time; from the line on the deck is steady", 2, st->runs);
     for (int k = 0; k < st->runs; k++) {
         const deck_run *r = &st->run[k];
         const int n = (int)r->books.windows;
@@ -247,7 +272,8 @@ static void draw_steady(const study *st) {
         char text[60];
         for (int w = 0; w < n && t; w++) {
             t[w] = (w + 0.5) * st->window;
-            in[w] = tons(st, r, r->books.window[w].fed / st->window), out[w] = tons(st, r, r->books.window[w].left / st->window);
+            in[w] = tons(st, r, r->books.window[w].fed / st->window),
+            out[w] = tons(st, r, r->books.window[w].left / st->window);
             hold[w] = r->books.window[w].looks ? r->books.window[w].holdup / r->books.window[w].looks : 0.0;
         }
         riddle_plot_panel(figure, 0, k, "time [s]", "mass flow [t/h]");
@@ -289,7 +315,8 @@ static void print_decks(const study *st) {
     for (int k = 0; k < st->runs; k++) {
         const deck_run *r = &st->run[k];
         double grains = 0.0;
-        for (int w = r->first; w < r->end; w++) grains += r->books.window[w].grains / r->books.window[w].looks / (r->end - r->first);
+        for (int w = r->first; w < r->end; w++)
+            grains += r->books.window[w].grains / r->books.window[w].looks / (r->end - r->first);
         for (int q = 0; q < r->def.decks; q++) {
             const deck_answer *a = &r->answer[q];
             const screen_separation s = separation_of(r, q);
@@ -335,7 +362,9 @@ static void print_partition(const study *st) {
 }
 
 /* Share of the undersize that has passed at the last station [-]. */
-static double recovered_by_dem(const deck_run *r) { return r->curves.points > 0 ? r->curves.recovery[r->curves.points - 1] : (double)NAN; }
+static double recovered_by_dem(const deck_run *r) {
+    return r->curves.points > 0 ? r->curves.recovery[r->curves.points - 1] : (double)NAN;
+}
 
 static void print_models(const study *st) {
     char heading[80], name[40];
@@ -432,7 +461,8 @@ static void json_balance(json *j, const deck_run *r) {
     const int classes = r->books.classes.count;
     char key[40];
     ptrdiff_t lost = 0;
-    for (int c = 0; c < classes; c++) fed[c] = (int)r->books.fed[c], present[c] = (int)r->present[c], lost += labs((long)missing(r, c));
+    for (int c = 0; c < classes; c++)
+        fed[c] = (int)r->books.fed[c], present[c] = (int)r->present[c], lost += labs((long)missing(r, c));
     json_object_begin(j, "grains");
     json_integers(j, "fed", fed, classes);
     json_integers(j, "in_the_machine", present, classes);
@@ -483,7 +513,8 @@ static void write_json(const study *st) {
         json_number(j, "deviation_fitted", st->run[0].deviation[m]);
         json_number(j, "deviation_predicted", st->runs > 1 ? st->run[1].deviation[m] : (double)NAN);
         for (int k = 0; k < st->runs; k++) {
-            json_number(j, k ? "deck_area_second_m2" : "deck_area_first_m2", st->run[k].length_by_model[m] * st->machine_width);
+            json_number(j, k ? "deck_area_second_m2" : "deck_area_first_m2",
+                        st->run[k].length_by_model[m] * st->machine_width);
             json_number(j, k ? "recovered_second" : "recovered_first", st->run[k].efficiency[m]);
         }
         json_number(j, "largest_feed_t_h", tons(st, &st->run[0], st->run[0].capacity[m]));
@@ -495,17 +526,21 @@ static void write_json(const study *st) {
 
 /* What a user has to know before believing the rest. */
 static void warn(const study *st) {
-    if (st->left_out > 1e-3) common_print("finer than --smallest-mm and left out: %.1f %% of the feed\n", 1e2 * st->left_out);
+    if (st->left_out > 1e-3)
+        common_print("finer than --smallest-mm and left out: %.1f %% of the feed\n", 1e2 * st->left_out);
     for (int k = 0; k < st->runs; k++) {
         const deck_run *r = &st->run[k];
-        const double feed = tons(st, r, r->def.flow), behind = r->deck.feed.due_mass / (r->def.flow * r->deck.world.time);
+        const double feed = tons(st, r, r->def.flow),
+                     behind = r->deck.feed.due_mass / (r->def.flow * r->deck.world.time);
         ptrdiff_t fed = 0, lost = 0;
         for (int c = 0; c < r->books.classes.count; c++) fed += r->books.fed[c], lost += labs((long)missing(r, c));
         if (r->books.steady >= 0)
-            common_print("%.4g t/h: steady from %.2f s on, measured to %.2f s", feed, r->first * st->window, r->end * st->window);
+            common_print("%.4g t/h: steady from %.2f s on, measured to %.2f s", feed, r->first * st->window,
+                         r->end * st->window);
         else
-            common_print("%.4g t/h: NOT STEADY within %.2f s: overloaded, or --longest-s is too short; its second half is shown", feed,
-                         r->deck.world.time);
+            common_print(
+                "%.4g t/h: NOT STEADY within %.2f s: overloaded, or --longest-s is too short; its second half is shown",
+                feed, r->deck.world.time);
         common_print("; %td grains fed, %td missing\n", fed, lost);
         if (behind > 0.01) common_print("%.4g t/h: the feed found no room for %.1f %% of it\n", feed, 1e2 * behind);
         if (r->deck.wet) common_print("%.4g t/h: liquid conserved to %.1e\n", feed, r->liquid_error);
@@ -515,9 +550,10 @@ static void warn(const study *st) {
 static void report(const study *st) {
     double steps = 0.0;
     for (int k = 0; k < st->runs; k++) steps += (double)st->run[k].deck.world.particle_steps;
-    common_print("toss indicator K = %.2f; section of %.4g mm, deck of %.4g m; %.3g particle-steps of %.3g us, %.0f s of processor\n",
-                 deck_toss(&st->run[0].def), 1e3 * st->run[0].def.width, st->run[0].def.length, steps, 1e6 * st->run[0].deck.world.def.dt,
-                 machine_processor_seconds());
+    common_print("toss indicator K = %.2f; section of %.4g mm, deck of %.4g m; %.3g particle-steps of %.3g us, %.0f s "
+                 "of processor\n",
+                 deck_toss(&st->run[0].def), 1e3 * st->run[0].def.width, st->run[0].def.length, steps,
+                 1e6 * st->run[0].deck.world.def.dt, machine_processor_seconds());
     warn(st);
     print_decks(st);
     print_partition(st);

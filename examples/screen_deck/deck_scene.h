@@ -1,8 +1,10 @@
-/* deck_scene.h - a vibrated, inclined screen of one to three decks under a steady feed: a section of its width between periodic sides.
+/* deck_scene.h - a vibrated, inclined screen of one to three decks under a steady feed: a section of its width between
+   periodic sides.
 
-   The frame lies in the deck: x along it, downhill, y across, z away from it, z = 0 in the plane of the first deck's wires; gravity is
-   inclined instead. Decks, one above another, and the plate at their upper end vibrate as one body along a line, a circle or an ellipse.
-   What passes x = length has left over the end of the deck below it, what has fallen through the last deck is the underflow. */
+   The frame lies in the deck: x along it, downhill, y across, z away from it, z = 0 in the plane of the first deck's
+   wires; gravity is inclined instead. Decks, one above another, and the plate at their upper end vibrate as one body
+   along a line, a circle or an ellipse. What passes x = length has left over the end of the deck below it, what has
+   fallen through the last deck is the underflow. */
 #ifndef DECK_SCENE_H
 #define DECK_SCENE_H
 
@@ -20,17 +22,21 @@ typedef enum deck_mesh { DECK_SQUARE, DECK_SLOTS_ALONG, DECK_SLOTS_ACROSS } deck
 /* The machine and its feed, SI units, per section of its width. */
 typedef struct deck_def {
     int decks, mesh;                             /* 1 .. DECKS_MAX; deck_mesh */
-    double aperture[DECKS_MAX], wire[DECKS_MAX]; /* clear width of square holes or slots; of round wires or flat bars [m] > 0 */
+    double aperture[DECKS_MAX], wire[DECKS_MAX]; /* clear width of square holes or slots; of round wires or flat
+                                                    bars [m] > 0 */
     double slot_length;                          /* clear length of slots between cross bars [m] >= 0; 0: none */
     double length, width, spacing;               /* of a deck, of the section, between decks [m] > 0 */
     double inclination;                          /* downhill [rad] 0 .. 0.8 */
-    double amplitude, minor;                     /* half axes of the ellipse [m] >= 0; minor < 0: the deck runs uphill at the top */
+    double amplitude, minor;                     /* half axes of the ellipse [m] >= 0; minor < 0: the deck runs
+                                                    uphill at the top */
     double direction, frequency;                 /* of the major axis against the deck [rad]; [Hz] > 0 */
     double flow;                                 /* [kg/s] > 0 */
     dem_sizes sizes;
-    double density, stiffness, friction, restitution, rolling; /* of the grains; contacts [N/m], [-], [-], lever arm [m] */
+    double density, stiffness, friction, restitution, rolling; /* of the grains; contacts [N/m], [-], [-],
+                                                                  lever arm [m] */
     double moisture;                                           /* mass of water over mass of grains [-] */
-    double drop, feed_length;                                  /* height of fall onto the deck, length of the feed's place [m] > 0 */
+    double drop, feed_length;                                  /* height of fall onto the deck, length of the feed's
+                                                                  place [m] > 0 */
     double steps_per_contact, longest;                         /* [-] >= 8; simulated time that is not exceeded [s] */
     uint64_t seed;
     int threads;
@@ -69,9 +75,9 @@ static inline double deck_smallest(const dem_sizes *s) {
     return least;
 }
 
-/* Makes width and length whole numbers of pitches, as holes are not to be cut by the sides or the ends: the width to the nearest that holds
-   three of the largest grains, the length to an odd number. Wires of lower decks get the width with which their pitch divides the section.
-   NULL, or the name of the field that cannot be. */
+/* Makes width and length whole numbers of pitches, as holes are not to be cut by the sides or the ends: the width to
+   the nearest that holds three of the largest grains, the length to an odd number. Wires of lower decks get the width
+   with which their pitch divides the section. NULL, or the name of the field that cannot be. */
 static inline const char *deck_round(deck_def *d) {
     const double pitch = deck_pitch(d, 0), most = deck_largest(&d->sizes);
     if (!(d->aperture[0] > 0.0 && d->wire[0] > 0.0)) return "aperture";
@@ -83,7 +89,8 @@ static inline const char *deck_round(deck_def *d) {
     if (!(d->feed_length + 2.0 * most < d->length)) return "length";
     for (int k = 1; k < d->decks; k++) {
         const double own = d->width / floor(d->width / deck_pitch(d, k) + 0.5);
-        if (!(d->aperture[k] > 0.0 && d->wire[k] > 0.0 && d->aperture[k] < d->aperture[k - 1] && own > d->aperture[k])) return "aperture";
+        if (!(d->aperture[k] > 0.0 && d->wire[k] > 0.0 && d->aperture[k] < d->aperture[k - 1] && own > d->aperture[k]))
+            return "aperture";
         d->wire[k] = own - d->aperture[k];
     }
     return d->decks == 1 || d->spacing > 2.0 * most + 4.0 * d->amplitude ? NULL : "spacing";
@@ -99,7 +106,8 @@ static inline void deck_motion(const deck_def *d, dem_vec *amplitude, dem_vec *p
 /* Peak acceleration perpendicular to the deck over gravity's component (toss indicator K) [-]. */
 static inline double deck_toss(const deck_def *d) {
     const double turn = 2.0 * RIDDLE_PI * d->frequency;
-    return hypot(d->amplitude * sin(d->direction), d->minor * cos(d->direction)) * turn * turn / (9.81 * cos(d->inclination));
+    return hypot(d->amplitude * sin(d->direction), d->minor * cos(d->direction)) * turn * turn /
+           (9.81 * cos(d->inclination));
 }
 
 typedef struct deck_machine {
@@ -116,7 +124,8 @@ typedef struct deck_machine {
 
 /* A bar between two points, flat on top, tapering downwards: `across` is half its width, at right angles to its run. */
 static inline void deck_add_bar(dem_mesh *m, dem_vec from, dem_vec to, dem_vec across, double depth) {
-    static const int32_t corner[8][3] = {{0, 1, 3}, {0, 3, 2}, {0, 4, 5}, {0, 5, 1}, {2, 3, 5}, {2, 5, 4}, {0, 2, 4}, {1, 5, 3}};
+    static const int32_t corner[8][3] = {{0, 1, 3}, {0, 3, 2}, {0, 4, 5}, {0, 5, 1},
+                                         {2, 3, 5}, {2, 5, 4}, {0, 2, 4}, {1, 5, 3}};
     const dem_vec v[6] = {{from.x - across.x, from.y - across.y, from.z},
                           {to.x - across.x, to.y - across.y, to.z},
                           {from.x + across.x, from.y + across.y, from.z},
@@ -132,14 +141,17 @@ static inline void deck_add_bar(dem_mesh *m, dem_vec from, dem_vec to, dem_vec a
     m->vertices += 6, m->triangles += 8;
 }
 
-/* Bars of one run, along x or y at a pitch, from `first` to `end` of the other axis, in pieces, as a search in short ones is quicker. */
-static inline void deck_add_bars(dem_mesh *m, bool along, double first, double end, double pitch, double low, double high, double wire,
-                                 double z, double piece) {
+/* Bars of one run, along x or y at a pitch, from `first` to `end` of the other axis, in pieces, as a search in short
+   ones is quicker. */
+static inline void deck_add_bars(dem_mesh *m, bool along, double first, double end, double pitch, double low,
+                                 double high, double wire, double z, double piece) {
     const int pieces = (int)ceil((high - low) / piece - 1e-9);
     for (int b = 0; first + b * pitch <= end + 1e-9; b++)
         for (int q = 0; q < pieces; q++) {
-            const double at = first + b * pitch, from = low + (high - low) * q / pieces, to = low + (high - low) * (q + 1) / pieces;
-            deck_add_bar(m, along ? dem_vec3(from, at, z) : dem_vec3(at, from, z), along ? dem_vec3(to, at, z) : dem_vec3(at, to, z),
+            const double at = first + b * pitch, from = low + (high - low) * q / pieces,
+                         to = low + (high - low) * (q + 1) / pieces;
+            deck_add_bar(m, along ? dem_vec3(from, at, z) : dem_vec3(at, from, z),
+                         along ? dem_vec3(to, at, z) : dem_vec3(at, to, z),
                          along ? dem_vec3(0.0, 0.5 * wire, 0.0) : dem_vec3(0.5 * wire, 0.0, 0.0), 1.5 * wire);
         }
 }
@@ -150,10 +162,14 @@ enum { DECK_BEYOND = 3 };
 static inline int deck_add_slots(deck_machine *k, int material, int number) {
     const deck_def *d = &k->def;
     const bool along = d->mesh == DECK_SLOTS_ALONG;
-    const double wire = d->wire[number], pitch = deck_pitch(d, number), other = d->slot_length + wire, z = deck_height(d, number);
-    const double side[2] = {-DECK_BEYOND * d->width, (1 + DECK_BEYOND) * d->width}, end[2] = {-0.5 * wire, d->length + 0.5 * wire};
-    const double *run = along ? end : side, *row = along ? side : end, piece = 8.0 * pitch; /* bars run, and stand in a row */
-    const double runs = (row[1] - row[0]) / pitch + 2.0, cross = d->slot_length > 0.0 ? (run[1] - run[0]) / other + 2.0 : 0.0;
+    const double wire = d->wire[number], pitch = deck_pitch(d, number), other = d->slot_length + wire,
+                 z = deck_height(d, number);
+    const double side[2] = {-DECK_BEYOND * d->width, (1 + DECK_BEYOND) * d->width},
+                 end[2] = {-0.5 * wire, d->length + 0.5 * wire};
+    /* Bars run, and stand in a row. */
+    const double *run = along ? end : side, *row = along ? side : end, piece = 8.0 * pitch;
+    const double runs = (row[1] - row[0]) / pitch + 2.0,
+                 cross = d->slot_length > 0.0 ? (run[1] - run[0]) / other + 2.0 : 0.0;
     const double many = runs * ((run[1] - run[0]) / piece + 1.0) + cross * ((row[1] - row[0]) / piece + 1.0);
     if (!(many < 1e6)) return -(int)DEM_BAD_ARGUMENT;
     dem_mesh m;
@@ -163,7 +179,8 @@ static inline int deck_add_slots(deck_machine *k, int material, int number) {
     int wall = -(int)DEM_OUT_OF_MEMORY;
     if (m.vertex && m.triangle) {
         deck_add_bars(&m, along, along ? row[0] : 0.0, row[1], pitch, run[0], run[1], wire, z, piece);
-        if (d->slot_length > 0.0) deck_add_bars(&m, !along, along ? 0.0 : run[0], run[1], other, row[0], row[1], wire, z, piece);
+        if (d->slot_length > 0.0)
+            deck_add_bars(&m, !along, along ? 0.0 : run[0], run[1], other, row[0], row[1], wire, z, piece);
         wall = dem_add_mesh(&k->world, material, &m);
     }
     free(m.vertex);
@@ -185,7 +202,8 @@ static inline int deck_add_wires(deck_machine *k, int material, int number) {
 
 /* ---- the machine ---- */
 
-/* Water: a film of equal thickness on every grain, none on walls. Grains have a class of size for the tables of bridges. */
+/* Water: a film of equal thickness on every grain, none on walls. Grains have a class of size for the
+   tables of bridges. */
 static inline dem_status deck_add_liquid(deck_machine *k) {
     enum { DRAWS = 20000 };
     const deck_def *d = &k->def;
@@ -205,8 +223,8 @@ static inline dem_status deck_add_liquid(deck_machine *k) {
     k->group = calloc((size_t)room, sizeof *k->group);
     if (!k->wet || !k->group) return DEM_OUT_OF_MEMORY;
     k->world.user = k->wet;
-    return wet_prepare(k->wet, room, k->group, classes, k->film * RIDDLE_PI * square * room, 0, d->decks, &k->world, false, WET_STEEL) ==
-                   BRIDGE_OK
+    return wet_prepare(k->wet, room, k->group, classes, k->film * RIDDLE_PI * square * room, 0, d->decks, &k->world,
+                       false, WET_STEEL) == BRIDGE_OK
                ? DEM_OK
                : DEM_BAD_ARGUMENT;
 }
@@ -224,13 +242,15 @@ static inline dem_status deck_add_walls(deck_machine *k, int steel) {
     dem_vec amplitude, phase;
     dem_status status = DEM_OK;
     deck_motion(d, &amplitude, &phase);
-    for (int q = 0; q <= d->decks && status == DEM_OK; q++) { /* wall q is deck q, the last the plate at the upper end */
-        const int wall = q == d->decks            ? dem_add_plane(&k->world, steel, dem_vec3(0, 0, 0), dem_vec3(1, 0, 0))
+    /* wall q is deck q, the last the plate at the upper end */
+    for (int q = 0; q <= d->decks && status == DEM_OK; q++) {
+        const int wall = q == d->decks ? dem_add_plane(&k->world, steel, dem_vec3(0, 0, 0), dem_vec3(1, 0, 0))
                          : d->mesh == DECK_SQUARE ? deck_add_wires(k, steel, q)
                                                   : deck_add_slots(k, steel, q);
         status = wall < 0 ? (dem_status)-wall : dem_vibrate(&k->world, wall, amplitude, phase, d->frequency);
     }
-    const double low = deck_height(d, d->decks - 1) - 1.5 * deck_largest(&d->sizes) - 2.0 * fmax(d->amplitude, fabs(d->minor));
+    const double low =
+        deck_height(d, d->decks - 1) - 1.5 * deck_largest(&d->sizes) - 2.0 * fmax(d->amplitude, fabs(d->minor));
     if (status == DEM_OK && (dem_add_exit(&k->world, dem_vec3(d->length, 0, 0), dem_vec3(-1, 0, 0)) < 0 ||
                              dem_add_exit(&k->world, dem_vec3(0, 0, low), dem_vec3(0, 0, 1)) < 0))
         status = DEM_TOO_MANY;
@@ -239,11 +259,14 @@ static inline dem_status deck_add_walls(deck_machine *k, int steel) {
 
 static inline void deck_place_feed(deck_machine *k) {
     const deck_def *d = &k->def;
-    const double most = deck_largest(&d->sizes), speed = sqrt(2.0 * 9.81 * 0.5 * d->drop), bottom = 0.5 * d->drop + 0.5 * d->wire[0];
-    const double need = d->flow / (0.1 * d->density * d->feed_length * d->width * speed); /* of its height, at a solid share of a tenth */
+    const double most = deck_largest(&d->sizes), speed = sqrt(2.0 * 9.81 * 0.5 * d->drop),
+                 bottom = 0.5 * d->drop + 0.5 * d->wire[0];
+    /* Of its height, at a solid share of a tenth. */
+    const double need = d->flow / (0.1 * d->density * d->feed_length * d->width * speed);
     const double height = fmax(1.5 * most, 0.01 * speed * fmax(need, 1.0));
     k->feed = dem_default_feed();
-    k->feed.region = dem_box_region(dem_vec3(1.1 * most, 0.0, bottom), dem_vec3(1.1 * most + d->feed_length, d->width, bottom + height));
+    k->feed.region = dem_box_region(dem_vec3(1.1 * most, 0.0, bottom),
+                                    dem_vec3(1.1 * most + d->feed_length, d->width, bottom + height));
     k->feed.sizes = d->sizes;
     k->feed.velocity = dem_vec3(0.3 * speed, 0.0, -speed);
     k->feed.scatter = dem_vec3(0.1 * speed, 0.1 * speed, 0.1 * speed);
@@ -251,25 +274,28 @@ static inline void deck_place_feed(deck_machine *k) {
     k->step = 0.01;
 }
 
-/* The empty machine, running. The definition is one that deck_round() has taken. Free with deck_free, also after a failure. */
+/* The empty machine, running. The definition is one that deck_round() has taken. Free with deck_free, also
+   after a failure. */
 static inline dem_status deck_make(deck_machine *k, const deck_def *given) {
     const deck_def *d = &k->def;
     memset(k, 0, sizeof *k);
     k->def = *given;
     dem_def def = dem_default_def();
     def.allocator.fn = machine_resize;
-    const int stone = dem_add_material(&def, d->density, 5e10, 0.25), steel = dem_add_material(&def, 7850.0, 2.08e11, 0.3);
+    const int stone = dem_add_material(&def, d->density, 5e10, 0.25),
+              steel = dem_add_material(&def, 7850.0, 2.08e11, 0.3);
     for (int q = 0; q < 2; q++) {
         dem_pair_def *pair = dem_pair(&def, stone, q ? steel : stone);
-        pair->stiffness = d->stiffness, pair->friction = d->friction, pair->restitution = d->restitution, pair->rolling = d->rolling;
+        pair->stiffness = d->stiffness, pair->friction = d->friction, pair->restitution = d->restitution,
+        pair->rolling = d->rolling;
     }
     const double unit = d->density * RIDDLE_PI / 6.0, small = deck_smallest(&d->sizes);
     def.gravity = dem_vec3(9.81 * sin(d->inclination), 0.0, -9.81 * cos(d->inclination));
     def.periodic[1] = 1, def.high.y = d->width;
     def.threads = d->threads;
-    def.dt =
-        dem_contact_time(d->stiffness, 0.5 * unit * small * small * small, dem_damping_ratio(d->restitution, DEM_CLIPPED), DEM_CLIPPED) /
-        d->steps_per_contact;
+    def.dt = dem_contact_time(d->stiffness, 0.5 * unit * small * small * small,
+                              dem_damping_ratio(d->restitution, DEM_CLIPPED), DEM_CLIPPED) /
+             d->steps_per_contact;
     dem_status status = dem_init(&k->world, &def, NULL);
     if (status == DEM_OK) status = deck_add_walls(k, steel);
     deck_place_feed(k);
@@ -288,8 +314,8 @@ static inline dem_status deck_advance(deck_machine *k) {
         for (ptrdiff_t i = k->world.count - (k->feed.placed - before); i < k->world.count; i++) {
             const double x = 2.0 * dem_radius(&k->world, i), water = k->film * RIDDLE_PI * x * x;
             const uint64_t id = k->world.id[i];
-            k->group[id] =
-                (int)fmin(fmax(WET_CLASSES * log(x / small) / log(most / small * (1.0 + 1e-12) + 1e-12), 0.0), WET_CLASSES - 1.0);
+            k->group[id] = (int)fmin(
+                fmax(WET_CLASSES * log(x / small) / log(most / small * (1.0 + 1e-12) + 1e-12), 0.0), WET_CLASSES - 1.0);
             k->wet->films.particle[id] = bridge_quantised(water, k->wet->films.quantum);
             k->liquid += k->wet->films.particle[id];
         }

@@ -1,12 +1,13 @@
 /* screen_deck - a vibrating screen of your own under a steady feed, by dem.h.
 
-   A section of the width of an inclined screen with one to three decks, square meshes or slots, and linear, circular or elliptic motion is
-   fed with a size distribution, dry or moist, until outflow equals inflow. From then on the program measures the partition curve with 95 %
-   intervals, efficiency, flows, bed depth and velocity along the deck, blocked holes by zone, and residence times. A second run has
-   another feed rate. The process models of screen_models.h are fitted to the first run and predict the second; DEM and each model give the
-   deck area that a recovery needs.
+   A section of the width of an inclined screen with one to three decks, square meshes or slots, and linear, circular or
+   elliptic motion is fed with a size distribution, dry or moist, until outflow equals inflow. From then on the program
+   measures the partition curve with 95 % intervals, efficiency, flows, bed depth and velocity along the deck, blocked
+   holes by zone, and residence times. A second run has another feed rate. The process models of screen_models.h are
+   fitted to the first run and predict the second; DEM and each model give the deck area that a recovery needs.
 
-   deck_scene.h   the machine       deck_measure.h   measurements       deck_models.h   the models       deck_report.h   pictures, files */
+   deck_scene.h   the machine       deck_measure.h   measurements       deck_models.h   the models       deck_report.h
+                                                     pictures, files */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -69,7 +70,8 @@ static void fit_models(study *st) {
             deck_run *r = &st->run[k];
             r->deviation[m] = deck_predict(&st->fit[m], &r->curves, &r->def, r->predicted[m]);
             r->length_by_model[m] = deck_length_by_model(&st->fit[m], &r->curves, &r->def, velocity, st->recovery);
-            deck_duty_by_model(&st->fit[m], &r->curves, &r->def, velocity, st->recovery, &r->efficiency[m], &r->capacity[m]);
+            deck_duty_by_model(&st->fit[m], &r->curves, &r->def, velocity, st->recovery, &r->efficiency[m],
+                               &r->capacity[m]);
         }
     }
 }
@@ -77,7 +79,8 @@ static void fit_models(study *st) {
 /* ---- input ---- */
 
 typedef struct input {
-    double feed, machine, section, inclination, amplitude, minor, direction, spacing, slot, rolling, drop; /* t/h, m, mm, degrees */
+    /* t/h, m, mm, degrees */
+    double feed, machine, section, inclination, amplitude, minor, direction, spacing, slot, rolling, drop;
     double rr_size, rr_exponent, smallest, largest;
     int motion, rotation;
     const char *apertures, *wires, *psd;
@@ -117,11 +120,13 @@ static double read_psd(const program *self, const char *path, double smallest, d
         while (q < curve.n && size[q] < d) q++;
         passed[k] = q == 0         ? 0.0
                     : q == curve.n ? passing[q - 1]
-                                   : passing[q - 1] + (passing[q] - passing[q - 1]) * log(d / size[q - 1]) / log(size[q] / size[q - 1]);
+                                   : passing[q - 1] + (passing[q] - passing[q - 1]) * log(d / size[q - 1]) /
+                                                          log(size[q] / size[q - 1]);
         if (k == 0 && q == 0) passed[k] = passing[0];
     }
     for (int k = 0; k < DEM_SIZES_MAX; k++) {
-        diameter[k] = smallest * pow(largest / smallest, (k + 0.5) / DEM_SIZES_MAX), share[k] = fmax(passed[k + 1] - passed[k], 0.0);
+        diameter[k] = smallest * pow(largest / smallest, (k + 0.5) / DEM_SIZES_MAX),
+        share[k] = fmax(passed[k + 1] - passed[k], 0.0);
     }
     sheet_free_sizes(&curve);
     if (!(passed[DEM_SIZES_MAX] - passed[0] > 0.0))
@@ -130,7 +135,8 @@ static double read_psd(const program *self, const char *path, double smallest, d
     return passed[0];
 }
 
-/* What --quick and --short leave of the machine where nothing else is asked for: a shorter deck, less of its width, shorter windows. */
+/* What --quick and --short leave of the machine where nothing else is asked for: a shorter deck, less of its width,
+   shorter windows. */
 static void shorten(study *st, deck_def *d, input *in, bool quick, bool own_length, bool own_section, bool own_feed) {
     if (!own_length) d->length = quick ? 0.3 : 0.8;
     if (!own_section) in->section = quick ? 60.0 : 75.0;
@@ -141,14 +147,16 @@ static void shorten(study *st, deck_def *d, input *in, bool quick, bool own_leng
     d->longest = quick ? 10.0 : 20.0;
 }
 
-/* The stiffness at which the largest grain that falls onto a deck presses into it by a third of a wire [N/m], the most of all decks. */
+/* The stiffness at which the largest grain that falls onto a deck presses into it by a third of a wire [N/m], the most
+   of all decks. */
 static double stiffness_for(const deck_def *d) {
     const double shake = 2.0 * RIDDLE_PI * d->frequency * fmax(d->amplitude, fabs(d->minor));
     double stiffness = 0.0;
     for (int k = 0; k < d->decks; k++) {
         const double size = k ? fmin(d->aperture[k - 1], deck_largest(&d->sizes)) : deck_largest(&d->sizes);
         const double speed = sqrt(2.0 * 9.81 * (k ? d->spacing : d->drop)) + shake, third = d->wire[k] / 3.0;
-        stiffness = fmax(stiffness, d->density * RIDDLE_PI / 6.0 * size * size * size * speed * speed / (third * third));
+        stiffness =
+            fmax(stiffness, d->density * RIDDLE_PI / 6.0 * size * size * size * speed * speed / (third * third));
     }
     return stiffness;
 }
@@ -157,12 +165,14 @@ static double stiffness_for(const deck_def *d) {
 static void choose_stiffness(const program *self, deck_def *d, bool given) {
     const double stiffness = stiffness_for(d);
     char allowed[120];
-    snprintf(allowed, sizeof allowed, "at least %.3g N/m, or the largest grains press through the wires", stiffness * 4.0 / 9.0);
+    snprintf(allowed, sizeof allowed, "at least %.3g N/m, or the largest grains press through the wires",
+             stiffness * 4.0 / 9.0);
     if (!given) d->stiffness = stiffness;
     else if (!(d->stiffness >= stiffness * 4.0 / 9.0)) program_refuse(self, "stiffness", NULL, allowed);
 }
 
-/* Threads of a run: those left when each run has one, if there may be many grains to share; of few they wait more than they work. */
+/* Threads of a run: those left when each run has one, if there may be many grains to share; of few they wait more
+   than they work. */
 static int threads_for(const deck_def *d, const program *self, int runs) {
     uint64_t random = 1;
     double volume = 0.0;
@@ -175,23 +185,28 @@ static int threads_for(const deck_def *d, const program *self, int runs) {
 static void define(const program *self, const input *in, deck_def *d, double *left_out) {
     const double degrees = RIDDLE_PI / 180.0;
     d->decks = read_list(in->apertures, d->aperture);
-    if (d->decks == 0) program_refuse(self, "aperture-mm", in->apertures, "one to three numbers from 0.1 to 500, as 10,6.3,4");
+    if (d->decks == 0)
+        program_refuse(self, "aperture-mm", in->apertures, "one to three numbers from 0.1 to 500, as 10,6.3,4");
     if (in->wires && read_list(in->wires, d->wire) != d->decks)
         program_refuse(self, "wire-mm", in->wires, "as many numbers from 0.1 to 500 as apertures");
     for (int k = 0; k < d->decks && !in->wires; k++) d->wire[k] = 0.25 * d->aperture[k];
     if (!(in->smallest < in->largest)) program_refuse(self, "smallest-mm", NULL, "less than --largest-mm");
     if (in->psd) *left_out = read_psd(self, in->psd, 1e-3 * in->smallest, 1e-3 * in->largest, &d->sizes);
     else {
-        d->sizes = dem_rosin_rammler_sizes(1e-3 * in->rr_size, in->rr_exponent, 1e-3 * in->smallest, 1e-3 * in->largest, 1);
+        d->sizes =
+            dem_rosin_rammler_sizes(1e-3 * in->rr_size, in->rr_exponent, 1e-3 * in->smallest, 1e-3 * in->largest, 1);
         *left_out = 1.0 - exp(-pow(in->smallest / in->rr_size, in->rr_exponent));
     }
     d->slot_length = 1e-3 * in->slot, d->width = 1e-3 * in->section, d->spacing = 1e-3 * in->spacing;
     d->inclination = in->inclination * degrees, d->direction = in->direction * degrees;
-    d->amplitude = 1e-3 * in->amplitude, d->minor = in->motion == 0 ? 0.0 : in->motion == 1 ? d->amplitude : 1e-3 * in->minor;
+    d->amplitude = 1e-3 * in->amplitude, d->minor = in->motion == 0   ? 0.0
+                                                    : in->motion == 1 ? d->amplitude
+                                                                      : 1e-3 * in->minor;
     if (in->rotation) d->minor = -d->minor;
     d->rolling = 1e-3 * in->rolling, d->drop = 1e-3 * in->drop;
     const char *bad = deck_round(d);
-    if (bad && strcmp(bad, "aperture") == 0) program_refuse(self, "aperture-mm", in->apertures, "falling from deck to deck");
+    if (bad && strcmp(bad, "aperture") == 0)
+        program_refuse(self, "aperture-mm", in->apertures, "falling from deck to deck");
     if (bad && strcmp(bad, "length") == 0)
         program_refuse(self, "length-m", NULL, "longer than the feed's place and two of the largest grains");
     if (bad && strcmp(bad, "width") == 0) program_refuse(self, "section-mm", NULL, "less than 2000 pitches");
@@ -242,34 +257,48 @@ int main(int argc, char **argv) {
     st.window = 0.5, st.measure = 4.0, st.tolerance = 0.05, st.recovery = 0.9;
     option options[] = {
         option_positive("feed-t-h", "T/H", &in.feed, 1e5, "feed of the whole machine [t/h]"),
-        option_positive("section-mm", "MM", &in.section, 1e4, "simulated section of the width, rounded to whole pitches [mm]"),
+        option_positive("section-mm", "MM", &in.section, 1e4,
+                        "simulated section of the width, rounded to whole pitches [mm]"),
         option_positive("length-m", "M", &d->length, 100.0, "length of a deck, rounded to whole pitches [m]"),
-        option_positive("longest-s", "S", &d->longest, 1e4, "simulated time within which a steady state must be found [s]"),
-        option_double("window-s", "S", &st.window, 0.02, 100.0, "of means in time; eight of them in balance are steady [s]"),
-        option_positive("measure-s", "S", &st.measure, 1e4, "measured time from the steady state on, at least eight windows [s]"),
+        option_positive("longest-s", "S", &d->longest, 1e4,
+                        "simulated time within which a steady state must be found [s]"),
+        option_double("window-s", "S", &st.window, 0.02, 100.0,
+                      "of means in time; eight of them in balance are steady [s]"),
+        option_positive("measure-s", "S", &st.measure, 1e4,
+                        "measured time from the steady state on, at least eight windows [s]"),
         option_double("tolerance", "X", &st.tolerance, 0.001, 1.0,
                       "share of the feed to which in and out agree for certain when steady [-]"),
         option_positive("stiffness", "N/M", &d->stiffness, 1e9,
                         "of contacts; default: the largest falling grain presses into a wire by a third of it [N/m]"),
         option_positive("machine-width-m", "M", &in.machine, 20.0, "width of the whole machine [m]"),
-        option_double("second-feed", "X", &in.second, 0.0, 5.0, "feed of the second run over that of the first; 0: none [-]"),
+        option_double("second-feed", "X", &in.second, 0.0, 5.0,
+                      "feed of the second run over that of the first; 0: none [-]"),
         option_string("aperture-mm", "A,...", &in.apertures,
                       "clear width of holes, a number for each deck from the top, one to three [mm]"),
-        option_string("wire-mm", "W,...", &in.wires, "diameter of wires, width of slots' bars [mm]; default: a quarter of the aperture"),
-        option_choice("holes", &d->mesh, "square|slots-along|slots-across", "woven mesh, or flat bars along or across the flow"),
-        option_double("slot-length-mm", "MM", &in.slot, 0.0, 1e4, "clear length of slots between cross bars; 0: no cross bars [mm]"),
+        option_string("wire-mm", "W,...", &in.wires,
+                      "diameter of wires, width of slots' bars [mm]; default: a quarter of the aperture"),
+        option_choice("holes", &d->mesh, "square|slots-along|slots-across",
+                      "woven mesh, or flat bars along or across the flow"),
+        option_double("slot-length-mm", "MM", &in.slot, 0.0, 1e4,
+                      "clear length of slots between cross bars; 0: no cross bars [mm]"),
         option_positive("spacing-mm", "MM", &in.spacing, 1e4, "distance of the decks [mm]"),
         option_double("inclination-deg", "DEG", &in.inclination, 0.0, 45.0, "of the decks, downhill [degrees]"),
         option_choice("motion", &in.motion, "linear|circular|elliptic", "of the deck"),
-        option_double("amplitude-mm", "MM", &in.amplitude, 0.0, 100.0, "half the stroke; half the long axis of an ellipse [mm]"),
+        option_double("amplitude-mm", "MM", &in.amplitude, 0.0, 100.0,
+                      "half the stroke; half the long axis of an ellipse [mm]"),
         option_double("minor-mm", "MM", &in.minor, 0.0, 100.0, "half the short axis of an ellipse [mm]"),
-        option_double("direction-deg", "DEG", &in.direction, 0.0, 180.0, "of the line or the long axis against the deck [degrees]"),
-        option_choice("rotation", &in.rotation, "with|against", "circle, ellipse: at its top the deck runs with the flow, or against it"),
+        option_double("direction-deg", "DEG", &in.direction, 0.0, 180.0,
+                      "of the line or the long axis against the deck [degrees]"),
+        option_choice("rotation", &in.rotation, "with|against",
+                      "circle, ellipse: at its top the deck runs with the flow, or against it"),
         option_positive("frequency-hz", "HZ", &d->frequency, 200.0, "[Hz]"),
-        option_string("psd", "FILE", &in.psd, "sieve curve of the feed: CSV with size_mm,passing (share finer, 0 .. 1)"),
-        option_positive("rr-size-mm", "MM", &in.rr_size, 1e3, "without --psd: size that 36.8 % of the feed exceed (Rosin-Rammler) [mm]"),
+        option_string("psd", "FILE", &in.psd,
+                      "sieve curve of the feed: CSV with size_mm,passing (share finer, 0 .. 1)"),
+        option_positive("rr-size-mm", "MM", &in.rr_size, 1e3,
+                        "without --psd: size that 36.8 % of the feed exceed (Rosin-Rammler) [mm]"),
         option_double("rr-exponent", "N", &in.rr_exponent, 0.1, 100.0, "without --psd: exponent of Rosin-Rammler [-]"),
-        option_positive("smallest-mm", "MM", &in.smallest, 1e3, "finer grains are left out: they pass at once and cost most [mm]"),
+        option_positive("smallest-mm", "MM", &in.smallest, 1e3,
+                        "finer grains are left out: they pass at once and cost most [mm]"),
         option_positive("largest-mm", "MM", &in.largest, 1e3, "coarser grains are left out [mm]"),
         option_double("moisture", "SHARE", &d->moisture, 0.0, 0.08, "mass of water over mass of grains [-]"),
         option_positive("density", "KG/M3", &d->density, 3e4, "of the grains [kg/m3]"),
@@ -277,15 +306,17 @@ int main(int argc, char **argv) {
         option_double("restitution", "E", &d->restitution, 0.05, 1.0, "coefficient of restitution [-]"),
         option_double("rolling-mm", "MM", &in.rolling, 0.0, 100.0, "lever arm of rolling resistance [mm]"),
         option_positive("drop-mm", "MM", &in.drop, 5e3, "height from which the feed falls [mm]"),
-        option_double("recovery", "X", &st.recovery, 0.01, 0.999, "share of the undersize for which deck areas are compared [-]"),
+        option_double("recovery", "X", &st.recovery, 0.01, 0.999,
+                      "share of the undersize for which deck areas are compared [-]"),
         option_double("load-exponent", "N", &st.load_exponent, 0.0, 10.0,
                       "models 0, 1, 2: passage goes with one over the load to this power; 0: they do not know it [-]"),
         option_flag("short", &in.brief, "under a minute: a deck of 0.8 m, 75 mm of its width, 60 t/h"),
         option_flag("no-frames", &in.no_frames, "no .vtp series"),
         option_flag("no-models", &in.no_models, "no process models"),
     };
-    program self = program_start("screen_deck", "A vibrating screen under a steady feed, for one's own machine: partition, bed, blocking.",
-                                 options, sizeof options / sizeof *options, argc, argv);
+    program self = program_start(
+        "screen_deck", "A vibrating screen under a steady feed, for one's own machine: partition, bed, blocking.",
+        options, sizeof options / sizeof *options, argc, argv);
     const double window = st.window, measure = st.measure, tolerance = st.tolerance, longest = d->longest;
     if (in.brief || self.quick)
         shorten(&st, d, &in, self.quick, is_given(&self, "length-m"), is_given(&self, "section-mm"),

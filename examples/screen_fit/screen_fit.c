@@ -1,22 +1,24 @@
-/* Process models fitted to the curves of a batch-screening study, after Elskamp & Kruggel-Emden 2019, section 5.3, "the paper", by
-   screen_models.h.
+/* Process models fitted to the curves of a batch-screening study, after Elskamp & Kruggel-Emden 2019, section 5.3, "the
+   paper", by screen_models.h.
 
-   1. The published parameters on these data, one set fitted to all cases, one set a case: deviations beside the paper's.
-   2. Predictions of cases that were not fitted: between two levels of a factor, below, above; five cases from four. Two cases hardly
-      determine six parameters, so large exponents have a small price in these fits (--shrink).
+   1. The published parameters on these data, one set fitted to all cases, one set a case: deviations beside the
+      paper's.
+   2. Predictions of cases that were not fitted: between two levels of a factor, below, above; five cases from four. Two
+      cases hardly determine six parameters, so large exponents have a small price in these fits (--shrink).
    3. The paper's findings, each with the number that confirms or refutes it on these data.
-   fig8.svg: curves of six cases beside the data; fig9.svg: deviations of the fits; fig10.svg: deviations of the predictions, fig10d.svg:
-   five groups of five from four;
+   fig8.svg: curves of six cases beside the data; fig9.svg: deviations of the fits; fig10.svg: deviations of the
+   predictions, fig10d.svg: five groups of five from four;
    band.svg: a prediction with its confidence band; separation.svg: partition curves of the deck.
 
-   A screen of your own: --data FILE with the columns case, time, size, retained, amplitude, frequency, aperture and, where known, moisture,
-   wire, inclination, load, share, oversize (screen_lab.h; data/screen_template.csv). All models are fitted, and parameters.json is what
-   wet_screen_designer --parameters predicts from.
+   A screen of your own: --data FILE with the columns case, time, size, retained, amplitude, frequency, aperture and,
+   where known, moisture, wire, inclination, load, share, oversize (screen_lab.h; data/screen_template.csv). All models
+   are fitted, and parameters.json is what wet_screen_designer --parameters predicts from.
 
-   Data: --data FILE with the columns case,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh, as
-   `batch_screening --all-cases` writes them; rows of one case and time with different seeds are averaged. Without --data the file
-   data/screening_27_cases.csv of this repository is taken. If there is none, or with --synthetic, the curves are made from the published
-   parameters of model 2; such curves demonstrate the program and say nothing about the models. */
+   Data: --data FILE with the columns
+   case,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,retained_near_mesh, as `batch_screening
+   --all-cases` writes them; rows of one case and time with different seeds are averaged. Without --data the file
+   data/screening_27_cases.csv of this repository is taken. If there is none, or with --synthetic, the curves are made
+   from the published parameters of model 2; such curves demonstrate the program and say nothing about the models. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -31,10 +33,21 @@
 #define RIDDLE_ROOT "."
 #endif
 
-enum { CASES = 27, CLASSES = 2, TIMES = 40, QUICK_TIMES = 10, POINTS = CLASSES * TIMES, KINDS = 5, MODES = 4, SETS = 300, GRID = 121 };
+enum {
+    CASES = 27,
+    CLASSES = 2,
+    TIMES = 40,
+    QUICK_TIMES = 10,
+    POINTS = CLASSES * TIMES,
+    KINDS = 5,
+    MODES = 4,
+    SETS = 300,
+    GRID = 121
+};
 
 static const double diameters[CLASSES] = {0.005, 0.007};
-static const double levels_a[3] = {0.0008, 0.001, 0.0012}, levels_f[3] = {45.8, 50.6, 55.4}, levels_m[3] = {0.0, 0.025, 0.05};
+static const double levels_a[3] = {0.0008, 0.001, 0.0012}, levels_f[3] = {45.8, 50.6, 55.4},
+                    levels_m[3] = {0.0, 0.025, 0.05};
 
 /* What is fitted: models 0 to 3 as screen_models.h has them, and model 1 in the other reading of eq 25. */
 typedef struct kind {
@@ -52,12 +65,13 @@ static const kind kinds[KINDS] = {
 };
 enum { GRAIN = 4 };
 
-/* ---- data --------------------------------------------------------------------------------------------------------------------------- */
+/* ---- data -------------------------------------------------------------------------------------------------------- */
 
 typedef struct study {
     screen_def def;
     int times;                      /* TIMES; of a quick run QUICK_TIMES */
-    double time[TIMES];             /* the paper's: every 0.5 s to 20 s; of a quick run every 2 s from 1.25 s, amid four of these */
+    double time[TIMES];             /* the paper's: every 0.5 s to 20 s; of a quick run every 2 s from 1.25 s, amid
+                                       four of these */
     double retained[CASES][POINTS]; /* mean over the seeds, [classes][times] */
     double spread[CASES][POINTS];   /* standard deviation over the seeds; 0 with one */
     screen_case cases[CASES];
@@ -92,11 +106,13 @@ static void make_synthetic(study *s) {
     s->seeds = 1;
     screen_published(SCREEN_SUBASINGHE, p);
     for (int k = 0; k < CASES; k++)
-        screen_predict(&s->def, SCREEN_SUBASINGHE, p, &s->cases[k].operation, s->times, s->time, s->retained[k], NULL, NULL);
+        screen_predict(&s->def, SCREEN_SUBASINGHE, p, &s->cases[k].operation, s->times, s->time, s->retained[k], NULL,
+                       NULL);
 }
 
-static const char *const data_file = "a file with the columns case,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,"
-                                     "retained_near_mesh and the 27 cases of the paper's Table 5";
+static const char *const data_file =
+    "a file with the columns case,amplitude_m,frequency_hz,moisture,seed,time_s,retained_small,"
+    "retained_near_mesh and the 27 cases of the paper's Table 5";
 
 static void refuse_data(const program *self, const char *path, const char *reason) {
     char text[600];
@@ -133,7 +149,8 @@ static void read_study(const program *self, study *s, const char *path) {
             snprintf(message, sizeof message, "no column %s", names[i]);
             refuse_data(self, path, message);
         }
-    double *t = malloc(3 * (size_t)(data.rows + 1) * sizeof *t), *y[CLASSES] = {t + data.rows + 1, t + 2 * (data.rows + 1)};
+    double *t = malloc(3 * (size_t)(data.rows + 1) * sizeof *t),
+           *y[CLASSES] = {t + data.rows + 1, t + 2 * (data.rows + 1)};
     if (!t) {
         common_fail("out of memory");
         exit(1);
@@ -149,12 +166,14 @@ static void read_study(const program *self, study *s, const char *path) {
             for (int i = 0; i < CLASSES; i++) y[i][n] = r[column[6 + i]];
         }
         snprintf(message, sizeof message, "line of the first row of case %g: ", number);
-        if (!(number >= 1.0 && number <= CASES && number == floor(number))) refuse_data(self, path, "a case number is not one of 1 .. 27");
+        if (!(number >= 1.0 && number <= CASES && number == floor(number)))
+            refuse_data(self, path, "a case number is not one of 1 .. 27");
         int k = (int)number - 1;
         screen_operation o = operation_of(k);
         if (!(fabs(row[column[1]] / o.amplitude - 1.0) < 1e-6 && fabs(row[column[2]] / o.frequency - 1.0) < 1e-6 &&
               fabs(row[column[3]] - o.moisture) < 1e-6)) {
-            snprintf(message, sizeof message, "case %d is not %g m, %g Hz, moisture %g", k + 1, o.amplitude, o.frequency, o.moisture);
+            snprintf(message, sizeof message, "case %d is not %g m, %g Hz, moisture %g", k + 1, o.amplitude,
+                     o.frequency, o.moisture);
             refuse_data(self, path, message);
         }
         for (int i = 0; i < CLASSES; i++) {
@@ -178,21 +197,23 @@ static void read_study(const program *self, study *s, const char *path) {
             refuse_data(self, path, message);
         }
         s->seeds = runs[k] > s->seeds ? runs[k] : s->seeds;
-        for (int j = 0; j < CLASSES * s->times; j++) s->spread[k][j] = runs[k] > 1 ? sqrt(s->spread[k][j] / (runs[k] - 1)) : 0.0;
+        for (int j = 0; j < CLASSES * s->times; j++)
+            s->spread[k][j] = runs[k] > 1 ? sqrt(s->spread[k][j] / (runs[k] - 1)) : 0.0;
     }
     free(t);
     csv_free(&data);
     screen_where where;
     screen_status status = screen_check_cases(&s->def, CASES, s->cases, 0.02, &where);
     if (status) {
-        snprintf(message, sizeof message, "case %d, %s, %g s: %s", where.index + 1, where.klass == 1 ? "near-mesh" : "small",
-                 where.time >= 0 ? s->time[where.time] : 0.0, screen_status_text(status));
+        snprintf(message, sizeof message, "case %d, %s, %g s: %s", where.index + 1,
+                 where.klass == 1 ? "near-mesh" : "small", where.time >= 0 ? s->time[where.time] : 0.0,
+                 screen_status_text(status));
         refuse_data(self, path, message);
     }
     s->source = path;
 }
 
-/* ---- fits --------------------------------------------------------------------------------------------------------------------------- */
+/* ---- fits -------------------------------------------------------------------------------------------------------- */
 
 static screen_def deck(const study *s, int kind_index) {
     screen_def def = s->def;
@@ -200,7 +221,8 @@ static screen_def deck(const study *s, int kind_index) {
     return def;
 }
 
-static screen_status predict(const study *s, int m, const double *parameters, int k, int n, const double *time, double *curve) {
+static screen_status predict(const study *s, int m, const double *parameters, int k, int n, const double *time,
+                             double *curve) {
     screen_def def = deck(s, m);
     return screen_predict(&def, kinds[m].model, parameters, &s->cases[k].operation, n, time, curve, NULL, NULL);
 }
@@ -215,16 +237,19 @@ static double case_deviation(const study *s, int m, const double *parameters, in
     return NAN;
 }
 
-/* Fig 10 d has five groups that the paper does not name. By 9 - 4 = 5: the 3 x 3 grid of two factors at the third's middle level, the corners
-   of a 2 x 2 block fitted, the other five predicted. What an audit of this project got with its own programs stands beside: models 1, 2, 3. */
+/* Fig 10 d has five groups that the paper does not name. By 9 - 4 = 5: the 3 x 3 grid of two factors at the third's
+   middle level, the corners of a 2 x 2 block fitted, the other five predicted. What an audit of this project got with
+   its own programs stands beside: models 1, 2, 3. */
 typedef struct group {
     int fitted[4], predicted[5];
     double audit[3];
 } group;
 enum { GROUPS = 5 };
 static const group groups[GROUPS] = {
-    {{3, 7, 19, 27}, {5, 11, 14, 17, 23}, {0.0743, 0.0491, 0.0300}}, {{2, 8, 11, 17}, {5, 14, 20, 23, 26}, {0.0755, 0.0481, 0.0283}},
-    {{11, 17, 20, 26}, {2, 5, 8, 14, 23}, {0.0770, 0.0510, 0.0312}}, {{4, 6, 13, 15}, {5, 14, 22, 23, 24}, {0.0719, 0.0459, 0.0259}},
+    {{3, 7, 19, 27}, {5, 11, 14, 17, 23}, {0.0743, 0.0491, 0.0300}},
+    {{2, 8, 11, 17}, {5, 14, 20, 23, 26}, {0.0755, 0.0481, 0.0283}},
+    {{11, 17, 20, 26}, {2, 5, 8, 14, 23}, {0.0770, 0.0510, 0.0312}},
+    {{4, 6, 13, 15}, {5, 14, 22, 23, 24}, {0.0719, 0.0459, 0.0259}},
     {{13, 15, 22, 24}, {4, 5, 6, 14, 23}, {0.0721, 0.0451, 0.0259}},
 };
 
@@ -232,7 +257,8 @@ static const group groups[GROUPS] = {
 typedef struct job {
     int kind;
     int group;        /* of mode 4: the other groups of five from four */
-    int mode, factor; /* mode 0 .. 3: interpolation, down, up, five from four; -1: one set a case. factor 0 M, 1 A, 2 f, 3 none */
+    int mode, factor; /* mode 0 .. 3: interpolation, down, up, five from four; -1: one set a case. factor 0 M, 1
+                         A, 2 f, 3 none */
     int fitted[4], predicted[5], n_fitted, n_predicted;
     double fit_deviation, deviation[5];
     screen_fit_result fit;
@@ -265,15 +291,18 @@ static int run_job(int index, void *user) {
 
 static int case_at(int a, int f, int m) { return 9 * m + 3 * a + f; }
 
-/* Per model: 27 single fits; for each factor and each setting of the other two (low, middle, high) two levels to the third, three ways;
-   cases 3, 7, 19, 27 to 5, 11, 14, 17, 23. The paper does not list its sets: this is the specification's reading. */
+/* Per model: 27 single fits; for each factor and each setting of the other two (low, middle, high) two levels to the
+   third, three ways; cases 3, 7, 19, 27 to 5, 11, 14, 17, 23. The paper does not list its sets: this is the
+   specification's reading. */
 static int plan_jobs(job *jobs) {
-    static const int from[3][2] = {{0, 2}, {1, 2}, {0, 1}}, to[3] = {1, 0, 2}, four[4] = {3, 7, 19, 27}, five[5] = {5, 11, 14, 17, 23};
+    static const int from[3][2] = {{0, 2}, {1, 2}, {0, 1}}, to[3] = {1, 0, 2}, four[4] = {3, 7, 19, 27},
+                     five[5] = {5, 11, 14, 17, 23};
     int n = 0;
     for (int turn = 0; turn < KINDS; turn++) {
         int m = (turn + 3) % KINDS; /* the slow model first: the cores stay busy to the end */
         for (int k = 0; k < CASES; k++) {
-            job one = {.kind = m, .mode = -1, .factor = 3, .fitted = {k}, .predicted = {k}, .n_fitted = 1, .n_predicted = 1};
+            job one = {
+                .kind = m, .mode = -1, .factor = 3, .fitted = {k}, .predicted = {k}, .n_fitted = 1, .n_predicted = 1};
             jobs[n++] = one;
         }
         for (int mode = 0; mode < 3; mode++)
@@ -283,7 +312,8 @@ static int plan_jobs(job *jobs) {
                     int index[3];
                     for (int i = 0; i < 3; i++) {
                         int moved = i < 2 ? from[mode][i] : to[mode];
-                        index[i] = case_at(factor == 1 ? moved : level, factor == 2 ? moved : level, factor == 0 ? moved : level);
+                        index[i] = case_at(factor == 1 ? moved : level, factor == 2 ? moved : level,
+                                           factor == 0 ? moved : level);
                     }
                     one.fitted[0] = index[0];
                     one.fitted[1] = index[1];
@@ -315,7 +345,8 @@ typedef struct results {
     job jobs[JOBS];
 } results;
 
-/* A curve of model 3 costs 50 times as much as one of the others: it begins at its published set and at few random places. */
+/* A curve of model 3 costs 50 times as much as one of the others: it begins at its published set and at few
+   random places. */
 static void set_options(const program *self, int starts, const double *published, screen_fit_options *options) {
     for (int m = 0; m < KINDS; m++) {
         options[m] = screen_default_fit_options(kinds[m].model);
@@ -336,7 +367,8 @@ static void fit_everything(const program *self, const study *s, int starts, doub
     set_options(self, starts, p[3], w.options);
     for (int m = 0; m < KINDS; m++) {
         r->published[m] = screen_published(kinds[m].model, p[m]) ? (double)NAN : 0.0;
-        for (int k = 0; k < CASES && m > 0; k++) r->published[m] += (r->published_case[m][k] = case_deviation(s, m, p[m], k, NULL)) / CASES;
+        for (int k = 0; k < CASES && m > 0; k++)
+            r->published[m] += (r->published_case[m][k] = case_deviation(s, m, p[m], k, NULL)) / CASES;
     }
     for (int m = 0; m < KINDS; m++) {
         double start = machine_seconds();
@@ -381,10 +413,11 @@ static void fit_everything(const program *self, const study *s, int starts, doub
     }
 }
 
-/* ---- global search ------------------------------------------------------------------------------------------------------------------ */
+/* ---- global search ----------------------------------------------------------------------------------------------- */
 
-/* Differential evolution (Storn & Price 1997), which knows nothing of slopes: what does a fit of all cases leave on the table?
-   Its coordinates are, for each rate: its logarithm in the initial case, exponent, exponent x moisture exponent. */
+/* Differential evolution (Storn & Price 1997), which knows nothing of slopes: what does a fit of all cases leave on the
+   table? Its coordinates are, for each rate: its logarithm in the initial case, exponent, exponent x
+   moisture exponent. */
 typedef struct search {
     const study *study;
     int kind, evaluations;
@@ -414,7 +447,9 @@ static double mean_deviation(const study *s, int m, const double *x) {
 static void draw_place(const search *w, uint64_t *random, int n, double *x) {
     for (int j = 0; j < n; j++) {
         double u = screen__uniform(random) - 0.5;
-        x[j] = j % 3 == 0 ? 8.0 * u + (kinds[w->kind].model == SCREEN_DONG ? 7.0 : 1.0) : j % 3 == 1 ? 16.0 * u : 40.0 * u;
+        x[j] = j % 3 == 0   ? 8.0 * u + (kinds[w->kind].model == SCREEN_DONG ? 7.0 : 1.0)
+               : j % 3 == 1 ? 16.0 * u
+                            : 40.0 * u;
     }
 }
 
@@ -440,7 +475,8 @@ static int run_search(int index, void *user) {
                 sure = (int)(n * screen__uniform(&random));
             double scale = 0.4 + 0.6 * screen__uniform(&random);
             for (int j = 0; j < n; j++)
-                trial[j] = j == sure || screen__uniform(&random) < 0.9 ? x[c][j] + scale * (x[a][j] - x[b][j]) : x[i][j];
+                trial[j] =
+                    j == sure || screen__uniform(&random) < 0.9 ? x[c][j] + scale * (x[a][j] - x[b][j]) : x[i][j];
         }
         double value = mean_deviation(w->study, w->kind, trial);
         if (fresh || value <= f[i]) {
@@ -458,7 +494,8 @@ static int run_search(int index, void *user) {
     return 0;
 }
 
-static void compare_with_search(const program *self, const study *s, const results *r, int evaluations, int model, json *report) {
+static void compare_with_search(const program *self, const study *s, const results *r, int evaluations, int model,
+                                json *report) {
     search searches[KINDS];
     progress bar;
     static study loose; /* model 3 while searching; what is found is judged by the tolerance of s */
@@ -494,7 +531,7 @@ static void compare_with_search(const program *self, const study *s, const resul
     table_end(&t);
 }
 
-/* ---- what is said ------------------------------------------------------------------------------------------------------------------- */
+/* ---- what is said ------------------------------------------------------------------------------------------------ */
 
 static const char *const modes[MODES] = {"interpolation", "extrapolation_down", "extrapolation_up", "five_from_four"};
 
@@ -533,7 +570,10 @@ static void print_results(const study *s, const results *r) {
             riddle_io_table_cell(&t, "%.4g .. %.4g", f->low[j], f->high[j]);
             if (partner < 0) riddle_io_table_cell(&t, "%s", "-");
             else riddle_io_table_cell(&t, "%s (%.3f)", name_of(m, partner), f->correlation[j][partner]);
-            riddle_io_table_cell(&t, "%s", !f->determined[j] ? "leave it open" : f->at_bound[j] ? "push it to its bound" : "determine it");
+            riddle_io_table_cell(&t, "%s",
+                                 !f->determined[j] ? "leave it open"
+                                 : f->at_bound[j]  ? "push it to its bound"
+                                                   : "determine it");
         }
     table_end(&t);
     t = riddle_io_table_begin("predicted from others|0 first order|1 Dong|2 Subasinghe|3 Soldinger|1 Dong, grain");
@@ -565,7 +605,8 @@ static double bias(const study *s, const results *r, int m, int klass) {
     return sum;
 }
 
-/* Pearson's correlation, over the cases, of the fraction retained in the mean over time and classes with a deviation. */
+/* Pearson's correlation, over the cases, of the fraction retained in the mean over time and classes with
+   a deviation. */
 static double slowness_correlation(const study *s, const double *deviation) {
     double left[CASES] = {0.0}, x = 0.0, y = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
     for (int k = 0; k < CASES; k++) {
@@ -593,7 +634,8 @@ COMMON_PRINTF(4, 5) static void say(finding *f, const char *claim, int holds, co
 
 /* one: which reading of model 1 */
 static void find(const study *s, const results *r, int one, finding *f) {
-    double all[3], each[3], slow[3], sum[3] = {0.0}, mode[MODES][3], by[3][3][3]; /* models 1, 2, 3; by: mode, factor, model */
+    /* models 1, 2, 3; by: mode, factor, model */
+    double all[3], each[3], slow[3], sum[3] = {0.0}, mode[MODES][3], by[3][3][3];
     for (int i = 0; i < 3; i++) {
         int m = i ? i + 1 : one;
         all[i] = r->all[m].deviation;
@@ -607,61 +649,69 @@ static void find(const study *s, const results *r, int one, finding *f) {
     double motion[3]; /* interpolated amplitude and frequency */
     for (int i = 0; i < 3; i++) motion[i] = 0.5 * (by[0][1][i] + by[0][2][i]);
     int ranked = 0;
-    for (int k = 0; k < CASES; k++) ranked += r->all_case[2][k] < r->all_case[3][k] && r->all_case[3][k] < r->all_case[one][k];
+    for (int k = 0; k < CASES; k++)
+        ranked += r->all_case[2][k] < r->all_case[3][k] && r->all_case[3][k] < r->all_case[one][k];
     double small = bias(s, r, one, 0), near = bias(s, r, one, 1);
     finding *next = f;
-    say(next++, "one set for all: best is model 2, then 3, then 1", all[1] < all[2] && all[2] < all[0], "%.4f, %.4f, %.4f", all[1], all[2],
-        all[0]);
+    say(next++, "one set for all: best is model 2, then 3, then 1", all[1] < all[2] && all[2] < all[0],
+        "%.4f, %.4f, %.4f", all[1], all[2], all[0]);
     say(next++, "one set for all: in this order in each case", ranked == CASES, "in %d of 27 cases", ranked);
     say(next++, "one set a case: the models are alike, within a tenth", most_of(each) < 1.1 * least_of(each),
         "models 1, 2, 3: %.4f, %.4f, %.4f", each[0], each[1], each[2]);
     say(next++, "models 2 and 3 lose little by one set for all (< 0.01), model 1 much (> 0.015)",
-        all[1] - each[1] < 0.01 && all[2] - each[2] < 0.01 && all[0] - each[0] > 0.015, "they lose %.4f, %.4f; model 1 loses %.4f",
-        all[1] - each[1], all[2] - each[2], all[0] - each[0]);
+        all[1] - each[1] < 0.01 && all[2] - each[2] < 0.01 && all[0] - each[0] > 0.015,
+        "they lose %.4f, %.4f; model 1 loses %.4f", all[1] - each[1], all[2] - each[2], all[0] - each[0]);
     say(next++, "model 1 underpredicts small, overpredicts near-mesh", small < 0.0 && near > 0.0,
         "mean of model - data, cases of Fig 8: %+.4f small, %+.4f near-mesh", small, near);
     say(next++, "all models are worse where the fraction retained declines slowly", least_of(slow) > 0.38,
-        "correlation of deviation and mean fraction retained, models 1, 2, 3: %+.2f, %+.2f, %+.2f (chance: below 0.38)", slow[0], slow[1],
-        slow[2]);
-    say(next++, "models 1 and 2 interpolate moisture equally, within 0.01", fabs(moist[0][0] - moist[0][1]) < 0.01, "%.4f and %.4f",
-        moist[0][0], moist[0][1]);
+        "correlation of deviation and mean fraction retained, models 1, 2, 3: %+.2f, %+.2f, %+.2f (chance: below 0.38)",
+        slow[0], slow[1], slow[2]);
+    say(next++, "models 1 and 2 interpolate moisture equally, within 0.01", fabs(moist[0][0] - moist[0][1]) < 0.01,
+        "%.4f and %.4f", moist[0][0], moist[0][1]);
     say(next++, "models 2 and 3 interpolate amplitude and frequency equally, within 0.01, model 1 worse",
-        fabs(motion[1] - motion[2]) < 0.01 && motion[0] > fmax(motion[1], motion[2]), "models 1, 2, 3: %.4f, %.4f, %.4f", motion[0],
-        motion[1], motion[2]);
+        fabs(motion[1] - motion[2]) < 0.01 && motion[0] > fmax(motion[1], motion[2]),
+        "models 1, 2, 3: %.4f, %.4f, %.4f", motion[0], motion[1], motion[2]);
     say(next++, "all models extrapolate down worse than they interpolate",
-        down[0] > between[0] && down[1] > between[1] && down[2] > between[2], "models 1, 2, 3: %.4f, %.4f, %.4f after %.4f, %.4f, %.4f",
-        down[0], down[1], down[2], between[0], between[1], between[2]);
-    say(next++, "extrapolation down: model 1 is worst", down[0] > fmax(down[1], down[2]), "%.4f; models 2, 3: %.4f, %.4f", down[0], down[1],
-        down[2]);
+        down[0] > between[0] && down[1] > between[1] && down[2] > between[2],
+        "models 1, 2, 3: %.4f, %.4f, %.4f after %.4f, %.4f, %.4f", down[0], down[1], down[2], between[0], between[1],
+        between[2]);
+    say(next++, "extrapolation down: model 1 is worst", down[0] > fmax(down[1], down[2]),
+        "%.4f; models 2, 3: %.4f, %.4f", down[0], down[1], down[2]);
     say(next++, "extrapolation down: of moisture better than interpolation, and all models alike, within 0.01",
         moist[1][0] < moist[0][0] && moist[1][1] < moist[0][1] && moist[1][2] < moist[0][2] &&
             most_of(moist[1]) - least_of(moist[1]) < 0.01,
-        "%.4f, %.4f, %.4f after %.4f, %.4f, %.4f", moist[1][0], moist[1][1], moist[1][2], moist[0][0], moist[0][1], moist[0][2]);
-    say(next++, "extrapolation up: model 1 is twice as far off as models 2 and 3 (> 1.6 times)", up[0] > 1.6 * fmax(up[1], up[2]),
-        "%.4f; %.4f and %.4f", up[0], up[1], up[2]);
+        "%.4f, %.4f, %.4f after %.4f, %.4f, %.4f", moist[1][0], moist[1][1], moist[1][2], moist[0][0], moist[0][1],
+        moist[0][2]);
+    say(next++, "extrapolation up: model 1 is twice as far off as models 2 and 3 (> 1.6 times)",
+        up[0] > 1.6 * fmax(up[1], up[2]), "%.4f; %.4f and %.4f", up[0], up[1], up[2]);
     say(next++, "extrapolation up: models 2 and 3 are better than between and below the levels, but not for moisture",
-        up[1] < fmin(between[1], down[1]) && up[2] < fmin(between[2], down[2]) && moist[2][1] > moist[0][1] && moist[2][2] > moist[0][2],
-        "%.4f, %.4f; between %.4f, %.4f; moisture %.4f, %.4f, between %.4f, %.4f", up[1], up[2], between[1], between[2], moist[2][1],
-        moist[2][2], moist[0][1], moist[0][2]);
+        up[1] < fmin(between[1], down[1]) && up[2] < fmin(between[2], down[2]) && moist[2][1] > moist[0][1] &&
+            moist[2][2] > moist[0][2],
+        "%.4f, %.4f; between %.4f, %.4f; moisture %.4f, %.4f, between %.4f, %.4f", up[1], up[2], between[1], between[2],
+        moist[2][1], moist[2][2], moist[0][1], moist[0][2]);
     say(next++, "five cases from four: models 2 and 3 are better than model 1", five[0] > fmax(five[1], five[2]),
         "models 1, 2, 3: %.4f, %.4f, %.4f", five[0], five[1], five[2]);
     say(next++, "predictions in all: best is model 2, then 3, then 1", sum[1] < sum[2] && sum[2] < sum[0],
         "mean of the four kinds %.4f, %.4f, %.4f", sum[1], sum[2], sum[0]);
 }
 
-/* ---- figures ------------------------------------------------------------------------------------------------------------------------ */
+/* ---- figures ----------------------------------------------------------------------------------------------------- */
 
-static const char *short_source(const study *s) { return strncmp(s->source, "SYNTHETIC", 9) == 0 ? " (synthetic data)" : ""; }
+static const char *short_source(const study *s) {
+    return strncmp(s->source, "SYNTHETIC", 9) == 0 ? " (synthetic data)" : "";
+}
 
 static void draw_curves(const program *self, const study *s, const results *r) {
     char title[120];
-    snprintf(title, sizeof title, "Data and models fitted to all 27 cases; above each: case, amplitude, frequency, water%s",
+    snprintf(title, sizeof title,
+             "Data and models fitted to all 27 cases; above each: case, amplitude, frequency, water%s",
              short_source(s));
     riddle_plot *figure = riddle_plot_new(title, 4, 3);
     riddle_plot_panel_size(figure, 330, 230);
-    riddle_io_file *file = csv_open(self->out, "fig8.csv",
-                                    "case,time_s,small,near_mesh,dong_small,dong_near_mesh,subasinghe_small,subasinghe_near_mesh,"
-                                    "soldinger_small,soldinger_near_mesh,dong_grain_small,dong_grain_near_mesh");
+    riddle_io_file *file =
+        csv_open(self->out, "fig8.csv",
+                 "case,time_s,small,near_mesh,dong_small,dong_near_mesh,subasinghe_small,subasinghe_near_mesh,"
+                 "soldinger_small,soldinger_near_mesh,dong_grain_small,dong_grain_near_mesh");
     double time[GRID], curve[2 * GRID];
     for (int j = 0; j < GRID; j++) time[j] = 20.0 * j / (GRID - 1);
     for (int i = 0; i < 6; i++) {
@@ -669,8 +719,10 @@ static void draw_curves(const program *self, const study *s, const results *r) {
         double values[KINDS][POINTS];
         screen_operation o = s->cases[k].operation;
         for (int c = 0; c < CLASSES; c++) { /* a row of small ones above one of near-mesh ones */
-            snprintf(title, sizeof title, "%d: %g mm, %g Hz, water %g %%", k + 1, 1e3 * o.amplitude, o.frequency, 100.0 * o.moisture);
-            riddle_plot_panel(figure, 2 * (i / 3) + c, i % 3, "time [s]", c ? "7 mm retained [-]" : "5 mm retained [-]");
+            snprintf(title, sizeof title, "%d: %g mm, %g Hz, water %g %%", k + 1, 1e3 * o.amplitude, o.frequency,
+                     100.0 * o.moisture);
+            riddle_plot_panel(figure, 2 * (i / 3) + c, i % 3, "time [s]",
+                              c ? "7 mm retained [-]" : "5 mm retained [-]");
             riddle_plot_title(figure, title);
             riddle_plot_range_y(figure, 0.0, 1.0);
             riddle_plot_points(figure, i || c ? NULL : "data", s->time, s->retained[k] + c * s->times, s->times);
@@ -703,7 +755,8 @@ static void draw_fits(const program *self, const study *s, const results *r) {
     double bars[5][4];
     for (int i = 0; i < 4; i++) {
         int m = order[i];
-        const double values[5] = {r->published[m], r->all[m].deviation, kinds[m].paper_all, r->each[m], kinds[m].paper_each};
+        const double values[5] = {r->published[m], r->all[m].deviation, kinds[m].paper_all, r->each[m],
+                                  kinds[m].paper_each};
         for (int k = 0; k < 5; k++) bars[k][i] = values[k];
     }
     riddle_plot_panel(figure, 0, 0, "model", "average deviation [-]");
@@ -722,9 +775,10 @@ static void draw_fits(const program *self, const study *s, const results *r) {
         riddle_plot_style(figure, RIDDLE_PLOT_DOTTED | RIDDLE_PLOT_THIN, m - 1);
     }
     riddle_plot_legend_outside(figure);
-    riddle_io_file *file = csv_open(self->out, "fig9.csv",
-                                    "case,published1,published2,published3,published1_grain,all1,all2,all3,all1_grain,each1,each2,each3,"
-                                    "each1_grain");
+    riddle_io_file *file =
+        csv_open(self->out, "fig9.csv",
+                 "case,published1,published2,published3,published1_grain,all1,all2,all3,all1_grain,each1,each2,each3,"
+                 "each1_grain");
     for (int k = 0; k < CASES; k++) {
         double line[13] = {k + 1};
         for (int m = 1; m < KINDS; m++) {
@@ -739,7 +793,8 @@ static void draw_fits(const program *self, const study *s, const results *r) {
 }
 
 static void draw_predictions(const program *self, const study *s, const results *r) {
-    static const char *const factors[4] = {"M", "A", "f", "mean"}, *const five[6] = {"5", "11", "14", "17", "23", "mean"};
+    static const char *const factors[4] = {"M", "A", "f", "mean"}, *const five[6] = {"5",  "11", "14",
+                                                                                     "17", "23", "mean"};
     static const char *const in_words[4] = {"water", "amplitude", "frequency", "mean"};
     static const char *const titles[MODES] = {"(a) between two levels", "(b) below two levels", "(c) above two levels",
                                               "(d) five cases from 3, 7, 19, 27"};
@@ -765,7 +820,8 @@ static void draw_predictions(const program *self, const study *s, const results 
         riddle_plot_range_y(figure, 0.0, top > 0.0 ? 1.15 * top : 1.0);
         for (int k = 0; k <= n; k++) {
             const double *v = k == n ? r->predicted[i] : i < 3 ? r->by_factor[i][k] : r->five[k];
-            csv_line(file, "%s,%s,%.17g,%.17g,%.17g,%.17g", modes[i], i < 3 ? factors[k] : five[k], v[1], v[2], v[3], v[4]);
+            csv_line(file, "%s,%s,%.17g,%.17g,%.17g,%.17g", modes[i], i < 3 ? factors[k] : five[k], v[1], v[2], v[3],
+                     v[4]);
         }
     }
     riddle_io_close(file);
@@ -809,23 +865,24 @@ static void draw_groups(const program *self, const study *s, const results *r, j
     riddle_plot_write(figure, self->out, "fig10d.svg");
 }
 
-/* Case 14 from model 2 fitted to 3, 7, 19, 27: the band of the curve, and that of data scattered about it as in the fit. */
+/* Case 14 from model 2 fitted to 3, 7, 19, 27: the band of the curve, and that of data scattered about it
+   as in the fit. */
 static void draw_band(const program *self, const study *s, const results *r) {
     const job *j = NULL;
     for (int i = 0; i < JOBS; i++)
         if (r->jobs[i].kind == SCREEN_SUBASINGHE && r->jobs[i].mode == 3) j = &r->jobs[i];
-    double time[GRID], sets[SETS][SCREEN_MAX_PARAMETERS], mean[2 * GRID], low[2 * GRID], high[2 * GRID], wide_low[2 * GRID],
-        wide_high[2 * GRID];
+    double time[GRID], sets[SETS][SCREEN_MAX_PARAMETERS], mean[2 * GRID], low[2 * GRID], high[2 * GRID],
+        wide_low[2 * GRID], wide_high[2 * GRID];
     char title[160];
     for (int i = 0; i < GRID; i++) time[i] = 20.0 * i / (GRID - 1);
     const screen_case *predicted = &s->cases[13];
     screen_status status = screen_sample(&j->fit, NULL, self->seed, SETS, &sets[0][0]);
     if (!status)
-        status = screen_band(&s->def, SCREEN_SUBASINGHE, SETS, &sets[0][0], &predicted->operation, GRID, time, 0.0, self->seed, 0.95, mean,
-                             NULL, low, high);
+        status = screen_band(&s->def, SCREEN_SUBASINGHE, SETS, &sets[0][0], &predicted->operation, GRID, time, 0.0,
+                             self->seed, 0.95, mean, NULL, low, high);
     if (!status)
-        status = screen_band(&s->def, SCREEN_SUBASINGHE, SETS, &sets[0][0], &predicted->operation, GRID, time, j->fit.case_error,
-                             self->seed, 0.95, NULL, NULL, wide_low, wide_high);
+        status = screen_band(&s->def, SCREEN_SUBASINGHE, SETS, &sets[0][0], &predicted->operation, GRID, time,
+                             j->fit.case_error, self->seed, 0.95, NULL, NULL, wide_low, wide_high);
     if (status) {
         common_fail("band: %s", screen_status_text(status));
         return;
@@ -854,7 +911,8 @@ static void draw_band(const program *self, const study *s, const results *r) {
     riddle_plot_write(figure, self->out, "band.svg");
 }
 
-/* The deck as a classifier: partition curves of model 2 in the initial case, and what they mean for the study's three equal thirds. */
+/* The deck as a classifier: partition curves of model 2 in the initial case, and what they mean for the study's three
+   equal thirds. */
 static void draw_separation(const program *self, const study *s, const results *r, json *report) {
     static const double when[3] = {2.0, 5.0, 10.0};
     double d[GRID], feed[GRID], part[GRID];
@@ -867,7 +925,8 @@ static void draw_separation(const program *self, const study *s, const results *
                                             {"recovery"},
                                             {"misplaced_overflow", "undersize in what stays", "%.3f"}};
     result_table *t = RESULTS(columns);
-    riddle_plot *figure = riddle_plot_new("Partition curve of the deck, initial case, model 2 (dotted: extrapolated)", 1, 1);
+    riddle_plot *figure =
+        riddle_plot_new("Partition curve of the deck, initial case, model 2 (dotted: extrapolated)", 1, 1);
     riddle_plot_panel(figure, 0, 0, "diameter [mm]", "stays on the deck [-]");
     for (int i = 0; i < 3; i++) {
         screen_separation m, thirds;
@@ -899,12 +958,13 @@ static void draw_separation(const program *self, const study *s, const results *
     riddle_plot_write(figure, self->out, "separation.svg");
 }
 
-/* ---- JSON --------------------------------------------------------------------------------------------------------------------------- */
+/* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
 static void report_fit(json *report, const screen_fit_result *fit, double deviation) {
     json_number(report, "average_deviation", deviation);
     json_object_begin(report, "parameters");
-    for (int j = 0; j < fit->parameters; j++) json_number(report, screen_parameter_name(fit->model, j), fit->parameter[j]);
+    for (int j = 0; j < fit->parameters; j++)
+        json_number(report, screen_parameter_name(fit->model, j), fit->parameter[j]);
     json_object_end(report);
     json_object_begin(report, "standard_error");
     for (int j = 0; j < fit->parameters; j++) json_number(report, screen_parameter_name(fit->model, j), fit->error[j]);
@@ -977,11 +1037,12 @@ static void report_results(json *report, const study *s, const results *r, doubl
     }
 }
 
-/* ---- a screen of one's own ---------------------------------------------------------------------------------------------------------- */
+/* ---- a screen of one's own --------------------------------------------------------------------------------------- */
 
 static void draw_lab(const program *self, const lab *data, const screen_fit_result *fits, int best) {
     riddle_plot *figure = riddle_plot_new("Test curves and the best model", 2, 3);
-    riddle_io_file *file = csv_open(self->out, "lab_curves.csv", "case,time_s,size_m,retained,first_order,dong,subasinghe,soldinger");
+    riddle_io_file *file =
+        csv_open(self->out, "lab_curves.csv", "case,time_s,size_m,retained,first_order,dong,subasinghe,soldinger");
     for (int k = 0; k < data->cases; k++) {
         const screen_case *one = &data->data[k];
         const screen_def *deck = &data->decks[k];
@@ -989,12 +1050,12 @@ static void draw_lab(const program *self, const lab *data, const screen_fit_resu
         double *curve = malloc((size_t)points * LAB_MODELS * sizeof *curve);
         if (!curve) break;
         for (int m = 0; m < LAB_MODELS; m++)
-            screen_predict(deck, (screen_model)m, fits[m].parameter, &one->operation, one->times, one->time, curve + m * points, NULL,
-                           NULL);
+            screen_predict(deck, (screen_model)m, fits[m].parameter, &one->operation, one->times, one->time,
+                           curve + m * points, NULL, NULL);
         for (int i = 0; i < points; i++)
             csv_line(file, "%s,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", data->label[k], one->time[i % one->times],
-                     deck->diameters[i / one->times], one->retained[i], curve[i], curve[points + i], curve[2 * points + i],
-                     curve[3 * points + i]);
+                     deck->diameters[i / one->times], one->retained[i], curve[i], curve[points + i],
+                     curve[2 * points + i], curve[3 * points + i]);
         if (k < 6) {
             char text[80];
             riddle_plot_panel(figure, k / 3, k % 3, "time [s]", k % 3 ? "" : "fraction retained [-]");
@@ -1021,7 +1082,8 @@ static int fit_lab(const program *self, const char *path, int starts) {
     lab_read(self, path, &data);
     int best = 0, points = 0;
     for (int k = 0; k < data.cases; k++) points += data.decks[k].classes * data.data[k].times;
-    riddle_io_table t = riddle_io_table_begin("model|deviation|error of a new case|parameter|value|95 % range|the data");
+    riddle_io_table t =
+        riddle_io_table_begin("model|deviation|error of a new case|parameter|value|95 % range|the data");
     for (int m = 0; m < LAB_MODELS; m++) {
         screen_fit_options options = screen_default_fit_options((screen_model)m);
         options.seed = self->seed;
@@ -1034,7 +1096,9 @@ static int fit_lab(const program *self, const char *path, int starts) {
             char reason[300] = "";
             const screen_where *w = &fits[m].where;
             int n = 0;
-            if (w->index >= 0) n = snprintf(reason, 200, "case %s, class %d, time %d: ", data.label[w->index], w->klass + 1, w->time + 1);
+            if (w->index >= 0)
+                n = snprintf(reason, 200, "case %s, class %d, time %d: ", data.label[w->index], w->klass + 1,
+                             w->time + 1);
             snprintf(reason + n, sizeof reason - (size_t)n, "%s", screen_status_text(status));
             program_refuse(self, "data", path, reason);
         }
@@ -1062,8 +1126,10 @@ static int fit_lab(const program *self, const char *path, int starts) {
     table_end(&t);
     if (fits[0].rises)
         common_print("%d readings rise by more than the noise, the largest by %.3f in case %s at %g s\n", fits[0].rises,
-                     fits[0].largest_rise, data.label[fits[0].where.index], data.data[fits[0].where.index].time[fits[0].where.time]);
-    common_print("Best: %s. wet_screen_designer --parameters %s/parameters.json predicts from these.\n", lab_names[best], self->out);
+                     fits[0].largest_rise, data.label[fits[0].where.index],
+                     data.data[fits[0].where.index].time[fits[0].where.time]);
+    common_print("Best: %s. wet_screen_designer --parameters %s/parameters.json predicts from these.\n",
+                 lab_names[best], self->out);
     char place[600];
     snprintf(place, sizeof place, "%s/parameters.json", self->out);
     const char *const files[2] = {place, self->json};
@@ -1087,7 +1153,8 @@ static int fit_lab(const program *self, const char *path, int starts) {
 static bool is_study(const char *path) {
     csv_data data;
     char message[300];
-    if (csv_read(path, &data, message, (int)sizeof message)) return false; /* whoever reads it then says what is wrong */
+    /* Whoever reads it then says what is wrong. */
+    if (csv_read(path, &data, message, (int)sizeof message)) return false;
     const bool study_of_27 = csv_column(&data, "retained_small") >= 0;
     csv_free(&data);
     return study_of_27;
@@ -1101,19 +1168,22 @@ int main(int argc, char **argv) {
     static study s;
     static results r;
     option options[] = {
-        option_string(
-            "data", "FILE", &path,
-            "curves to fit: those of the 27 cases (default data/screening_27_cases.csv), or of any screen, as data/screen_template.csv"),
+        option_string("data", "FILE", &path,
+                      "curves to fit: those of the 27 cases (default data/screening_27_cases.csv), or of any screen, "
+                      "as data/screen_template.csv"),
         option_flag("synthetic", &synthetic, "curves made from the published parameters of model 2 instead"),
         option_int("starts", "N", &starts, 1, 1000, "random starts of a fit; a tenth of them for model 3"),
-        option_double("shrink", "W", &shrink, 0.0, 1.0, "price of large exponents in the fits of predictions; 0: the plain minimum"),
+        option_double("shrink", "W", &shrink, 0.0, 1.0,
+                      "price of large exponents in the fits of predictions; 0: the plain minimum"),
         option_int("search", "N", &evaluations, 0, 100000000,
-                   "compare with a global search of N evaluations, 100 or more; 0: off. 1e6 take a minute for model 2, ten for model 1, "
+                   "compare with a global search of N evaluations, 100 or more; 0: off. 1e6 take a minute for model 2, "
+                   "ten for model 1, "
                    "twenty for 3"),
-        option_int("search-model", "M", &model, -1, GRAIN, "of this model only, 4: model 1 with the grain's mass; -1: all but 3"),
+        option_int("search-model", "M", &model, -1, GRAIN,
+                   "of this model only, 4: model 1 with the grain's mass; -1: all but 3"),
     };
-    program self =
-        program_start("screen_fit", "Process models of batch screening: evaluated, fitted, and predicting.", options, 6, argc, argv);
+    program self = program_start("screen_fit", "Process models of batch screening: evaluated, fitted, and predicting.",
+                                 options, 6, argc, argv);
     if (evaluations && evaluations < 100) program_refuse(&self, "search", NULL, "0 or from 100 to 100000000");
     if (model >= 0 && !evaluations) program_refuse(&self, "search-model", NULL, "only with --search");
     if (path && synthetic) program_refuse(&self, "data", path, "not with --synthetic");
@@ -1132,19 +1202,21 @@ int main(int argc, char **argv) {
     if (path) read_study(&self, &s, path);
     else make_synthetic(&s);
     if (!path)
-        common_print(
-            "*** SYNTHETIC DATA: the curves are those of model 2 with its published parameters. Model 2 fits them by construction;\n"
-            "*** nothing here tells how well any model describes screening. Give --data FILE for that.\n\n");
+        common_print("*** SYNTHETIC DATA: the curves are those of model 2 with its published parameters. Model 2 fits "
+                     "them by construction;\n"
+                     "*** nothing here tells how well any model describes screening. Give --data FILE for that.\n\n");
     fit_everything(&self, &s, starts, shrink, &r);
     print_results(&s, &r);
     finding f[2][FINDINGS];
     find(&s, &r, 1, f[0]);
     find(&s, &r, GRAIN, f[1]);
     for (int reading = 0; reading < 2; reading++) {
-        common_print("\nWhat the paper found, with model 1 %s, on %s:\n", reading ? "as Y = (1 - p m_grain)^N" : "as Y = (1 - p Y)^N",
+        common_print("\nWhat the paper found, with model 1 %s, on %s:\n",
+                     reading ? "as Y = (1 - p m_grain)^N" : "as Y = (1 - p Y)^N",
                      path ? "these data" : "SYNTHETIC data, where it means nothing");
         for (int i = 0; i < FINDINGS; i++)
-            common_print("  %-9s  %s: %s\n", f[reading][i].holds ? "confirmed" : "refuted", f[reading][i].claim, f[reading][i].number);
+            common_print("  %-9s  %s: %s\n", f[reading][i].holds ? "confirmed" : "refuted", f[reading][i].claim,
+                         f[reading][i].number);
     }
     common_print("\n");
     json *report = json_open(self.json);

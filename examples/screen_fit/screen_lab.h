@@ -1,4 +1,5 @@
-/* screen_lab.h: a screen of one's own. Reads test curves of any screen and a sieve curve from CSV files, writes and reads fitted parameters.
+/* screen_lab.h: a screen of one's own. Reads test curves of any screen and a sieve curve from CSV files, writes and
+   reads fitted parameters.
 
    Curves, one row a reading (data/screen_template.csv):
      case       a name or number
@@ -7,8 +8,9 @@
      retained   mass still on the deck over initial mass of the class [-] (or _percent)
      amplitude  half the stroke [m] (or _mm)        frequency  [Hz] (or _rpm)
      aperture   clear width [m] (or _mm)
-   and where known: moisture [-] (or _percent), wire [m], inclination [rad] (or _deg), load [kg/m2], share (of the class in what can pass),
-   oversize (share of the feed that cannot pass). Rows of a case may stand in any order; the same reading twice is averaged.
+   and where known: moisture [-] (or _percent), wire [m], inclination [rad] (or _deg), load [kg/m2], share (of the class
+   in what can pass), oversize (share of the feed that cannot pass). Rows of a case may stand in any order; the same
+   reading twice is averaged.
    Other words and units: sheet.h. */
 #ifndef SCREEN_LAB_H
 #define SCREEN_LAB_H
@@ -84,8 +86,8 @@ static inline double lab_value(const sheet_column *column, int row, double other
 }
 
 /* The rows of one case into room [3 + its rows ...]; returns what is used of it. */
-static inline double *lab_read_case(const program *self, const char *path, const sheet_column *column, const int *rows, int n, lab *out,
-                                    double *room) {
+static inline double *lab_read_case(const program *self, const char *path, const sheet_column *column, const int *rows,
+                                    int n, lab *out, double *room) {
     const int k = out->cases - 1;
     char reason[300];
     double value[LAB_COLUMNS];
@@ -97,8 +99,8 @@ static inline double *lab_read_case(const program *self, const char *path, const
         for (int j = LAB_TIME; j < LAB_COLUMNS; j++) {
             double x = lab_value(&column[j], rows[i], otherwise[j]);
             if (column[j].index >= 0 && !isfinite(x)) {
-                snprintf(reason, sizeof reason, "numbers in every column; case %s, reading %d: %s is none", out->label[k], i + 1,
-                         column[j].name);
+                snprintf(reason, sizeof reason, "numbers in every column; case %s, reading %d: %s is none",
+                         out->label[k], i + 1, column[j].name);
                 lab_refuse(self, "data", path, reason);
             }
             if (j > LAB_RETAINED && j != LAB_SHARE && column[j].index >= 0 && x != value[j]) {
@@ -121,7 +123,8 @@ static inline double *lab_read_case(const program *self, const char *path, const
         lab_refuse(self, "data", path, reason);
     }
     if ((long)classes * times > n) { /* also what bounds the memory */
-        snprintf(reason, sizeof reason, "a reading of every class at every time; case %s has %d readings for %d classes and %d times",
+        snprintf(reason, sizeof reason,
+                 "a reading of every class at every time; case %s has %d readings for %d classes and %d times",
                  out->label[k], n, classes, times);
         lab_refuse(self, "data", path, reason);
     }
@@ -145,8 +148,8 @@ static inline double *lab_read_case(const program *self, const char *path, const
     for (int c = 0; c < classes; c++) share[c] /= all;
     for (int i = 0; i < classes * times; i++) {
         if (count[i] == 0.0) {
-            snprintf(reason, sizeof reason, "a reading of every class at every time; case %s has none of %g mm at %g s", out->label[k],
-                     1e3 * size[i / times], time[i % times]);
+            snprintf(reason, sizeof reason, "a reading of every class at every time; case %s has none of %g mm at %g s",
+                     out->label[k], 1e3 * size[i / times], time[i % times]);
             lab_refuse(self, "data", path, reason);
         }
         retained[i] /= count[i];
@@ -185,7 +188,8 @@ static inline void lab_read(const program *self, const char *path, lab *out) {
     char message[600];
     sheet_column column[LAB_COLUMNS];
     lab_name_columns(column);
-    if (sheet_read(path, column, LAB_COLUMNS, &data, message, (int)sizeof message)) lab_refuse(self, "data", path, message);
+    if (sheet_read(path, column, LAB_COLUMNS, &data, message, (int)sizeof message))
+        lab_refuse(self, "data", path, message);
     common_print("%s\n", data.how);
     out->cases = out->skipped = 0;
     out->load_known = column[LAB_LOAD].index >= 0;
@@ -216,10 +220,12 @@ static inline void lab_read(const program *self, const char *path, lab *out) {
     free(done);
     sheet_free(&data);
     if (out->cases == 0) lab_refuse(self, "data", path, "a file with readings");
-    /* one mass unit for the grains of all cases: that of a grain as large as the widest aperture, so that no probability exceeds 1 */
+    /* one mass unit for the grains of all cases: that of a grain as large as the widest aperture, so that no
+       probability exceeds 1 */
     double widest = 0.0;
     for (int k = 0; k < out->cases; k++) widest = fmax(widest, out->decks[k].aperture);
-    for (int k = 0; k < out->cases; k++) out->decks[k].ratio_mass = screen_grain_ratio(out->decks[k].density, widest, 1.0);
+    for (int k = 0; k < out->cases; k++)
+        out->decks[k].ratio_mass = screen_grain_ratio(out->decks[k].density, widest, 1.0);
 }
 
 /* ---- parameters ---- */
@@ -232,7 +238,8 @@ static inline void lab_write_fit(json *report, const screen_fit_result *fit, int
     static const char *const titles[4] = {"value", "low95", "high95", "standard_error"};
     for (int t = 0; t < 4; t++) {
         json_object_begin(report, titles[t]);
-        for (int j = 0; j < fit->parameters; j++) json_number(report, screen_parameter_name((screen_model)model, j), numbers[t][j]);
+        for (int j = 0; j < fit->parameters; j++)
+            json_number(report, screen_parameter_name((screen_model)model, j), numbers[t][j]);
         json_object_end(report);
     }
     json_array_begin(report, "not_determined");
@@ -240,10 +247,12 @@ static inline void lab_write_fit(json *report, const screen_fit_result *fit, int
         if (!fit->determined[j]) json_string(report, NULL, screen_parameter_name((screen_model)model, j));
     json_array_end(report);
     const screen_domain *d = &fit->domain;
-    const double domain[18] = {d->amplitude[0],   d->amplitude[1],   d->frequency[0], d->frequency[1], d->moisture[0], d->moisture[1],
-                               d->inclination[0], d->inclination[1], d->diameter[0],  d->diameter[1],  d->aperture[0], d->aperture[1],
-                               d->load[0],        d->load[1],        d->time[0],      d->time[1],      d->classes[0],  d->classes[1]};
-    json_array(report, "domain_amplitude_frequency_moisture_inclination_diameter_aperture_load_time_classes", domain, 18);
+    const double domain[18] = {d->amplitude[0], d->amplitude[1],   d->frequency[0],   d->frequency[1], d->moisture[0],
+                               d->moisture[1],  d->inclination[0], d->inclination[1], d->diameter[0],  d->diameter[1],
+                               d->aperture[0],  d->aperture[1],    d->load[0],        d->load[1],      d->time[0],
+                               d->time[1],      d->classes[0],     d->classes[1]};
+    json_array(report, "domain_amplitude_frequency_moisture_inclination_diameter_aperture_load_time_classes", domain,
+               18);
     json_string(report, "ratio", fit->ratio == SCREEN_RATIO_GRAIN ? "grain" : "retained");
     json_number(report, "ratio_mass_kg", fit->ratio_mass);
     json_array(report, "parameter", fit->parameter, fit->parameters);
@@ -291,14 +300,17 @@ static inline void lab_read_fits(const program *self, const char *path, screen_f
         fit->model = (screen_model)m;
         fit->parameters = screen_parameter_count(fit->model, 0);
         if (lab_numbers(at, "parameter", fit->parameter, fit->parameters) ||
-            lab_numbers(at, "coefficient", fit->coefficient, fit->parameters) || lab_numbers(at, "centre", fit->centre, 4) ||
+            lab_numbers(at, "coefficient", fit->coefficient, fit->parameters) ||
+            lab_numbers(at, "centre", fit->centre, 4) ||
             lab_numbers(at, "factor", &fit->factor[0][0], SCREEN_MAX_PARAMETERS * SCREEN_MAX_PARAMETERS) ||
-            lab_numbers(at, "domain_amplitude_frequency_moisture_inclination_diameter_aperture_load_time_classes", domain, 18) ||
+            lab_numbers(at, "domain_amplitude_frequency_moisture_inclination_diameter_aperture_load_time_classes",
+                        domain, 18) ||
             lab_numbers(at, "ratio_mass_kg", mass, 1) || lab_numbers(at, "deviation", &errors[0], 1) ||
             lab_numbers(at, "case_error", &errors[1], 1))
             program_refuse(self, "parameters", path, "a file parameters.json that screen_fit --data has written");
-        double *const ranges[8] = {fit->domain.amplitude, fit->domain.frequency, fit->domain.moisture, fit->domain.inclination,
-                                   fit->domain.diameter,  fit->domain.aperture,  fit->domain.load,     fit->domain.time};
+        double *const ranges[8] = {fit->domain.amplitude,   fit->domain.frequency, fit->domain.moisture,
+                                   fit->domain.inclination, fit->domain.diameter,  fit->domain.aperture,
+                                   fit->domain.load,        fit->domain.time};
         for (int i = 0; i < 16; i++) ranges[i / 2][i % 2] = domain[i];
         fit->domain.classes[0] = (int)domain[16];
         fit->domain.classes[1] = (int)domain[17];
@@ -314,7 +326,8 @@ static inline const char *lab_outside(char *text, size_t size, unsigned flags) {
     size_t n = 0;
     text[0] = '\0';
     for (unsigned flag = 1; flag <= SCREEN_OUTSIDE_TIME; flag *= 2)
-        if (flags & flag && n < size) n += (size_t)snprintf(text + n, size - n, "%s%s", n ? ", " : "", screen_outside_text(flag));
+        if (flags & flag && n < size)
+            n += (size_t)snprintf(text + n, size - n, "%s%s", n ? ", " : "", screen_outside_text(flag));
     return text;
 }
 

@@ -1,7 +1,8 @@
-/* blocking_tests.h - counted holes of many blocking tests from a CSV file, and the law of k1 and k2 that blocking.h fits to them.
+/* blocking_tests.h - counted holes of many blocking tests from a CSV file, and the law of k1 and k2 that blocking.h
+   fits to them.
 
-   One row a reading, rows of a test together and by time: test (a name or number), time_s, K, free_holes and holes (or free_fraction);
-   x_h and moisture where they were not the same in all tests. */
+   One row a reading, rows of a test together and by time: test (a name or number), time_s, K, free_holes and holes (or
+   free_fraction); x_h and moisture where they were not the same in all tests. */
 #ifndef BLOCKING_TESTS_H
 #define BLOCKING_TESTS_H
 
@@ -14,17 +15,19 @@
 #include "common.h"
 
 enum { BLOCKING_TESTS = 200, BLOCKING_TEST_ROWS = 20000 };
-static const char *const blocking_tests_file =
-    "a file with the columns test,time_s,K,x_h,moisture and free_holes,holes or free_fraction; x_h and moisture may be missing";
+static const char *const blocking_tests_file = "a file with the columns test,time_s,K,x_h,moisture and "
+                                               "free_holes,holes or free_fraction; x_h and moisture may be missing";
 
 /* Leaves: the file of an option is no good for this reason. */
-static inline void refuse_file(const program *self, const char *option_name, const char *path, const char *what, const char *reason) {
+static inline void refuse_file(const program *self, const char *option_name, const char *path, const char *what,
+                               const char *reason) {
     char text[800];
     snprintf(text, sizeof text, "%s; this one: %s", what, reason);
     program_refuse(self, option_name, path, text);
 }
 
-/* The standard error of a count; two holes are added so that a sieve counted all free is not taken for certain (Agresti & Coull 1998). */
+/* The standard error of a count; two holes are added so that a sieve counted all free is not taken for certain (Agresti
+   & Coull 1998). */
 static inline double counting_error(double free_holes, double holes) {
     double f = (free_holes + 1.0) / (holes + 2.0);
     return sqrt(f * (1.0 - f) / holes);
@@ -57,7 +60,8 @@ static inline void read_blocking_law(const program *self, const char *path, bloc
             tests[n].moisture = c[MOISTURE].value ? c[MOISTURE].value[i] : 0.0;
             n++;
         }
-        const double holes = counted ? c[HOLES].value[i] : 1.0, free_holes = counted ? c[FREE].value[i] : c[FRACTION].value[i];
+        const double holes = counted ? c[HOLES].value[i] : 1.0,
+                     free_holes = counted ? c[FREE].value[i] : c[FRACTION].value[i];
         t[i] = c[TIME].value[i];
         f[i] = free_holes / holes;
         sigma[i] = counted ? counting_error(free_holes, holes) : 0.0;

@@ -1,17 +1,23 @@
 /* Sieve-hole blocking by blocking.h, after Lawinska, Modrzewski & Wodzinski, Granular Matter 18 (2016) 13, "the paper".
 
    1. table2.svg: the exponentials of Table 2, experiment beside model.
-   2. fit.svg: rate constants from counted holes. Without --data the readings are drawn from a row of Table 2 with the counting noise of
-      four templates of 100 holes, at the paper's times 0, 1, 2, 4 ... 2048 s: the paper does not print its raw counts.
+   2. fit.svg: rate constants from counted holes. Without --data the readings are drawn from a row of Table 2 with the
+      counting noise of four templates of 100 holes, at the paper's times 0, 1, 2, 4 ... 2048 s: the paper does not
+      print its raw counts.
    3. polynomials.svg: mean free fraction f*(K, x_h) of Table 3, limited to 1.
    4. deck.svg: the deck area for a duty, from the fitted curve and from Table 3.
 
-   The process itself: sieve_blocking --simulate --k 1.5 --xh 0.65  counts the holes of a periodic patch of a vibrated sieve by dem.h, of
-                                                             spheres, and fits those; --sweep: five K and three x_h beside Table 3
-   Your own counts:   sieve_blocking --data counts.csv       columns time_s,free_holes,holes (one row a template; rows of one time are
+   The process itself: sieve_blocking --simulate --k 1.5 --xh 0.65  counts the holes of a periodic patch of a vibrated
+   sieve by dem.h, of
+                                                             spheres, and fits those; --sweep: five K and three x_h
+                                                             beside Table 3
+   Your own counts:   sieve_blocking --data counts.csv       columns time_s,free_holes,holes (one row a template; rows
+                      of one time are
                                                              added up) or time_s,free_fraction
-   Your own tests:    sieve_blocking --tests tests.csv       columns test,time_s,K,x_h,moisture and counts: laws for k1 and k2
-   Your own grains:   sieve_blocking --sizes sieve.csv       columns size_mm,passing (fraction finer, 0..1): gives x_h for --opening-mm
+   Your own tests:    sieve_blocking --tests tests.csv       columns test,time_s,K,x_h,moisture and counts: laws for k1
+                      and k2
+   Your own grains:   sieve_blocking --sizes sieve.csv       columns size_mm,passing (fraction finer, 0..1): gives x_h
+                      for --opening-mm
    Your own machine:  --frequency-hz 23.3 --amplitude-mm 0.7 --slope-deg 15, or --k 1.5 */
 #include <math.h>
 #include <stdio.h>
@@ -35,8 +41,9 @@ typedef struct row {
 } row;
 
 static const row table2[] = {
-    {"7a", "experiment", .960, .0209, .0421},  {"7a", "model", .961, .0210, .0353},      {"7b", "experiment", .714, .235, .0101},
-    {"7b", "model", .704, .257, .00667},       {"8a", "experiment", .909, -.214, .0234}, {"8a", "model", .932, -.301, .0433},
+    {"7a", "experiment", .960, .0209, .0421},  {"7a", "model", .961, .0210, .0353},
+    {"7b", "experiment", .714, .235, .0101},   {"7b", "model", .704, .257, .00667},
+    {"8a", "experiment", .909, -.214, .0234},  {"8a", "model", .932, -.301, .0433},
     {"8b", "experiment", .960, -.0907, .0119}, {"8b", "model", .965, -.072, .0197},
 };
 static const char *const titles[] = {"Fig 7a: spherical, 1 mm, K = 1.5", "Fig 7b: spherical, 1 mm, K = 3.5",
@@ -46,9 +53,9 @@ static double at(const row *r, double t) { return blocking_curve(r->f_inf + r->A
 
 static void draw_table2(const program *self, json *report) {
     riddle_plot *figure = riddle_plot_new("Free holes in time, Table 2 of Lawinska et al. (2016)", 2, 2);
-    riddle_io_file *file =
-        csv_open(self->out, "table2.csv",
-                 "time_s,f_7a_experiment,f_7a_model,f_7b_experiment,f_7b_model,f_8a_experiment,f_8a_model,f_8b_experiment,f_8b_model");
+    riddle_io_file *file = csv_open(self->out, "table2.csv",
+                                    "time_s,f_7a_experiment,f_7a_model,f_7b_experiment,f_7b_model,f_8a_experiment,f_8a_"
+                                    "model,f_8b_experiment,f_8b_model");
     static const result_column columns[] = {{"figure", NULL, "%s"},        {"row", NULL, "%s"},
                                             {NULL, "Table 2", "%s"},       {"f0", "f(0)", "%.4f"},
                                             {"f_inf", "f_inf", "%.3f"},    {"k_per_s"},
@@ -118,8 +125,8 @@ static void read_readings(const program *self, const char *path, readings *r) {
     enum { TIME, FREE, HOLES, FRACTION, COLUMNS };
     sheet data;
     char message[600];
-    sheet_column c[COLUMNS] = {sheet_want("time", 'T', true), sheet_want("free_holes", '#', false), sheet_want("holes", '#', false),
-                               sheet_want("free_fraction", '%', false)};
+    sheet_column c[COLUMNS] = {sheet_want("time", 'T', true), sheet_want("free_holes", '#', false),
+                               sheet_want("holes", '#', false), sheet_want("free_fraction", '%', false)};
     if (sheet_read(path, c, COLUMNS, &data, message, sizeof message) != 0) program_refuse(self, "data", path, message);
     r->counted = c[FREE].value && c[HOLES].value;
     if (!r->counted && !c[FRACTION].value) program_refuse(self, "data", path, counts_file);
@@ -153,14 +160,16 @@ static blocking_status fit_readings(readings *r, blocking_fit_result *fit) {
     return blocking_fit(&def, r->t, r->f, r->counted ? r->sigma : NULL, (size_t)r->n, fit);
 }
 
-static void report_fit(json *report, const readings *r, blocking_status status, const blocking_fit_result *fit, const char *source) {
+static void report_fit(json *report, const readings *r, blocking_status status, const blocking_fit_result *fit,
+                       const char *source) {
     common_print("\nReadings: %s, %d times\nLeast squares: %s\n", source, r->n, blocking_status_text(status));
-    common_print("  f0 %.4f, f_inf %.4f, k %.5f 1/s, R2 %.3f; k1 %.5f 1/s (blocking), k2 %.5f 1/s (unblocking)\n", fit->f0, fit->f_inf,
-                 fit->k, fit->r2, fit->k1, fit->k2);
+    common_print("  f0 %.4f, f_inf %.4f, k %.5f 1/s, R2 %.3f; k1 %.5f 1/s (blocking), k2 %.5f 1/s (unblocking)\n",
+                 fit->f0, fit->f_inf, fit->k, fit->r2, fit->k1, fit->k2);
     common_print("  95 %% ranges, %s: f0 %.4f .. %.4f, f_inf %.4f .. %.4f%s, k %.5f .. %.5f 1/s%s\n",
-                 r->counted ? "errors from the numbers of holes" : "errors from the scatter about the curve", fit->f0_lowest,
-                 fit->f0_highest, fit->f_inf_lowest, fit->f_inf_highest, fit->f_inf_determined ? "" : " (not determined)", fit->k_lowest,
-                 fit->k_highest, fit->k_determined ? "" : " (not determined)");
+                 r->counted ? "errors from the numbers of holes" : "errors from the scatter about the curve",
+                 fit->f0_lowest, fit->f0_highest, fit->f_inf_lowest, fit->f_inf_highest,
+                 fit->f_inf_determined ? "" : " (not determined)", fit->k_lowest, fit->k_highest,
+                 fit->k_determined ? "" : " (not determined)");
     json_object_begin(report, "fit");
     json_string(report, "source", source);
     json_string(report, "status", blocking_status_text(status));
@@ -177,7 +186,8 @@ static void report_fit(json *report, const readings *r, blocking_status status, 
     json_object_end(report);
 }
 
-/* Every pair of readings at t and 2 t with the one at 0 (or the first reading, for other times): what eq 14 and 15 would be asked. */
+/* Every pair of readings at t and 2 t with the one at 0 (or the first reading, for other times): what eq 14 and 15
+   would be asked. */
 static int three_points(json *report, const readings *r, double *first, double *k, double *error) {
     int found = 0;
     static const result_column columns[] = {{NULL, "three readings [s]", "%s"},     {NULL, "f_inf", "%.3f"},
@@ -188,7 +198,10 @@ static int three_points(json *report, const readings *r, double *first, double *
     for (int i = 1; i + 1 < r->n; i++) {
         const double times[3] = {r->t[0], r->t[i], r->t[i + 1]}, f[3] = {r->f[0], r->f[i], r->f[i + 1]};
         double sigma =
-            r->counted ? sqrt((r->sigma[0] * r->sigma[0] + r->sigma[i] * r->sigma[i] + r->sigma[i + 1] * r->sigma[i + 1]) / 3.0) : 0.0;
+            r->counted
+                ? sqrt((r->sigma[0] * r->sigma[0] + r->sigma[i] * r->sigma[i] + r->sigma[i + 1] * r->sigma[i + 1]) /
+                       3.0)
+                : 0.0;
         blocking_estimate e;
         blocking_status status = blocking_three_point(times, f, sigma, BLOCKING_TOLERANCE, &e);
         char text[100];
@@ -213,7 +226,8 @@ static int three_points(json *report, const readings *r, double *first, double *
 
 /* ---- many tests ---- */
 
-/* k1 and k2 as laws of K, x_h and moisture from the curves of a file; what they say at K and x_h, in the report and as a duty. */
+/* k1 and k2 as laws of K, x_h and moisture from the curves of a file; what they say at K and x_h, in the report
+   and as a duty. */
 static void fit_tests(const program *self, json *report, const char *path, double K, double x_h, blocking_duty *duty) {
     blocking_law law;
     blocking_law_value at_yours;
@@ -225,16 +239,18 @@ static void fit_tests(const program *self, json *report, const char *path, doubl
     duty->k = at_yours.k1 + at_yours.k2;
     duty->last_lowest = run.last_low95, duty->last_highest = run.last_high95;
     duty->mean_lowest = run.mean_low95, duty->mean_highest = run.mean_high95;
-    common_print("%s: %d tests, %d readings; the form with the lowest AICc (%.1f; constant k1 and k2: %.1f)\n", path, (int)law.tests,
-                 (int)law.readings, law.aicc, law.aicc_constant);
-    common_print("  ln k1 = %.4g + %.4g K + %.4g x_h + %.4g moisture\n  ln k2 = %.4g + %.4g K + %.4g x_h + %.4g moisture\n", law.a[0],
-                 law.a[1], law.a[2], law.a[3], law.b[0], law.b[1], law.b[2], law.b[3]);
+    common_print("%s: %d tests, %d readings; the form with the lowest AICc (%.1f; constant k1 and k2: %.1f)\n", path,
+                 (int)law.tests, (int)law.readings, law.aicc, law.aicc_constant);
     common_print(
-        "At K %.3g, x_h %.3g, dry%s: k1 %.4g (95 %% range %.4g .. %.4g) 1/s, k2 %.4g (%.4g .. %.4g) 1/s, f_inf %.3f (%.3f .. %.3f)\n", K,
-        x_h, at_yours.outside ? ", OUTSIDE the tests" : "", at_yours.k1, at_yours.k1_low95, at_yours.k1_high95, at_yours.k2,
-        at_yours.k2_low95, at_yours.k2_high95, at_yours.f_inf, at_yours.f_inf_low95, at_yours.f_inf_high95);
-    common_print("A deck that was just cleaned, after %.3g s: f %.3f (%.3f .. %.3f), mean %.3f (%.3f .. %.3f)\n", duty->run_time, run.last,
-                 run.last_low95, run.last_high95, run.mean, run.mean_low95, run.mean_high95);
+        "  ln k1 = %.4g + %.4g K + %.4g x_h + %.4g moisture\n  ln k2 = %.4g + %.4g K + %.4g x_h + %.4g moisture\n",
+        law.a[0], law.a[1], law.a[2], law.a[3], law.b[0], law.b[1], law.b[2], law.b[3]);
+    common_print("At K %.3g, x_h %.3g, dry%s: k1 %.4g (95 %% range %.4g .. %.4g) 1/s, k2 %.4g (%.4g .. %.4g) 1/s, "
+                 "f_inf %.3f (%.3f .. %.3f)\n",
+                 K, x_h, at_yours.outside ? ", OUTSIDE the tests" : "", at_yours.k1, at_yours.k1_low95,
+                 at_yours.k1_high95, at_yours.k2, at_yours.k2_low95, at_yours.k2_high95, at_yours.f_inf,
+                 at_yours.f_inf_low95, at_yours.f_inf_high95);
+    common_print("A deck that was just cleaned, after %.3g s: f %.3f (%.3f .. %.3f), mean %.3f (%.3f .. %.3f)\n",
+                 duty->run_time, run.last, run.last_low95, run.last_high95, run.mean, run.mean_low95, run.mean_high95);
     json_object_begin(report, "law");
     results_values(report, {"tests", (int)law.tests}, {"aicc", law.aicc}, {"aicc_constant", law.aicc_constant});
     json_array(report, "ln_k1_of_1_K_x_h_moisture", law.a, BLOCKING_LAW_TERMS);
@@ -249,8 +265,8 @@ static void fit_tests(const program *self, json *report, const char *path, doubl
 
 /* ---- simulation ---- */
 
-/* Counts at 0 s and, doubling from 1 s (or an eighth of a shorter time), up to `time`, each to whole periods of the deck.
-   0, or -1 after one line on stderr or Ctrl-C. */
+/* Counts at 0 s and, doubling from 1 s (or an eighth of a shorter time), up to `time`, each to whole periods of the
+   deck. 0, or -1 after one line on stderr or Ctrl-C. */
 static int simulate(const sieve_patch_def *def, double time, readings *r, sieve_patch *patch, progress *bar) {
     const int holes = def->across * def->across, last = (int)(time * def->frequency + 0.5);
     int next = (int)(fmin(1.0, 0.125 * time) * def->frequency + 0.5);
@@ -280,17 +296,20 @@ static void report_simulation(json *report, const sieve_patch *patch, const read
     const dem_world *w = &patch->world;
     ptrdiff_t too_large = patch->forced;
     for (ptrdiff_t i = 0; i < w->passed_count; i++) too_large += w->passed[i].diameter > def->opening;
-    common_print("Simulated: %d x %d holes of %g mm, wires of %g mm, vertical amplitude %.3f mm at %.4g Hz, %ld spheres of %.2f .. %.2f mm "
+    common_print("Simulated: %d x %d holes of %g mm, wires of %g mm, vertical amplitude %.3f mm at %.4g Hz, %ld "
+                 "spheres of %.2f .. %.2f mm "
                  "(%.3g kg/m2, x_h %.3f)\n",
-                 def->across, def->across, 1e3 * def->opening, 1e3 * def->wire, 1e3 * sieve_patch_amplitude(def), def->frequency,
-                 (long)patch->grains, 500.0 * def->opening, 1600.0 * def->opening, def->load, patch->hard_mass / patch->mass);
-    common_print("  %ld of them passed, %ld larger than a hole were forced through; steps of %.2g s at the end\n", (long)w->passed_total,
-                 (long)too_large, w->def.dt);
+                 def->across, def->across, 1e3 * def->opening, 1e3 * def->wire, 1e3 * sieve_patch_amplitude(def),
+                 def->frequency, (long)patch->grains, 500.0 * def->opening, 1600.0 * def->opening, def->load,
+                 patch->hard_mass / patch->mass);
+    common_print("  %ld of them passed, %ld larger than a hole were forced through; steps of %.2g s at the end\n",
+                 (long)w->passed_total, (long)too_large, w->def.dt);
     json_object_begin(report, "simulation");
     results_values(report, {"holes", def->across * def->across}, {"opening_m", def->opening}, {"wire_m", def->wire},
                    {"K", def->K}, {"frequency_hz", def->frequency}, {"amplitude_m", sieve_patch_amplitude(def)},
-                   {"x_h", patch->hard_mass / patch->mass}, {"load_kg_per_m2", def->load}, {"spheres", (double)patch->grains},
-                   {"passed", (double)w->passed_total}, {"forced_through", (double)too_large}, {"vibrated_s", r->t[r->n - 1]},
+                   {"x_h", patch->hard_mass / patch->mass}, {"load_kg_per_m2", def->load},
+                   {"spheres", (double)patch->grains}, {"passed", (double)w->passed_total},
+                   {"forced_through", (double)too_large}, {"vibrated_s", r->t[r->n - 1]},
                    {"contact_steps", (double)w->contact_steps});
     json_array(report, "time_s", r->t, r->n);
     json_array(report, "free_holes", r->free_holes, r->n);
@@ -328,8 +347,8 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
     progress_end(&jobs.bar);
     if (failed) return;
     double mean[XS][KS], bar_of[XS][KS], table3[XS][GRID], at_K[GRID];
-    riddle_plot *figure =
-        riddle_plot_new("Blocking by spheres, simulated, beside Table 3 of Lawinska et al. (2016); K: toss indicator", 2, 2);
+    riddle_plot *figure = riddle_plot_new(
+        "Blocking by spheres, simulated, beside Table 3 of Lawinska et al. (2016); K: toss indicator", 2, 2);
     static const result_column columns[] = {{NULL, "K", "%g"},
                                             {NULL, "x_h", "%g"},
                                             {NULL, "f0", "%.3f"},
@@ -350,7 +369,8 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
         for (int i = 0; i < KS; i++) {
             readings *r = &jobs.r[j * KS + i];
             const int last = r->n - 1;
-            const double K = sweep_K[i], x_h = sweep_x_h[j], of_table = fmin(1.0, blocking_table3(BLOCKING_SPHERICAL, K, x_h));
+            const double K = sweep_K[i], x_h = sweep_x_h[j],
+                         of_table = fmin(1.0, blocking_table3(BLOCKING_SPHERICAL, K, x_h));
             blocking_fit_result fit;
             const blocking_status status = fit_readings(r, &fit);
             char label[40];
@@ -382,7 +402,8 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
     riddle_plot_title(figure, "beside Table 3, spherical (lines)");
     for (int i = 0; i < GRID; i++) at_K[i] = 0.6 + 4.3 * i / (GRID - 1);
     for (int j = 0; j < XS; j++) {
-        for (int i = 0; i < GRID; i++) table3[j][i] = fmin(1.0, blocking_table3(BLOCKING_SPHERICAL, at_K[i], sweep_x_h[j]));
+        for (int i = 0; i < GRID; i++)
+            table3[j][i] = fmin(1.0, blocking_table3(BLOCKING_SPHERICAL, at_K[i], sweep_x_h[j]));
         riddle_plot_error_bars(figure, names[j], sweep_K, mean[j], bar_of[j], KS);
         riddle_plot_style(figure, 0, j);
         riddle_plot_line(figure, NULL, at_K, table3[j], GRID);
@@ -392,9 +413,10 @@ static void sweep(const program *self, json *report, const sieve_patch_def *def,
 }
 
 /* from: the row of Table 2 that the readings were drawn from, or NULL */
-static void draw_fit(const program *self, json *report, const readings *r, const blocking_fit_result *fit, const char *source,
-                     const row *from) {
-    double first[MOST_READINGS], k[MOST_READINGS], error[MOST_READINGS], bar[MOST_READINGS], t[CURVE], f[CURVE], origin[CURVE];
+static void draw_fit(const program *self, json *report, const readings *r, const blocking_fit_result *fit,
+                     const char *source, const row *from) {
+    double first[MOST_READINGS], k[MOST_READINGS], error[MOST_READINGS], bar[MOST_READINGS], t[CURVE], f[CURVE],
+        origin[CURVE];
     int found = three_points(report, r, first, k, error);
     double last = r->t[r->n - 1], shown = fit->k > 0.0 && 8.0 / fit->k < last ? 8.0 / fit->k : last;
     for (int i = 0; i < CURVE; i++) {
@@ -418,7 +440,8 @@ static void draw_fit(const program *self, json *report, const readings *r, const
     riddle_plot_panel(figure, 0, 1, "second reading at [s]", "k [1/s]");
     riddle_plot_log_x(figure);
     riddle_plot_log_y(figure);
-    for (int i = 0; i < found; i++) error[i] = fmin(z95 * error[i], 0.95 * k[i]); /* down to a twentieth on the log axis */
+    /* Down to a twentieth on the log axis. */
+    for (int i = 0; i < found; i++) error[i] = fmin(z95 * error[i], 0.95 * k[i]);
     if (found && r->counted) riddle_plot_error_bars(figure, "three readings, 95 %", first, k, error, found);
     else if (found) riddle_plot_points(figure, "three readings", first, k, found);
     if (fit->k > 0.0) {
@@ -442,7 +465,8 @@ static void draw_fit(const program *self, json *report, const readings *r, const
 
 /* ---- Table 3 ---- */
 
-/* Pieces of the line raw = 1 on the grid, each two points and a gap: where the sign of raw - 1 changes along the sides of a cell. */
+/* Pieces of the line raw = 1 on the grid, each two points and a gap: where the sign of raw - 1 changes along the
+   sides of a cell. */
 static int contour_of_one(const double *raw, double *x, double *y, int most) {
     int n = 0;
     for (int j = 0; j + 1 < GRID; j++)
@@ -469,7 +493,8 @@ static int contour_of_one(const double *raw, double *x, double *y, int most) {
 static void draw_polynomials(const program *self, json *report, double K, double x_h) {
     static double raw[GRID * GRID], cut[GRID * GRID], x[8 * GRID * 3], y[8 * GRID * 3];
     riddle_plot *figure = riddle_plot_new("Mean free fraction f* of Table 3, cut to 1 beyond the line", 2, 2);
-    riddle_io_file *file = csv_open(self->out, "polynomials.csv", "K,x_h,spherical,irregular,sharp_as_printed,sharp_repaired");
+    riddle_io_file *file =
+        csv_open(self->out, "polynomials.csv", "K,x_h,spherical,irregular,sharp_as_printed,sharp_repaired");
     static const result_column columns[] = {{"shape", "Table 3, K 0.6-5", "%s"},
                                             {"least", "least", "%.4f"},
                                             {"largest", "largest", "%.4f"},
@@ -519,7 +544,8 @@ static void draw_polynomials(const program *self, json *report, double K, double
         riddle_plot_line(figure, "cubic = 1", x, y, contour_of_one(raw, x, y, (int)(sizeof x / sizeof *x)));
         riddle_plot_style(figure, 0, RIDDLE_PLOT_BLACK);
         if (K >= 0.6 && K <= 5.0) {
-            riddle_plot_points(figure, a.flags & BLOCKING_FLAG_BOX ? "yours, outside the measured" : "yours", &K, &x_h, 1);
+            riddle_plot_points(figure, a.flags & BLOCKING_FLAG_BOX ? "yours, outside the measured" : "yours", &K, &x_h,
+                               1);
             riddle_plot_style(figure, 0, 1);
         }
     }
@@ -540,7 +566,8 @@ static void draw_polynomials(const program *self, json *report, double K, double
 
 /* ---- deck ---- */
 
-static void design(const program *self, json *report, blocking_duty duty, const blocking_average *average, blocking_shape shape) {
+static void design(const program *self, json *report, blocking_duty duty, const blocking_average *average,
+                   blocking_shape shape) {
     blocking_deck deck;
     const char *field;
     if (blocking_check_duty(&duty, &field) != BLOCKING_OK) {
@@ -549,13 +576,14 @@ static void design(const program *self, json *report, blocking_duty duty, const 
     }
     blocking_design(&duty, &deck);
     double from_table = deck.area_clean / average->value;
-    common_print("\nDeck for %.3g kg/s through holes that pass %.3g kg/(s m2), clearance %.3f, cleaned every %.0f s:\n", duty.passing,
-                 duty.capacity, duty.clearance, duty.run_time);
-    common_print("  nothing blocked %.4f m2; on average over the run %.4f m2 (f %.4f); at every moment %.4f m2 (f %.4f)\n", deck.area_clean,
-                 deck.area_mean, deck.free_mean, deck.area_lowest, deck.free_lowest);
+    common_print("\nDeck for %.3g kg/s through holes that pass %.3g kg/(s m2), clearance %.3f, cleaned every %.0f s:\n",
+                 duty.passing, duty.capacity, duty.clearance, duty.run_time);
+    common_print(
+        "  nothing blocked %.4f m2; on average over the run %.4f m2 (f %.4f); at every moment %.4f m2 (f %.4f)\n",
+        deck.area_clean, deck.area_mean, deck.free_mean, deck.area_lowest, deck.free_lowest);
     if (deck.area_mean_low95 > 0.0)
-        common_print("  95 %% range from the readings: on average %.4f .. %.4f m2, at every moment %.4f .. %.4f m2\n", deck.area_mean_low95,
-                     deck.area_mean_high95, deck.area_lowest_low95, deck.area_lowest_high95);
+        common_print("  95 %% range from the readings: on average %.4f .. %.4f m2, at every moment %.4f .. %.4f m2\n",
+                     deck.area_mean_low95, deck.area_mean_high95, deck.area_lowest_low95, deck.area_lowest_high95);
     common_print("  by Table 3, %s: %.4f m2 (f* %.4f)%s\n", blocking_shape_text(shape), from_table, average->value,
                  average->flags & BLOCKING_FLAG_BOX ? ", an extrapolation" : "");
     json_object_begin(report, "deck");
@@ -598,15 +626,19 @@ static void design(const program *self, json *report, blocking_duty duty, const 
 static double hard_content(const program *self, const char *path, double opening) {
     sheet_sizes curve;
     char message[600];
-    if (sheet_read_sizes(path, NULL, 1, &curve, message, sizeof message) != 0) program_refuse(self, "sizes", path, message);
-    if (curve.single) program_refuse(self, "sizes", path, "a sieve curve: the column passing or retained, not shares of single sizes");
+    if (sheet_read_sizes(path, NULL, 1, &curve, message, sizeof message) != 0)
+        program_refuse(self, "sizes", path, message);
+    if (curve.single)
+        program_refuse(self, "sizes", path,
+                       "a sieve curve: the column passing or retained, not shares of single sizes");
     common_print("%s\n", curve.how);
     blocking_hard hard;
-    const blocking_status status = blocking_hard_from_curve(curve.size, curve.amount[0], (size_t)curve.n, opening, &hard);
+    const blocking_status status =
+        blocking_hard_from_curve(curve.size, curve.amount[0], (size_t)curve.n, opening, &hard);
     sheet_free_sizes(&curve);
     if (status != BLOCKING_OK) refuse_file(self, "sizes", path, sizes_file, blocking_status_text(status));
-    common_print("Hard-to-screen content of %s for %g mm: x_h %.4f = %.4f below the opening + %.4f above it\n\n", path, 1e3 * opening,
-                 hard.x_h, hard.below, hard.above);
+    common_print("Hard-to-screen content of %s for %g mm: x_h %.4f = %.4f below the opening + %.4f above it\n\n", path,
+                 1e3 * opening, hard.x_h, hard.below, hard.above);
     return hard.x_h;
 }
 
@@ -628,7 +660,8 @@ typedef struct wish {
     sieve_patch_def patch;
     int seeds, shape;                              /* shape: a blocking_shape */
     double vibrated, K, x_h;                       /* [s], [-], [-] */
-    double frequency, amplitude, direction, slope; /* [Hz], [mm], [degrees], [degrees]: they give K unless it was given */
+    double frequency, amplitude, direction, slope; /* [Hz], [mm], [degrees], [degrees]: they give K unless
+                                                      it was given */
     double opening, wire;                          /* [mm] */
     double passing, capacity, run_time;            /* [kg/s], [kg/(s m2)], [s] */
 } wish;
@@ -651,7 +684,8 @@ static void check_wish(const program *self, const wish *w) {
                                    is_given(self, "direction-deg") || is_given(self, "slope-deg")))
         program_refuse(self, "k", NULL, "either --k or the motion of the deck");
     if (w->sizes && is_given(self, "xh")) program_refuse(self, "xh", NULL, "either --xh or --sizes");
-    if (w->tests && (w->data || process)) program_refuse(self, "tests", w->tests, "without --data and without a simulation");
+    if (w->tests && (w->data || process))
+        program_refuse(self, "tests", w->tests, "without --data and without a simulation");
     if (process && w->data) program_refuse(self, "data", w->data, "either --data or a simulation");
     if (process && !(w->wire > 0.0)) program_refuse(self, "wire-mm", NULL, "above 0 for a simulation");
 }
@@ -660,7 +694,8 @@ static void check_wish(const program *self, const wish *w) {
 static void complete_wish(const program *self, wish *w) {
     const bool several = w->swept || w->compared;
     if (!is_given(self, "k"))
-        w->K = blocking_toss_indicator(w->frequency, 1e-3 * w->amplitude, w->direction * RIDDLE_PI / 180.0, w->slope * RIDDLE_PI / 180.0, 9.81);
+        w->K = blocking_toss_indicator(w->frequency, 1e-3 * w->amplitude, w->direction * RIDDLE_PI / 180.0,
+                                       w->slope * RIDDLE_PI / 180.0, 9.81);
     if (w->sizes) w->x_h = hard_content(self, w->sizes, 1e-3 * w->opening);
     if (self->quick && !is_given(self, "patch")) w->patch.across = several ? 6 : 8;
     if (self->quick && !is_given(self, "vibrated-s")) w->vibrated = several ? 0.25 : 1.0;
@@ -671,7 +706,8 @@ static void complete_wish(const program *self, wish *w) {
     w->patch.seed = self->seed; /* one thread: too few contacts for more */
     if (!w->simulated && !several) return;
     const int at_once = w->simulated ? 1 : w->swept ? KS * XS : WAYS * w->seeds;
-    program_need_spheres(self, "load-kg-m2", sieve_patch_expected(&w->patch) * (self->threads < at_once ? self->threads : at_once));
+    program_need_spheres(self, "load-kg-m2",
+                         sieve_patch_expected(&w->patch) * (self->threads < at_once ? self->threads : at_once));
 }
 
 /* Mean free fraction by Table 3. */
@@ -694,7 +730,8 @@ static blocking_duty duty_of(const wish *w) {
     return duty;
 }
 
-/* Gets readings from the file, from a simulation, or from Table 2, and the name of their source. Returns -1 if a simulation failed. */
+/* Gets readings from the file, from a simulation, or from Table 2, and the name of their source. Returns -1 if a
+   simulation failed. */
 static int get_readings(const program *self, json *report, const wish *w, readings *r, char *source, size_t size) {
     if (w->data) {
         read_readings(self, w->data, r);
@@ -723,7 +760,8 @@ static void evaluate(const program *self, json *report, const wish *w, readings 
     const blocking_average average = average_of(w);
     blocking_fit_result fit;
     const blocking_status status = fit_readings(r, &fit);
-    if (status >= BLOCKING_OUT_OF_RANGE && w->data) refuse_file(self, "data", w->data, counts_file, blocking_status_text(status));
+    if (status >= BLOCKING_OUT_OF_RANGE && w->data)
+        refuse_file(self, "data", w->data, counts_file, blocking_status_text(status));
 
     common_print("Toss indicator K %.4f: %s\n\n", K, blocking_toss_text(blocking_toss_range(K)));
     json_number(report, "toss_indicator", K);
@@ -739,8 +777,8 @@ static void evaluate(const program *self, json *report, const wish *w, readings 
     duty.k = status == BLOCKING_NO_CHANGE ? 0.0 : fit.k;
     blocking_fit_def ranges = blocking_default_fit_def();
     ranges.z = z95;
-    blocking_fit_range(&ranges, r->t, r->f, r->counted ? r->sigma : NULL, (size_t)r->n, w->run_time, &duty.last_lowest, &duty.last_highest,
-                       &duty.mean_lowest, &duty.mean_highest);
+    blocking_fit_range(&ranges, r->t, r->f, r->counted ? r->sigma : NULL, (size_t)r->n, w->run_time, &duty.last_lowest,
+                       &duty.last_highest, &duty.mean_lowest, &duty.mean_highest);
     design(self, report, duty, &average, (blocking_shape)w->shape);
 }
 
@@ -754,7 +792,8 @@ static void evaluate_tests(const program *self, json *report, const wish *w) {
 int main(int argc, char **argv) {
     wish w = default_wish();
     option options[] = {
-        option_string("data", "FILE", &w.data, "counted holes: CSV with time_s,free_holes,holes or time_s,free_fraction"),
+        option_string("data", "FILE", &w.data,
+                      "counted holes: CSV with time_s,free_holes,holes or time_s,free_fraction"),
         option_choice("row", &w.row, "7a|7b|8a|8b", "without --data: the experiment of Table 2 to draw readings from"),
         option_int("holes", "N", &w.holes, 1, 100000, "without --data: holes counted at each time"),
         option_string("sizes", "FILE", &w.sizes, "size curve of the feed: CSV with size_mm,passing (0..1); gives x_h"),
@@ -762,7 +801,8 @@ int main(int argc, char **argv) {
         option_double("k", "K", &w.K, 0.0, 100.0, "toss indicator [-]; otherwise from the next four"),
         option_positive("frequency-hz", "N", &w.frequency, 1000.0, "frequency of the deck [Hz]"),
         option_positive("amplitude-mm", "A", &w.amplitude, 100.0, "amplitude of the deck, half its stroke [mm]"),
-        option_double("direction-deg", "BETA", &w.direction, 0.0, 180.0, "direction of the vibration against the deck [degrees]"),
+        option_double("direction-deg", "BETA", &w.direction, 0.0, 180.0,
+                      "direction of the vibration against the deck [degrees]"),
         option_double("slope-deg", "ALPHA", &w.slope, 0.0, 89.0, "slope of the deck [degrees]"),
         option_choice("shape", &w.shape, "spherical|irregular|sharp|sharp-repaired", "grains, for Table 3"),
         option_positive("opening-mm", "L", &w.opening, 1000.0, "size of the holes [mm]"),
@@ -771,21 +811,26 @@ int main(int argc, char **argv) {
         option_positive("capacity", "C", &w.capacity, 1e6,
                         "what passes a square metre of free holes [kg/(s m2)]; from a test with your feed"),
         option_double("run-time-s", "T", &w.run_time, 0.0, 1e9, "time between two cleanings of the deck [s]"),
-        option_flag("simulate", &w.simulated, "readings from a simulation of spheres on a vibrated patch of this sieve at --k, --xh"),
+        option_flag("simulate", &w.simulated,
+                    "readings from a simulation of spheres on a vibrated patch of this sieve at --k, --xh"),
         option_flag("sweep", &w.swept, "simulations at five K and three x_h beside Table 3"),
-        option_flag("continuous", &w.compared, "simulations of Fig 12: intermittent and continuous screening at --k, --xh"),
+        option_flag("continuous", &w.compared,
+                    "simulations of Fig 12: intermittent and continuous screening at --k, --xh"),
         option_int("seeds", "N", &w.seeds, 1, WAY_SEEDS, "continuous: layers of each"),
         option_double("vibrated-s", "T", &w.vibrated, 0.2, 2048.0, "simulation: time of vibration [s]"),
         option_int("patch", "N", &w.patch.across, 6, 200, "simulation: holes along each side of the periodic patch"),
         option_double("load-kg-m2", "M", &w.patch.load, 0.1, 100.0, "simulation: grains laid on the sieve [kg/m2]"),
-        option_double("friction", "MU", &w.patch.friction, 0.0, 10.0, "simulation: Coulomb coefficient of grains and wires [-]"),
-        option_double("overlap", "S", &w.patch.overlap, 1e-4, 0.1,
-                      "simulation: overlap of a grain that hits a wire, over its size [-]: sets the stiffness and the step"),
+        option_double("friction", "MU", &w.patch.friction, 0.0, 10.0,
+                      "simulation: Coulomb coefficient of grains and wires [-]"),
+        option_double(
+            "overlap", "S", &w.patch.overlap, 1e-4, 0.1,
+            "simulation: overlap of a grain that hits a wire, over its size [-]: sets the stiffness and the step"),
         option_string("tests", "FILE", &w.tests,
                       "many tests: k1 and k2 as laws of K, x_h, moisture, their values and the deck at --k, --xh"),
     };
     program self = program_start(
-        "sieve_blocking", "Blocking of sieve holes: curves, rate constants from counted holes, Table 3 and the deck area for a duty.",
+        "sieve_blocking",
+        "Blocking of sieve holes: curves, rate constants from counted holes, Table 3 and the deck area for a duty.",
         options, (int)(sizeof options / sizeof *options), argc, argv);
     check_wish(&self, &w);
     complete_wish(&self, &w);

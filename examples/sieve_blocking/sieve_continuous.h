@@ -1,5 +1,6 @@
-/* sieve_continuous.h - Fig 12 of Lawinska, Modrzewski & Wodzinski (2016) by sieve_patch.h: does a sieve block in continuous screening as
-   it does in intermittent tests? The same mixture on the same sieve, at the same toss indicator, on three sieves:
+/* sieve_continuous.h - Fig 12 of Lawinska, Modrzewski & Wodzinski (2016) by sieve_patch.h: does a sieve block in
+   continuous screening as it does in intermittent tests? The same mixture on the same sieve, at the same toss
+   indicator, on three sieves:
      intermittent   the test of section 2.1: level, vertical vibration, a batch that becomes smaller
      inclined       the same batch at 15 degrees on a circular motion (the industrial screen of section 2.2)
      continuous     the same under a feed: each grain that passes is replaced, so load and mixture are constant */
@@ -12,8 +13,8 @@
 
 enum { WAYS = 3, COUNTS = 12, WAY_SEEDS = 20 };
 static const char *const way_name[WAYS] = {"intermittent", "inclined", "continuous"};
-static const char *const way_label[WAYS] = {"a batch, level (intermittent test)", "a batch, inclined by 15 degrees",
-                                            "fed steadily, inclined by 15 degrees"};
+static const char *const way_label[WAYS] = {"a batch, level (intermittent test)", "a batch, inclined by 15°",
+                                            "fed steadily, inclined by 15°"};
 
 typedef struct way_jobs {
     sieve_patch_def def;
@@ -55,15 +56,16 @@ static int run_way(int index, void *user) {
 static double way_mean(const way_jobs *jobs, int way, int count, double *error) {
     double sum = 0.0;
     for (int s = 0; s < jobs->seeds; s++) sum += jobs->free[way][s][count] / jobs->seeds;
-    const double holes = (double)jobs->seeds * jobs->def.across * jobs->def.across, some = fmax(fmin(sum, 1.0 - 1.0 / holes), 1.0 / holes);
+    const double holes = (double)jobs->seeds * jobs->def.across * jobs->def.across,
+                 some = fmax(fmin(sum, 1.0 - 1.0 / holes), 1.0 / holes);
     *error = 1.96 * sqrt(some * (1.0 - some) / holes);
     return sum;
 }
 
 static void report_ways(const program *self, json *report, const way_jobs *jobs) {
     char title[120], header[200] = "time [s]";
-    snprintf(title, sizeof title, "%.3g mm holes, toss indicator K = %.3g, %.3g %% hard to screen", 1e3 * jobs->def.opening, jobs->def.K,
-             1e2 * jobs->def.x_h);
+    snprintf(title, sizeof title, "%.3g mm holes, toss indicator K = %.3g, %.3g %% hard to screen",
+             1e3 * jobs->def.opening, jobs->def.K, 1e2 * jobs->def.x_h);
     riddle_plot *figure = riddle_plot_new("Holes of a sieve that are free, in batches and under a feed", 1, 1);
     riddle_plot_panel_size(figure, 620, 380);
     riddle_plot_panel(figure, 0, 0, "time [s]", "free holes f [-]");
@@ -71,8 +73,9 @@ static void report_ways(const program *self, json *report, const way_jobs *jobs)
     for (int w = 0; w < WAYS; w++) strcat(strcat(header, "|"), way_name[w]);
     common_print("Free holes; +-: 95 %% range by counting holes, as if each were blocked by itself\n");
     riddle_io_table t = riddle_io_table_begin(header);
-    riddle_io_file *file = csv_open(self->out, "continuous.csv",
-                                    "time_s,intermittent,inclined,continuous,error_95_intermittent,error_95_inclined,error_95_continuous");
+    riddle_io_file *file =
+        csv_open(self->out, "continuous.csv",
+                 "time_s,intermittent,inclined,continuous,error_95_intermittent,error_95_inclined,error_95_continuous");
     double mean[WAYS][COUNTS], error[WAYS][COUNTS];
     for (int c = 0; c < jobs->counts; c++) {
         double row[1 + 2 * WAYS] = {jobs->at[c]};
@@ -110,7 +113,8 @@ static void compare_ways(const program *self, json *report, const sieve_patch_de
     static way_jobs jobs;
     memset(&jobs, 0, sizeof jobs);
     jobs.def = *def, jobs.time = time, jobs.seeds = seeds;
-    while (jobs.counts < COUNTS && when[jobs.counts] <= time * (1.0 + 1e-9)) jobs.at[jobs.counts] = when[jobs.counts], jobs.counts++;
+    while (jobs.counts < COUNTS && when[jobs.counts] <= time * (1.0 + 1e-9))
+        jobs.at[jobs.counts] = when[jobs.counts], jobs.counts++;
     progress_begin(&jobs.bar, "sieves", WAYS * seeds * jobs.at[jobs.counts - 1]);
     const int failed = jobs_run(WAYS * seeds, self->threads, run_way, &jobs);
     progress_end(&jobs.bar);

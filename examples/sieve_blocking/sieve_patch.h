@@ -1,5 +1,5 @@
-/* sieve_patch.h - the blocking test of Lawinska, Modrzewski & Wodzinski (2016), section 2.1, by dem.h: a periodic patch of a woven sieve,
-   a thin layer of spheres laid on it, vibrated, and free holes counted while the vibrator is off. */
+/* sieve_patch.h - the blocking test of Lawinska, Modrzewski & Wodzinski (2016), section 2.1, by dem.h: a periodic patch
+   of a woven sieve, a thin layer of spheres laid on it, vibrated, and free holes counted while the vibrator is off. */
 #ifndef SIEVE_PATCH_H
 #define SIEVE_PATCH_H
 
@@ -11,16 +11,21 @@
 typedef struct sieve_patch_def {
     int across;            /* apertures along each side >= 6 */
     double opening, wire;  /* l, width of the round wires [m] > 0 */
-    double K, frequency;   /* toss indicator [-] >= 0 and frequency [Hz] > 0 of a vibration perpendicular to the sieve */
-    double slope;          /* of the sieve against the horizontal [rad] 0 .. 0.8; grains that slide out at one side come in at the other */
+    double K, frequency;   /* toss indicator [-] >= 0 and frequency [Hz] > 0 of a vibration perpendicular
+                              to the sieve */
+    double slope;          /* of the sieve against the horizontal [rad] 0 .. 0.8; grains that slide out at one side come
+                              in at the other */
     int circular;          /* 1: the vibration is a circle in the plane of the slope, at its top downhill */
-    int refill;            /* 1: for each grain that passed an equal one is laid on top, so that load and mixture stay as they are */
-    double x_h;            /* mass share of grains of 0.8 l .. 1.2 l [-] 0 .. 1; the rest half 0.5 .. 0.8 l, half 1.2 .. 1.6 l */
+    int refill;            /* 1: for each grain that passed an equal one is laid on top, so that load and mixture
+                              stay as they are */
+    double x_h;            /* mass share of grains of 0.8 l .. 1.2 l [-] 0 .. 1; the rest half 0.5 .. 0.8 l,
+                              half 1.2 .. 1.6 l */
     double load;           /* of the sieve [kg/m2] > 0 */
     double density;        /* of the grains [kg/m3] > 0 */
     double friction;       /* grain on grain and grain on wire [-] >= 0 */
     double restitution[2]; /* grain on grain, grain on wire [-] */
-    double overlap;        /* of a grain of size l that hits a wire at the speed of the deck and 0.1 m/s, over l [-]: sets the stiffness */
+    double overlap;        /* of a grain of size l that hits a wire at the speed of the deck and 0.1 m/s, over l [-]:
+                              sets the stiffness */
     uint64_t seed;
     int threads;
 } sieve_patch_def;
@@ -70,7 +75,8 @@ static inline dem_status sieve_patch_make(sieve_patch *patch, const sieve_patch_
     const double l = d->opening, pitch = l + d->wire, side = d->across * pitch,
                  speed = sieve_patch_amplitude(d) * 2.0 * RIDDLE_PI * d->frequency;
     const double unit = RIDDLE_PI / 6.0 * l * l * l * d->density, share = (speed + 0.1) / (d->overlap * l);
-    if (!(unit > 0.0 && share > 0.0 && d->wire > 0.0 && d->load > 0.0 && unit + share + d->load + side < HUGE_VAL)) return DEM_BAD_ARGUMENT;
+    if (!(unit > 0.0 && share > 0.0 && d->wire > 0.0 && d->load > 0.0 && unit + share + d->load + side < HUGE_VAL))
+        return DEM_BAD_ARGUMENT;
     if (d->across < 6 || d->across > 1000 || !(d->x_h >= 0.0 && d->x_h <= 1.0) || !(d->slope >= 0.0 && d->slope <= 0.8))
         return DEM_BAD_ARGUMENT;
     dem_def def = dem_default_def();
@@ -83,7 +89,8 @@ static inline dem_status sieve_patch_make(sieve_patch *patch, const sieve_patch_
         pair->friction = d->friction;
         pair->restitution = d->restitution[k];
     }
-    def.periodic[0] = def.periodic[1] = 1; /* whole pitches; the sides run over the middle of bars, so that no hole is cut */
+    /* Whole pitches; the sides run over the middle of bars, so that no hole is cut. */
+    def.periodic[0] = def.periodic[1] = 1;
     def.high = dem_vec3(side, side, 1.0);
     def.threads = d->threads;
     dem_status status = dem_init(&patch->world, &def, NULL);
@@ -91,15 +98,18 @@ static inline dem_status sieve_patch_make(sieve_patch *patch, const sieve_patch_
     dem_screen screen = dem_default_screen();
     screen.aperture = l, screen.wire = d->wire, screen.profile = DEM_ROUND;
     screen.circular = 0;
-    screen.half_x = screen.half_y = 3.0 * side; /* a grain's place is wrapped when it lands, and may be far out by then */
+    /* a grain's place is wrapped when it lands, and may be far out by then */
+    screen.half_x = screen.half_y = 3.0 * side;
     screen.centre = dem_vec3(0.5 * pitch, 0.5 * pitch, 0.0);
     patch->deck = dem_add_screen(&patch->world, steel, &screen);
     if (patch->deck < 0) return (dem_status)-patch->deck;
-    const int below = dem_add_exit(&patch->world, dem_vec3(0.0, 0.0, -3.0 * l - 2.0 * sieve_patch_amplitude(d)), dem_vec3(0.0, 0.0, 1.0));
+    const int below = dem_add_exit(&patch->world, dem_vec3(0.0, 0.0, -3.0 * l - 2.0 * sieve_patch_amplitude(d)),
+                                   dem_vec3(0.0, 0.0, 1.0));
     return below < 0 ? (dem_status)-below : DEM_OK;
 }
 
-/* Ends of the three kinds of grains over the opening: fine, hard to screen, coarse; in each, masses are even over the diameter. */
+/* Ends of the three kinds of grains over the opening: fine, hard to screen, coarse; in each, masses are even over
+   the diameter. */
 static const double sieve_patch_ends[4] = {0.5, 0.8, 1.2, 1.6};
 
 static inline double sieve_patch_share(const sieve_patch_def *d, int kind) {
@@ -108,7 +118,8 @@ static inline double sieve_patch_share(const sieve_patch_def *d, int kind) {
 
 /* Number of grains that sieve_patch_lay lays on, on average. */
 static inline double sieve_patch_expected(const sieve_patch_def *d) {
-    const double side = d->across * (d->opening + d->wire), unit = 6.0 / (RIDDLE_PI * d->density * d->opening * d->opening * d->opening);
+    const double side = d->across * (d->opening + d->wire),
+                 unit = 6.0 / (RIDDLE_PI * d->density * d->opening * d->opening * d->opening);
     double number = 0.0;
     for (int k = 0; k < 3; k++) {
         const double a = sieve_patch_ends[k], b = sieve_patch_ends[k + 1];
@@ -146,7 +157,8 @@ static inline dem_status sieve_patch_lay(sieve_patch *patch) {
     return status;
 }
 
-/* Lays an equal grain on top for each that passed, and takes its record, so that records don't pile up. One that finds no place waits. */
+/* Lays an equal grain on top for each that passed, and takes its record, so that records don't pile up. One that finds
+   no place waits. */
 static inline dem_status sieve_patch_refill(sieve_patch *patch) {
     const sieve_patch_def *d = &patch->def;
     const double l = d->opening, side = d->across * (l + d->wire);
@@ -156,7 +168,8 @@ static inline dem_status sieve_patch_refill(sieve_patch *patch) {
     while (patch->world.passed_count > 0) {
         const dem_passed *p = patch->world.passed;
         dem_feed feed = dem_default_feed();
-        feed.region = dem_box_region(dem_vec3(0.0, 0.0, fmin(top, 8.0 * l)), dem_vec3(side, side, fmin(top, 8.0 * l) + 4.0 * l));
+        feed.region =
+            dem_box_region(dem_vec3(0.0, 0.0, fmin(top, 8.0 * l)), dem_vec3(side, side, fmin(top, 8.0 * l) + 4.0 * l));
         feed.sizes = dem_one_size(p->diameter);
         feed.group = p->group;
         feed.random = ++patch->random + d->seed * 1000003u;
@@ -175,13 +188,14 @@ static inline dem_status sieve_patch_vibrate(sieve_patch *patch, int periods) {
         if (patch->def.refill) status = sieve_patch_refill(patch);
         sieve_patch_set_step(patch);
         if (status == DEM_OK)
-            status = dem_run(&patch->world, (patch->def.refill ? 1 : periods) / patch->def.frequency, DEM_LINEAR | DEM_FRICTION);
+            status = dem_run(&patch->world, (patch->def.refill ? 1 : periods) / patch->def.frequency,
+                             DEM_LINEAR | DEM_FRICTION);
     }
     return status;
 }
 
-/* Holes through which grains do not fall out by themselves after the sieve is turned upside down (section 2.1), on a copy that is stopped,
-   comes to rest, and is turned over: twice the weight, upwards. -1: it could not be run. */
+/* Holes through which grains do not fall out by themselves after the sieve is turned upside down (section 2.1), on a
+   copy that is stopped, comes to rest, and is turned over: twice the weight, upwards. -1: it could not be run. */
 static inline int sieve_patch_blocked(const sieve_patch *patch) {
     const size_t size = dem_save(&patch->world, NULL, 0);
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0);

@@ -57,7 +57,8 @@ static inline void *filtration__resize(const filtration_memory *m, void *old, si
 }
 
 /* Runs a task for each index below `tasks`. */
-static inline void filtration__for_each(const filtration_parallel *p, int threads, int tasks, void (*task)(void *, int), void *context) {
+static inline void filtration__for_each(const filtration_parallel *p, int threads, int tasks, void (*task)(void *, int),
+                                        void *context) {
     if (p->fn) {
         p->fn(p->user, tasks, task, context);
         return;

@@ -19,7 +19,8 @@
 
 /* At -O2 gcc does not vectorise a loop if its arithmetic may trap or a root may set errno. Functions that are compiled
    for several machines therefore bring their own options, the others those of the header. */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__) &&                \
+    !defined(__SANITIZE_ADDRESS__)
 #define FILTRATION__FAST __attribute__((optimize("O3", "no-math-errno", "no-trapping-math", "fp-contract=off")))
 #else
 #define FILTRATION__FAST
@@ -66,15 +67,17 @@
 #else
 #define FILTRATION__AVX512 "avx512vl,avx512dq,prefer-vector-width=512"
 #endif
-#define FILTRATION__CLONES(name, parameters, arguments, call)                                                                              \
-    __attribute__((target(FILTRATION__AVX512))) FILTRATION__FAST FILTRATION__STATIC void name##_512 parameters { call; }                   \
-    __attribute__((target("avx2"))) FILTRATION__FAST FILTRATION__STATIC void name##_256 parameters { call; }                               \
-    FILTRATION__FAST FILTRATION__STATIC void name parameters {                                                                             \
-        if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) name##_512 arguments;                                \
-        else if (__builtin_cpu_supports("avx2")) name##_256 arguments;                                                                     \
-        else call;                                                                                                                         \
+#define FILTRATION__CLONES(name, parameters, arguments, call)                                                          \
+    __attribute__((target(FILTRATION__AVX512))) FILTRATION__FAST FILTRATION__STATIC void name##_512 parameters {       \
+        call;                                                                                                          \
+    }                                                                                                                  \
+    __attribute__((target("avx2"))) FILTRATION__FAST FILTRATION__STATIC void name##_256 parameters { call; }           \
+    FILTRATION__FAST FILTRATION__STATIC void name parameters {                                                         \
+        if (__builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")) name##_512 arguments;            \
+        else if (__builtin_cpu_supports("avx2")) name##_256 arguments;                                                 \
+        else call;                                                                                                     \
     }
 #else
-#define FILTRATION__CLONES(name, parameters, arguments, call)                                                                              \
+#define FILTRATION__CLONES(name, parameters, arguments, call)                                                          \
     FILTRATION__FAST FILTRATION__STATIC void name parameters { call; }
 #endif

@@ -4,8 +4,8 @@
 
 /* ==== >>collide ==== */
 
-#define FILTRATION__KERNEL(name, real, row, forced)                                                                                        \
-    FILTRATION__CLONES(name, (real *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead, int *bad),                           \
+#define FILTRATION__KERNEL(name, real, row, forced)                                                                    \
+    FILTRATION__CLONES(name, (real *const *p, const filtration__rates *rates, int n, ptrdiff_t ahead, int *bad),       \
                        (p, rates, n, ahead, bad), *bad = row(p, rates, n, ahead, forced))
 FILTRATION__KERNEL(filtration__collide19d, double, filtration__row19d, 0)
 FILTRATION__KERNEL(filtration__collide19d_forced, double, filtration__row19d, 1)
@@ -14,7 +14,9 @@ FILTRATION__KERNEL(filtration__collide19f_forced, float, filtration__row19f, 1)
 FILTRATION__KERNEL(filtration__collide15d, double, filtration__row15d, 0)
 FILTRATION__KERNEL(filtration__collide15d_forced, double, filtration__row15d, 1)
 
-static inline int filtration__forced(const filtration__rates *r) { return r->force[0] != 0.0 || r->force[1] != 0.0 || r->force[2] != 0.0; }
+static inline int filtration__forced(const filtration__rates *r) {
+    return r->force[0] != 0.0 || r->force[1] != 0.0 || r->force[2] != 0.0;
+}
 
 /* Collides the nodes of a row. p[i]: where direction i of node 0 is read. Returns whether a node is bad. */
 static inline int filtration__collide_row(const filtration__lattice *l, const ptrdiff_t *place) {
@@ -39,8 +41,12 @@ static inline int filtration__collide_row(const filtration__lattice *l, const pt
 static inline void filtration__fold(filtration__lattice *l, ptrdiff_t row) {
     for (int i = 1; i < l->q; i++) {
         int c = l->c[i][0];
-        if (c > 0) filtration__put(l, filtration__place(l, row, i, 0), filtration__get(l, filtration__place(l, row, i, l->nx)));
-        if (c < 0) filtration__put(l, filtration__place(l, row, i, l->nx - 1), filtration__get(l, filtration__place(l, row, i, -1)));
+        if (c > 0)
+            filtration__put(l, filtration__place(l, row, i, 0),
+                            filtration__get(l, filtration__place(l, row, i, l->nx)));
+        if (c < 0)
+            filtration__put(l, filtration__place(l, row, i, l->nx - 1),
+                            filtration__get(l, filtration__place(l, row, i, -1)));
     }
 }
 
@@ -48,8 +54,12 @@ static inline void filtration__fold(filtration__lattice *l, ptrdiff_t row) {
 static inline void filtration__spread(filtration__lattice *l, ptrdiff_t row) {
     for (int i = 1; i < l->q; i++) {
         int c = l->c[i][0];
-        if (c > 0) filtration__put(l, filtration__place(l, row, i, l->nx), filtration__get(l, filtration__place(l, row, i, 0)));
-        if (c < 0) filtration__put(l, filtration__place(l, row, i, -1), filtration__get(l, filtration__place(l, row, i, l->nx - 1)));
+        if (c > 0)
+            filtration__put(l, filtration__place(l, row, i, l->nx),
+                            filtration__get(l, filtration__place(l, row, i, 0)));
+        if (c < 0)
+            filtration__put(l, filtration__place(l, row, i, -1),
+                            filtration__get(l, filtration__place(l, row, i, l->nx - 1)));
     }
 }
 
@@ -62,7 +72,8 @@ static inline void filtration__collide_at(filtration__lattice *l, int y, int z) 
         for (int b = -1; b <= 1; b++)
             for (int a = -1; a <= 1; a++) near[b + 1][a + 1] = filtration__row(l, y + a, z + b) * l->bundle;
         for (int i = 0; i < l->q; i++)
-            place[i] = near[1 - l->c[i][2]][1 - l->c[i][1]] + filtration__opposite(i) * l->stride + l->lead - l->c[i][0];
+            place[i] =
+                near[1 - l->c[i][2]][1 - l->c[i][1]] + filtration__opposite(i) * l->stride + l->lead - l->c[i][0];
     } else {
         for (int i = 0; i < l->q; i++) place[i] = filtration__place(l, row, i, 0);
         if (l->periodic_x) filtration__fold(l, row);
@@ -111,7 +122,8 @@ static inline int filtration__in_film(const filtration__lattice *l, int x, int y
 /* Returns the density that a film has beside a sphere, or the mean where there is none. */
 static inline double filtration__film_density(const filtration__lattice *l, int x, int y, int z) {
     for (int i = 1; i < l->q; i++) {
-        const int32_t owner = l->owner[filtration__node(l, filtration__wrap(x + l->c[i][0], l->nx), filtration__wrap(y + l->c[i][1], l->ny),
+        const int32_t owner = l->owner[filtration__node(l, filtration__wrap(x + l->c[i][0], l->nx),
+                                                        filtration__wrap(y + l->c[i][1], l->ny),
                                                         filtration__wrap(z + l->c[i][2], l->nz))];
         if (owner >= 0) return l->balls[owner].density;
     }

@@ -20,7 +20,8 @@ typedef struct filtration__face_kind {
     int reads_flow; /* 1: enter needs the velocity of the nodes */
     /* Computes the populations that enter n nodes from those that leave, h. u: their velocity, or 0. NULL: leaving ones
        enter again. */
-    void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK], double *h);
+    void (*enter)(const filtration__lattice *l, const filtration__entry *e, int n, double u[3][FILTRATION__BLOCK],
+                  double *h);
 } filtration__face_kind;
 
 /* Half-way bounce-back from a surface that moves along itself, or through which liquid enters. */
@@ -44,7 +45,8 @@ FILTRATION__STATIC void filtration__enter_open(const filtration__lattice *l, con
     }
 }
 
-/* A given pressure where liquid leaves; where it enters, with the energy of a vessel at rest (Bruneau and Fabrie 1994). */
+/* A given pressure where liquid leaves; where it enters, with the energy of a vessel at rest (Bruneau and
+   Fabrie 1994). */
 FILTRATION__STATIC void filtration__enter_outlet(const filtration__lattice *l, const filtration__entry *e, int n,
                                                  double u[3][FILTRATION__BLOCK], double *h) {
     const double into = e->face & 1 ? -1.0 : 1.0, *through = u[e->face / 2];
@@ -62,8 +64,8 @@ static const filtration__face_kind filtration__face_kinds[] = {
     {FILTRATION_WALL,     FILTRATION__NOTHING,  3, 1, 1, 0, 0, filtration__enter_wall},
     {FILTRATION_PRESSURE, FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_open},
     {FILTRATION_SYMMETRY, FILTRATION__MIRRORED, 1, 0, 0, 0, 0, NULL},
-    {FILTRATION_INFLOW,   FILTRATION__NOTHING,  4, 0, 2, 0, 0, filtration__enter_wall}, /* ranks before walls, so that all of
-                                                                                           the flow enters */
+    /* Ranks before walls, so that all of the flow enters. */
+    {FILTRATION_INFLOW,   FILTRATION__NOTHING,  4, 0, 2, 0, 0, filtration__enter_wall},
     {FILTRATION_OUTLET,   FILTRATION__NOTHING,  2, 0, 0, 1, 1, filtration__enter_outlet},
 };
 /* clang-format on */
@@ -75,7 +77,9 @@ static inline const filtration__face_kind *filtration__kind_of(filtration_face k
     return NULL;
 }
 
-static inline int filtration__repeats(const filtration__lattice *l, int axis) { return l->face[2 * axis]->beyond == FILTRATION__REPEATED; }
+static inline int filtration__repeats(const filtration__lattice *l, int axis) {
+    return l->face[2 * axis]->beyond == FILTRATION__REPEATED;
+}
 
 /* Returns the direction with the signs of some axes (as bits) reversed. */
 static inline int filtration__turned(const filtration__lattice *l, int i, int axes) {
@@ -121,7 +125,8 @@ static inline void filtration__store(filtration__lattice *l, ptrdiff_t place, in
 }
 
 /* Computes the velocity of n nodes of a row after collision. */
-static inline void filtration__row_velocity(const filtration__lattice *l, int x, int n, int y, int z, double u[3][FILTRATION__BLOCK]) {
+static inline void filtration__row_velocity(const filtration__lattice *l, int x, int n, int y, int z,
+                                            double u[3][FILTRATION__BLOCK]) {
     double h[FILTRATION__BLOCK];
     for (int a = 0; a < 3; a++)
         for (int k = 0; k < n; k++) u[a][k] = -0.5 * l->rates.force[a];
@@ -165,7 +170,8 @@ static inline int filtration__beside(int i, int n) { return (i == 0) + 2 * (i ==
 /* Processes n nodes of a row, at most FILTRATION__BLOCK, beside the same faces. */
 static inline void filtration__face_block(filtration__lattice *l, int x, int n, int y, int z) {
     double u[3][FILTRATION__BLOCK] = {{0.0}}, h[FILTRATION__BLOCK];
-    const int beside = filtration__beside(x, l->nx) + 4 * filtration__beside(y, l->ny) + 16 * filtration__beside(z, l->nz);
+    const int beside =
+        filtration__beside(x, l->nx) + 4 * filtration__beside(y, l->ny) + 16 * filtration__beside(z, l->nz);
     int have_velocity = 0;
     for (int k = 0; k < l->entry_count[beside]; k++) {
         const filtration__entry *e = &l->entries[beside][k];
@@ -249,7 +255,8 @@ static inline int filtration__find_problem(filtration__lattice *l, filtration_pr
             if (!(l->row_state[k] & FILTRATION__ROW_BAD)) continue;
             l->row_state[k] = (unsigned char)(l->row_state[k] & ~FILTRATION__ROW_BAD);
             if (filtration__bad_node(l, (int)(k % l->ny), (int)(k / l->ny), problem)) return 1;
-            if (!wait) filtration__face_row(l, (int)(k % l->ny), (int)(k / l->ny)); /* a node may have been put to rest */
+            /* a node may have been put to rest */
+            if (!wait) filtration__face_row(l, (int)(k % l->ny), (int)(k / l->ny));
         }
     }
     return 0;

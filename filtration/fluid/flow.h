@@ -4,9 +4,11 @@
 
 /* ==== >>flow ==== */
 
-FILTRATION_API filtration_status filtration_fluid_at(const filtration_fluid *fluid, int x, int y, int z, filtration_sample *sample) {
+FILTRATION_API filtration_status filtration_fluid_at(const filtration_fluid *fluid, int x, int y, int z,
+                                                     filtration_sample *sample) {
     const filtration__lattice *l = fluid ? fluid->lattice : NULL;
-    if (!l || !sample || x < 0 || y < 0 || z < 0 || x >= l->nx || y >= l->ny || z >= l->nz) return FILTRATION_BAD_ARGUMENT;
+    if (!l || !sample || x < 0 || y < 0 || z < 0 || x >= l->nx || y >= l->ny || z >= l->nz)
+        return FILTRATION_BAD_ARGUMENT;
     memset(sample, 0, sizeof *sample);
     sample->owner = l->owner[filtration__node(l, x, y, z)];
     if (sample->owner != FILTRATION__FLUID) return FILTRATION_OK;
@@ -15,7 +17,8 @@ FILTRATION_API filtration_status filtration_fluid_at(const filtration_fluid *flu
     return FILTRATION_OK;
 }
 
-FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float *velocity, float *pressure, int32_t *owner) {
+FILTRATION_API void filtration_fluid_fields(const filtration_fluid *fluid, float *velocity, float *pressure,
+                                            int32_t *owner) {
     const filtration__lattice *l = fluid ? fluid->lattice : NULL;
     filtration_sample s;
     for (int z = 0; l && z < l->nz; z++)
@@ -59,7 +62,8 @@ FILTRATION_API void filtration_fluid_mean_velocity(const filtration_fluid *fluid
     for (int a = 0; a < 3 && velocity; a++) velocity[a] = (double)NAN;
     if (!fluid || !fluid->lattice || !velocity) return;
     filtration__sum_all(fluid->lattice, sum);
-    for (int a = 0; a < 3; a++) velocity[a] = sum[a + 1] * fluid->lattice->to_velocity / (double)filtration__nodes(fluid->lattice);
+    for (int a = 0; a < 3; a++)
+        velocity[a] = sum[a + 1] * fluid->lattice->to_velocity / (double)filtration__nodes(fluid->lattice);
 }
 
 FILTRATION_API double filtration_fluid_flux(const filtration_fluid *fluid, int axis, int slab) {
@@ -120,26 +124,32 @@ FILTRATION_API filtration_status filtration_fluid_set_body_force(filtration_flui
     return filtration__change(fluid, &def);
 }
 
-FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face, double pressure) {
+FILTRATION_API filtration_status filtration_fluid_set_face_pressure(filtration_fluid *fluid, int face,
+                                                                    double pressure) {
     if (!fluid) return FILTRATION_BAD_ARGUMENT;
     filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_pressure) return FILTRATION_BAD_ARGUMENT;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_pressure)
+        return FILTRATION_BAD_ARGUMENT;
     def.face_pressure[face] = pressure;
     return filtration__change(fluid, &def);
 }
 
-FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face, const double velocity[3]) {
+FILTRATION_API filtration_status filtration_fluid_set_face_velocity(filtration_fluid *fluid, int face,
+                                                                    const double velocity[3]) {
     if (!fluid || !velocity) return FILTRATION_BAD_ARGUMENT;
     filtration_fluid_def def = fluid->def;
-    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_velocity) return FILTRATION_BAD_ARGUMENT;
+    if (face < 0 || face > 5 || !fluid->lattice || !fluid->lattice->face[face]->has_velocity)
+        return FILTRATION_BAD_ARGUMENT;
     memcpy(def.face_velocity[face], velocity, sizeof def.face_velocity[face]);
     return filtration__change(fluid, &def);
 }
 
 /* Computes the new populations of a node. */
 typedef struct filtration__new_flow {
-    void (*node)(const filtration_fluid *fluid, const struct filtration__new_flow *flow, int x, int y, int z, double h[FILTRATION__Q]);
-    double speed, stress;                                                                /* factors of a rescaled flow [-] */
+    void (*node)(const filtration_fluid *fluid, const struct filtration__new_flow *flow, int x, int y, int z,
+                 double h[FILTRATION__Q]);
+    /* Factors of a rescaled flow [-]. */
+    double speed, stress;
     void (*fn)(void *user, const double point[3], double velocity[3], double *pressure); /* of a flow to start from */
     void *user;
 } filtration__new_flow;
@@ -164,8 +174,8 @@ static inline int filtration__set_nodes(filtration_fluid *fluid, const filtratio
 
 /* Rescales a node: velocity by s, pressure and force by s^2, the non-equilibrium part like a stress: by s and the ratio
    of relaxation times. Before a collision, the momentum lacks half of the force. */
-FILTRATION__STATIC void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
-                                double h[FILTRATION__Q]) {
+FILTRATION__STATIC void filtration__rescale(const filtration_fluid *fluid, const filtration__new_flow *flow, int x,
+                                            int y, int z, double h[FILTRATION__Q]) {
     const filtration__lattice *l = fluid->lattice;
     double u[3], v[3], s = flow->speed, stress = flow->stress, r = filtration__moments(l, x, y, z, u);
     for (int a = 0; a < 3; a++) v[a] = u[a] * s;
@@ -184,7 +194,8 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
     double s = (tau - 0.5) / (def.tau - 0.5);
     const filtration__new_flow flow = {filtration__rescale, s, s * tau / def.tau, NULL, NULL};
     def.tau = tau;
-    if (filtration_fluid_check_def(&def, NULL) != FILTRATION_OK || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;
+    if (filtration_fluid_check_def(&def, NULL) != FILTRATION_OK || !filtration__set_nodes(fluid, &flow))
+        return FILTRATION_BAD_ARGUMENT;
     for (ptrdiff_t n = 0; n < l->ball_count; n++) {
         filtration__ball *b = &l->balls[n];
         b->density *= s * s;
@@ -198,8 +209,8 @@ FILTRATION_API filtration_status filtration_fluid_set_tau(filtration_fluid *flui
 
 /* Computes a node's equilibrium plus the stress of the velocity's differences over a voxel: -w tau / 3 * (9 c c - 3) :
    grad u to first order. */
-FILTRATION__STATIC void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x, int y, int z,
-                                   double h[FILTRATION__Q]) {
+FILTRATION__STATIC void filtration__start_node(const filtration_fluid *fluid, const filtration__new_flow *flow, int x,
+                                               int y, int z, double h[FILTRATION__Q]) {
     const filtration__lattice *l = fluid->lattice;
     double point[3], u[3] = {0, 0, 0}, p = 0.0, grad[3][3], trace = 0.0, aside = 0.0;
     filtration__point(&fluid->def, x, y, z, point);
@@ -220,13 +231,15 @@ FILTRATION__STATIC void filtration__start_node(const filtration_fluid *fluid, co
             cf += l->c[i][a] * l->rates.force[a];
             for (int b = 0; b < 3; b++) cgc += l->c[i][a] * grad[a][b] * l->c[i][b];
         }
-        h[i] =
-            filtration__equilibrium(l, i, 3.0 * p / l->to_pressure, u) - l->w[i] * (3.0 * fluid->def.tau * (cgc - trace / 3.0) + 1.5 * cf);
+        h[i] = filtration__equilibrium(l, i, 3.0 * p / l->to_pressure, u) -
+               l->w[i] * (3.0 * fluid->def.tau * (cgc - trace / 3.0) + 1.5 * cf);
     }
 }
 
-FILTRATION_API filtration_status filtration_fluid_set_flow(
-    filtration_fluid *fluid, void (*fn)(void *user, const double point[3], double velocity[3], double *pressure), void *user) {
+FILTRATION_API filtration_status filtration_fluid_set_flow(filtration_fluid *fluid,
+                                                           void (*fn)(void *user, const double point[3],
+                                                                      double velocity[3], double *pressure),
+                                                           void *user) {
     filtration__lattice *l = fluid ? fluid->lattice : NULL;
     const filtration__new_flow flow = {filtration__start_node, 1.0, 1.0, fn, user};
     if (!l || !fn || !filtration__set_nodes(fluid, &flow)) return FILTRATION_BAD_ARGUMENT;

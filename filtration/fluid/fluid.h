@@ -32,7 +32,8 @@ FILTRATION_API filtration_fluid_def filtration_fluid_default_def(void) {
 
 /* Computes rates, faces and units of a lattice. Returns the time step [s]. */
 static inline double filtration__find_units(const filtration_fluid_def *d, filtration__lattice *l) {
-    double nu = (d->tau - 0.5) / 3.0, dt = nu * d->voxel * d->voxel * d->density / d->viscosity, bulk = 1.5 * d->bulk_ratio * nu;
+    double nu = (d->tau - 0.5) / 3.0, dt = nu * d->voxel * d->voxel * d->density / d->viscosity,
+           bulk = 1.5 * d->bulk_ratio * nu;
     l->to_velocity = d->voxel / dt;
     l->to_pressure = d->density * l->to_velocity * l->to_velocity;
     l->to_force = l->to_pressure * d->voxel * d->voxel;
@@ -48,7 +49,9 @@ static inline double filtration__find_units(const filtration_fluid_def *d, filtr
     return dt;
 }
 
-static inline void filtration__set_units(filtration_fluid *fluid) { fluid->dt = filtration__find_units(&fluid->def, fluid->lattice); }
+static inline void filtration__set_units(filtration_fluid *fluid) {
+    fluid->dt = filtration__find_units(&fluid->def, fluid->lattice);
+}
 
 /* Largest population, and largest pressure, speed and force of a source, in lattice units [-]. Below them no sum of a
    step or of a reader overflows, and a step can tell that the flow diverges. */
@@ -73,7 +76,8 @@ static inline int filtration__is_property(double x) { return x >= 1e-15 && x <= 
 
 static inline const char *filtration__bad_face(const filtration_fluid_def *d) {
     for (int f = 0; f < 6; f++) {
-        const filtration__face_kind *kind = filtration__kind_of(d->face[f]), *opposite = filtration__kind_of(d->face[f ^ 1]);
+        const filtration__face_kind *kind = filtration__kind_of(d->face[f]),
+                                    *opposite = filtration__kind_of(d->face[f ^ 1]);
         if (!kind || !opposite) return "face";
         if ((kind->beyond == FILTRATION__REPEATED) != (opposite->beyond == FILTRATION__REPEATED)) return "face";
         if (kind->has_velocity < 2 && d->face_velocity[f][f / 2] != 0.0) return "face_velocity";
@@ -96,7 +100,8 @@ static inline const char *filtration__bad_field(const filtration_fluid_def *d) {
     if (!(d->bulk_ratio >= 0.0 && d->bulk_ratio < HUGE_VAL)) return "bulk_ratio";
     if (!(d->magic > 0.0)) return "magic";
     if (d->lattice != FILTRATION_D3Q19 && d->lattice != FILTRATION_D3Q15) return "lattice";
-    if (d->precision != FILTRATION_DOUBLE && (d->precision != FILTRATION_FLOAT || d->lattice == FILTRATION_D3Q15)) return "precision";
+    if (d->precision != FILTRATION_DOUBLE && (d->precision != FILTRATION_FLOAT || d->lattice == FILTRATION_D3Q15))
+        return "precision";
     if (d->boundary != FILTRATION_CENTRAL_LINEAR && d->boundary != FILTRATION_HALF_WAY) return "boundary";
     if ((int)d->refill < 0 || d->refill > FILTRATION_REFILL_INTERPOLATION) return "refill";
     if (d->force != FILTRATION_MOMENTUM_EXCHANGE && d->force != FILTRATION_SHEAR_LAYER) return "force";
@@ -160,7 +165,8 @@ static inline void filtration__set_shape(const filtration_fluid_def *d, filtrati
     l->rows = (ptrdiff_t)(l->ny + 2 * l->ghost_y) * (l->nz + 2 * l->ghost_z);
     l->fluid_nodes = (ptrdiff_t)l->nx * l->ny * l->nz;
     filtration__list_places(l);
-    l->block_bytes = (size_t)(l->rows * l->bundle + line) * (l->single ? sizeof(float) : sizeof(double)) + FILTRATION__LINE;
+    l->block_bytes =
+        (size_t)(l->rows * l->bundle + line) * (l->single ? sizeof(float) : sizeof(double)) + FILTRATION__LINE;
 }
 
 FILTRATION_API double filtration_fluid_bytes(const filtration_fluid_def *def) {
@@ -168,10 +174,13 @@ FILTRATION_API double filtration_fluid_bytes(const filtration_fluid_def *def) {
     if (filtration_fluid_check_def(def, NULL) != FILTRATION_OK) return 0.0;
     memset(&l, 0, sizeof l);
     filtration__set_shape(def, &l);
-    return (double)l.block_bytes + (double)l.fluid_nodes * sizeof(int32_t) + (double)l.ny * l.nz + l.nz + (double)sizeof l;
+    return (double)l.block_bytes + (double)l.fluid_nodes * sizeof(int32_t) + (double)l.ny * l.nz + l.nz +
+           (double)sizeof l;
 }
 
-static inline size_t filtration__nodes(const filtration__lattice *l) { return (size_t)l->nx * (size_t)l->ny * (size_t)l->nz; }
+static inline size_t filtration__nodes(const filtration__lattice *l) {
+    return (size_t)l->nx * (size_t)l->ny * (size_t)l->nz;
+}
 
 FILTRATION_API void filtration_fluid_free(filtration_fluid *fluid) {
     filtration__lattice *l = fluid ? fluid->lattice : NULL;
@@ -214,7 +223,8 @@ FILTRATION_API filtration_status filtration_fluid_init(filtration_fluid *fluid, 
     memset(fluid, 0, sizeof *fluid);
     if (filtration_fluid_check_def(def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DEF;
     fluid->def = *def;
-    filtration__lattice *l = fluid->lattice = (filtration__lattice *)filtration__resize(&def->memory, NULL, 0, sizeof *l);
+    filtration__lattice *l = fluid->lattice =
+        (filtration__lattice *)filtration__resize(&def->memory, NULL, 0, sizeof *l);
     if (!l) return FILTRATION_NO_MEMORY;
     memset(l, 0, sizeof *l);
     filtration__set_shape(def, l);
@@ -232,7 +242,8 @@ static inline const char *filtration__read_ball(const filtration_fluid *fluid, c
     b->radius = s->radius[n] / fluid->def.voxel;
     if (!(s->radius[n] >= 0.0)) return "radius: at least 0";
     if (b->radius == 0.0) return NULL;
-    if (!(b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5))) /* points on a sphere are counted in int */
+    /* Points on a sphere are counted in int. */
+    if (!(b->radius < (fluid->def.force == FILTRATION_SHEAR_LAYER ? 1e4 : 1e5)))
         return "radius: below 1e5 voxels (1e4 with the shear layer)";
     for (int a = 0; a < 3; a++) {
         double x = s->centre[3 * n + a] / fluid->def.voxel - 0.5;
@@ -255,15 +266,15 @@ static inline filtration_status filtration__room_for_balls(filtration_fluid *flu
     filtration__lattice *l = fluid->lattice;
     if (n > l->ball_room) {
         ptrdiff_t room = n + n / 2 + 4;
-        filtration__ball *balls = (filtration__ball *)filtration__resize(&fluid->def.memory, l->balls, (size_t)l->ball_room * sizeof *balls,
-                                                                         (size_t)room * sizeof *balls);
+        filtration__ball *balls = (filtration__ball *)filtration__resize(
+            &fluid->def.memory, l->balls, (size_t)l->ball_room * sizeof *balls, (size_t)room * sizeof *balls);
         if (!balls) return FILTRATION_NO_MEMORY;
         l->balls = balls;
         l->ball_room = room;
     }
     if (n > l->gap_room) {
-        filtration__gaps *gaps = (filtration__gaps *)filtration__resize(&fluid->def.memory, l->gaps, (size_t)l->gap_room * sizeof *gaps,
-                                                                        (size_t)l->ball_room * sizeof *gaps);
+        filtration__gaps *gaps = (filtration__gaps *)filtration__resize(
+            &fluid->def.memory, l->gaps, (size_t)l->gap_room * sizeof *gaps, (size_t)l->ball_room * sizeof *gaps);
         if (!gaps) return FILTRATION_NO_MEMORY;
         l->gaps = gaps;
         l->gap_room = l->ball_room;
@@ -289,7 +300,8 @@ static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, co
     if (is) filtration__swap_nodes(l, n, now, was ? &before : NULL, 0);
     if (was) filtration__fill_left(l, is ? now : &before, &before, 0);
     if (was) filtration__fill_left(l, is ? now : &before, &before, 1);
-    for (int z = (int)floor(now->centre[2] - now->radius) - 2; is && z <= (int)ceil(now->centre[2] + now->radius) + 2; z++) {
+    for (int z = (int)floor(now->centre[2] - now->radius) - 2; is && z <= (int)ceil(now->centre[2] + now->radius) + 2;
+         z++) {
         int k = l->ghost_z ? z : ((z % l->nz) + l->nz) % l->nz;
         if (k >= 0 && k < l->nz) l->slab_active[k] = 1;
     }
@@ -297,15 +309,16 @@ static inline void filtration__move_ball(filtration__lattice *l, ptrdiff_t n, co
 
 /* Reads sphere n of the caller; none beyond the last. Returns OK, BAD_ARGUMENT or TOO_FAST, and the rule that the
    sphere breaks. */
-static inline filtration_status filtration__next_ball(const filtration_fluid *fluid, const filtration_spheres *s, ptrdiff_t n,
-                                                      filtration__ball *now, const char **rule) {
+static inline filtration_status filtration__next_ball(const filtration_fluid *fluid, const filtration_spheres *s,
+                                                      ptrdiff_t n, filtration__ball *now, const char **rule) {
     const filtration__ball *before = &fluid->lattice->balls[n];
     *now = *before;
     now->radius = 0.0;
     *rule = s && n < s->n ? filtration__read_ball(fluid, s, n, now) : NULL;
     if (*rule) return FILTRATION_BAD_ARGUMENT;
     if (now->radius == 0.0) now->steps = 0;
-    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5)) *rule = "centre: moved by at most half a voxel a step";
+    else if (before->radius > 0.0 && !(filtration__moved(now, before) <= 0.5))
+        *rule = "centre: moved by at most half a voxel a step";
     return *rule ? FILTRATION_TOO_FAST : FILTRATION_OK;
 }
 
@@ -315,7 +328,8 @@ static inline filtration_status filtration__bring_balls(filtration_fluid *fluid,
     filtration__ball now;
     const char *rule;
     ptrdiff_t n = s ? s->n : 0;
-    if (n < 0 || (n > 0 && !(s->centre && s->velocity && s->spin && s->radius && s->force && s->torque))) return FILTRATION_BAD_ARGUMENT;
+    if (n < 0 || (n > 0 && !(s->centre && s->velocity && s->spin && s->radius && s->force && s->torque)))
+        return FILTRATION_BAD_ARGUMENT;
     if (filtration__room_for_balls(fluid, n) != FILTRATION_OK) return FILTRATION_NO_MEMORY;
     for (ptrdiff_t k = 0; k < l->ball_count; k++) {
         const filtration_status status = filtration__next_ball(fluid, s, k, &now, &rule);
@@ -336,7 +350,8 @@ static inline void filtration__give_forces(const filtration_fluid *fluid, const 
     const filtration__lattice *l = fluid->lattice;
     for (ptrdiff_t n = 0; s && n < s->n; n++) {
         const filtration__ball *b = &l->balls[n];
-        double share = b->steps > 1 ? 0.5 : 1.0, other = b->steps > 1 ? 0.5 : 0.0, force = l->to_force, torque = force * fluid->def.voxel;
+        double share = b->steps > 1 ? 0.5 : 1.0, other = b->steps > 1 ? 0.5 : 0.0, force = l->to_force,
+               torque = force * fluid->def.voxel;
         for (int a = 0; a < 3; a++) {
             int none = !(b->radius > 0.0);
             s->force[3 * n + a] = none ? 0.0 : force * (share * b->force[0][a] + other * b->force[1][a]);
@@ -387,7 +402,8 @@ static inline filtration_status filtration__level(filtration_fluid *fluid) {
 FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, const filtration_spheres *spheres) {
     if (!fluid || !fluid->lattice) return FILTRATION_BAD_ARGUMENT;
     filtration__lattice *l = fluid->lattice;
-    if (fluid->problem.cause == FILTRATION_SPEED || fluid->problem.cause == FILTRATION_NOT_FINITE) return FILTRATION_DIVERGED;
+    if (fluid->problem.cause == FILTRATION_SPEED || fluid->problem.cause == FILTRATION_NOT_FINITE)
+        return FILTRATION_DIVERGED;
     memset(&fluid->problem, 0, sizeof fluid->problem);
     filtration_status status = filtration__bring_balls(fluid, spheres);
     if (status != FILTRATION_OK) return status;
@@ -419,7 +435,8 @@ FILTRATION_API filtration_status filtration_fluid_step(filtration_fluid *fluid, 
     return FILTRATION_OK;
 }
 
-FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps, const filtration_spheres *spheres) {
+FILTRATION_API filtration_status filtration_fluid_run(filtration_fluid *fluid, int64_t steps,
+                                                      const filtration_spheres *spheres) {
     filtration_status status = FILTRATION_OK;
     if (!fluid || !fluid->lattice || steps < 0) return FILTRATION_BAD_ARGUMENT;
     for (int64_t n = 0; n < steps && status == FILTRATION_OK; n++) status = filtration_fluid_step(fluid, spheres);

@@ -7,9 +7,10 @@
 /* Everything but arrays. All fields have eight bytes, so that there is no padding. */
 typedef struct filtration__header {
     uint64_t magic;
-    int64_t nodes[3], directions, single, faces[6], boundary, refill, force_mode, keep_mass, links, solid_nodes, balls, odd, left, steps,
-        updates;
-    double bulk_ratio, lambda, tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel, density, viscosity;
+    int64_t nodes[3], directions, single, faces[6], boundary, refill, force_mode, keep_mass, links, solid_nodes, balls,
+        odd, left, steps, updates;
+    double bulk_ratio, lambda, tau, time, mass_correction, body_force[3], face_velocity[6][3], face_pressure[6], voxel,
+        density, viscosity;
 } filtration__header;
 
 #define FILTRATION__MAGIC UINT64_C(0x336c6966656c6472) /* changes with the format */
@@ -35,7 +36,8 @@ static inline filtration__header filtration__make_header(const filtration_fluid 
     h.magic = FILTRATION__MAGIC;
     for (int a = 0; a < 3; a++) h.nodes[a] = d->nodes[a];
     for (int f = 0; f < 6; f++) h.faces[f] = (int64_t)d->face[f];
-    h.boundary = (int64_t)d->boundary, h.refill = (int64_t)d->refill, h.force_mode = (int64_t)d->force, h.keep_mass = d->keep_mass;
+    h.boundary = (int64_t)d->boundary, h.refill = (int64_t)d->refill, h.force_mode = (int64_t)d->force,
+    h.keep_mass = d->keep_mass;
     h.bulk_ratio = d->bulk_ratio, h.lambda = d->magic, h.left = l->left;
     h.directions = l->q, h.single = l->single, h.links = l->link_count, h.solid_nodes = l->solid_nodes;
     h.balls = l->ball_count, h.odd = l->odd, h.steps = fluid->steps, h.updates = fluid->updates;
@@ -56,7 +58,8 @@ static inline int filtration__saved_arrays(const filtration__lattice *l, void *d
     return 4;
 }
 
-FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write, void *user) {
+FILTRATION_API filtration_status filtration_fluid_save(const filtration_fluid *fluid, filtration_write_fn write,
+                                                       void *user) {
     if (!fluid || !fluid->lattice || !write) return FILTRATION_BAD_ARGUMENT;
     filtration__header h = filtration__make_header(fluid);
     void *data[4];
@@ -89,19 +92,20 @@ static inline void filtration__rest(filtration_fluid *fluid) {
 /* Returns whether a save belongs to this fluid. */
 static inline int filtration__fits(const filtration_fluid *fluid, const filtration__header *h) {
     filtration__header own = filtration__make_header(fluid);
-    int same = h->magic == own.magic && h->directions == own.directions && h->single == own.single && h->links == own.links &&
-               h->solid_nodes == own.solid_nodes && h->voxel == own.voxel && h->density == own.density && h->viscosity == own.viscosity &&
-               h->boundary == own.boundary && h->refill == own.refill && h->force_mode == own.force_mode && h->keep_mass == own.keep_mass &&
+    int same = h->magic == own.magic && h->directions == own.directions && h->single == own.single &&
+               h->links == own.links && h->solid_nodes == own.solid_nodes && h->voxel == own.voxel &&
+               h->density == own.density && h->viscosity == own.viscosity && h->boundary == own.boundary &&
+               h->refill == own.refill && h->force_mode == own.force_mode && h->keep_mass == own.keep_mass &&
                h->bulk_ratio == own.bulk_ratio && h->lambda == own.lambda && (h->left == 0 || h->left == 1) &&
-               h->balls >= 0 && h->balls < INT32_MAX && (h->odd == 0 || h->odd == 1) && h->time >= 0.0 && h->time < HUGE_VAL &&
-               fabs(h->mass_correction) < HUGE_VAL && h->steps >= 0 && h->updates >= 0;
+               h->balls >= 0 && h->balls < INT32_MAX && (h->odd == 0 || h->odd == 1) && h->time >= 0.0 &&
+               h->time < HUGE_VAL && fabs(h->mass_correction) < HUGE_VAL && h->steps >= 0 && h->updates >= 0;
     for (int a = 0; a < 3; a++) same = same && h->nodes[a] == own.nodes[a];
     for (int f = 0; f < 6; f++) same = same && h->faces[f] == own.faces[f];
     return same;
 }
 
-static inline filtration_status filtration__read_arrays(filtration_fluid *fluid, const filtration__header *h, filtration_read_fn read,
-                                                        void *user) {
+static inline filtration_status filtration__read_arrays(filtration_fluid *fluid, const filtration__header *h,
+                                                        filtration_read_fn read, void *user) {
     filtration__lattice *l = fluid->lattice;
     void *data[4];
     size_t bytes[4];
@@ -136,7 +140,8 @@ FILTRATION_API filtration_status filtration_fluid_load(filtration_fluid *fluid, 
     memcpy(def.body_force, h.body_force, sizeof h.body_force);
     memcpy(def.face_velocity, h.face_velocity, sizeof h.face_velocity);
     memcpy(def.face_pressure, h.face_pressure, sizeof h.face_pressure);
-    if (!filtration__fits(fluid, &h) || filtration_fluid_check_def(&def, NULL) != FILTRATION_OK) return FILTRATION_BAD_DATA;
+    if (!filtration__fits(fluid, &h) || filtration_fluid_check_def(&def, NULL) != FILTRATION_OK)
+        return FILTRATION_BAD_DATA;
     filtration_status status = filtration__read_arrays(fluid, &h, read, user);
     if (status != FILTRATION_OK) {
         filtration__remark(fluid);

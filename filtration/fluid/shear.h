@@ -49,8 +49,8 @@ static inline void filtration__shear_force(const filtration__lattice *l, double 
     int points = (int)(12.566370614359172 * b->radius * b->radius) + 64;
     double area = 12.566370614359172 * b->radius * b->radius / points, cosine = 1.0, sine = 0.0;
     for (int k = 0; k < points; k++) {
-        double nz = 1.0 - (2.0 * k + 1.0) / points, rim = sqrt(1.0 - nz * nz), n[3] = {rim * cosine, rim * sine, nz}, d[3], at[3], u[3],
-               w[3];
+        double nz = 1.0 - (2.0 * k + 1.0) / points, rim = sqrt(1.0 - nz * nz), n[3] = {rim * cosine, rim * sine, nz},
+               d[3], at[3], u[3], w[3];
         const double turn = -0.73736887807831963 * cosine - 0.67549029426152364 * sine; /* by the golden angle */
         sine = -0.73736887807831963 * sine + 0.67549029426152364 * cosine;
         cosine = turn;

@@ -8,7 +8,8 @@
 
 /* ---- size distributions ---- */
 
-FILTRATION_API filtration_status filtration_convert_shares(size_t n, const double *d, const double *shares, double power, double *out) {
+FILTRATION_API filtration_status filtration_convert_shares(size_t n, const double *d, const double *shares,
+                                                           double power, double *out) {
     double largest = 0.0, sum = 0.0;
     if (!d || !shares || !out || n == 0 || !filtration__is_finite(power)) return FILTRATION_BAD_ARGUMENT;
     for (size_t i = 0; i < n; i++) {
@@ -22,7 +23,8 @@ FILTRATION_API filtration_status filtration_convert_shares(size_t n, const doubl
     return FILTRATION_OK;
 }
 
-FILTRATION_API filtration_status filtration_number_distribution(size_t n, const double *x, const double *Q3, double *out) {
+FILTRATION_API filtration_status filtration_number_distribution(size_t n, const double *x, const double *Q3,
+                                                                double *out) {
     if (!x || !Q3 || !out || n < 2 || Q3[0] != 0.0 || !(x[0] > 0.0)) return FILTRATION_BAD_ARGUMENT;
     double sum = 0.0;
     for (size_t i = 1; i < n; i++) {
@@ -114,8 +116,10 @@ static inline double filtration__total_resistance(const filtration_operation *o,
 /* Returns the integral of the resistance over w: in closed form for an incompressible cake, otherwise with 8 Gauss
    points in panels that halve towards the start, where the cake takes up the pressure. */
 static inline double filtration__resistance_integral(const filtration_operation *o, double from, double to) {
-    static const double node[4] = {0.18343464249564980494, 0.52553240991632898582, 0.79666647741362673959, 0.96028985649753623168};
-    static const double weight[4] = {0.36268378337836198297, 0.31370664587788728734, 0.22238103445337447054, 0.10122853629037625915};
+    static const double node[4] = {0.18343464249564980494, 0.52553240991632898582, 0.79666647741362673959,
+                                   0.96028985649753623168};
+    static const double weight[4] = {0.36268378337836198297, 0.31370664587788728734, 0.22238103445337447054,
+                                     0.10122853629037625915};
     if (o->compressibility == 0.0) return (0.5 * o->product * (from + to) + o->medium) * (to - from);
     double sum = 0.0, high = to;
     for (int panel = 0; panel < 60 && high > from; panel++) {
@@ -124,7 +128,8 @@ static inline double filtration__resistance_integral(const filtration_operation 
         const double middle = 0.5 * (low + high), half = 0.5 * (high - low);
         for (int i = 0; i < 4; i++)
             sum += half * weight[i] *
-                   (filtration__total_resistance(o, middle - half * node[i]) + filtration__total_resistance(o, middle + half * node[i]));
+                   (filtration__total_resistance(o, middle - half * node[i]) +
+                    filtration__total_resistance(o, middle + half * node[i]));
         high = low;
     }
     return sum;
@@ -169,7 +174,8 @@ FILTRATION_API filtration_status filtration_change_over(const filtration_operati
 }
 
 /* Returns the point at a volume in the stage of constant pressure, which begins at `start`. */
-static inline filtration_point filtration__pressure_point(const filtration_operation *o, const filtration_point *start, double volume) {
+static inline filtration_point filtration__pressure_point(const filtration_operation *o, const filtration_point *start,
+                                                          double volume) {
     filtration_point p;
     const double w = volume / o->area;
     p.volume = volume;
@@ -180,17 +186,21 @@ static inline filtration_point filtration__pressure_point(const filtration_opera
     return p;
 }
 
-FILTRATION_API filtration_status filtration_at_volume(const filtration_operation *o, double volume, filtration_point *point) {
+FILTRATION_API filtration_status filtration_at_volume(const filtration_operation *o, double volume,
+                                                      filtration_point *point) {
     filtration_point start;
-    if (!point || !(volume >= 0.0 && filtration__is_finite(volume)) || filtration_change_over(o, &start) != FILTRATION_OK)
+    if (!point || !(volume >= 0.0 && filtration__is_finite(volume)) ||
+        filtration_change_over(o, &start) != FILTRATION_OK)
         return FILTRATION_BAD_ARGUMENT;
     if (volume <= start.volume && start.volume > 0.0) *point = filtration__rate_point(o, volume);
     else if (volume == 0.0) *point = start;
     else *point = filtration__pressure_point(o, &start, volume);
-    return filtration__is_finite(point->time) && filtration__is_finite(point->pressure) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
+    return filtration__is_finite(point->time) && filtration__is_finite(point->pressure) ? FILTRATION_OK
+                                                                                        : FILTRATION_NO_SOLUTION;
 }
 
-FILTRATION_API filtration_status filtration_at_time(const filtration_operation *o, double time, filtration_point *point) {
+FILTRATION_API filtration_status filtration_at_time(const filtration_operation *o, double time,
+                                                    filtration_point *point) {
     filtration_point start;
     if (!point || !(time >= 0.0 && filtration__is_finite(time)) || filtration_change_over(o, &start) != FILTRATION_OK)
         return FILTRATION_BAD_ARGUMENT;
@@ -198,7 +208,8 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
     /* starts as if the cake were incompressible, with its resistance at the pressure: that volume is too small */
     const double factor = o->viscosity / (o->pressure * o->area);
     const double stiff = o->product * riddle_pow(o->pressure / o->reference, o->compressibility);
-    const double slope = 0.5 * factor * stiff / o->area, intercept = factor * (stiff * start.volume / o->area + o->medium);
+    const double slope = 0.5 * factor * stiff / o->area,
+                 intercept = factor * (stiff * start.volume / o->area + o->medium);
     double volume = start.volume + filtration_volume_of_time(slope, intercept, time - start.time);
     *point = filtration__pressure_point(o, &start, volume);
     if (o->compressibility > 0.0 && filtration__is_finite(point->time)) {
@@ -216,5 +227,6 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
         }
     }
     point->time = time;
-    return filtration__is_finite(volume) && volume > 0.0 && filtration__is_finite(point->flow) ? FILTRATION_OK : FILTRATION_NO_SOLUTION;
+    return filtration__is_finite(volume) && volume > 0.0 && filtration__is_finite(point->flow) ? FILTRATION_OK
+                                                                                               : FILTRATION_NO_SOLUTION;
 }

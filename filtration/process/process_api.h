@@ -4,8 +4,9 @@
 
 /* ==== >>process: filtration equation (1) to (3), filter curves, compressible cakes ==== */
 
-/* ---- laws. dp: pressure difference [Pa], mu: viscosity of the filtrate [Pa s], A: filter area [m2]; all > 0. product: r_K K_S [1/m2], the
-   resistance per metre of cake times the cake volume per filtrate volume, >= 0. medium: R_M [1/m] >= 0. ---- */
+/* ---- laws. dp: pressure difference [Pa], mu: viscosity of the filtrate [Pa s], A: filter area [m2]; all > 0. product:
+   r_K K_S [1/m2], the resistance per metre of cake times the cake volume per filtrate volume, >= 0. medium:
+   R_M [1/m] >= 0. ---- */
 
 /* (1) Returns the filtrate velocity dp / (mu (R_C + R_M)) [m/s]; cake, medium: resistances R_C, R_M >= 0, not both 0
    [1/m]. */
@@ -80,11 +81,13 @@ typedef struct filtration_operation {
     double medium;    /* R_M [1/m] >= 0; default 0 */
     double product;   /* r_K K_S [1/m2] >= 0, at `reference` if the cake is compressible; default 0 */
     double
-        compressibility; /* exponent n of r_K K_S as a function of the pressure difference in the cake [-], 0 .. below 1; default 0 */
+        compressibility; /* exponent n of r_K K_S as a function of the pressure difference in the cake [-], 0 ..
+                            below 1; default 0 */
     double reference; /* pressure difference in the cake at which product holds [Pa] > 0; default 1e5 */
     double pressure;  /* largest pressure difference [Pa] > 0; HUGE_VAL: no limit (constant rate); default 1e5 */
     double
-        rate; /* filtrate flow of the first stage [m3/s] > 0; HUGE_VAL: constant pressure from the start; default HUGE_VAL */
+        rate; /* filtrate flow of the first stage [m3/s] > 0; HUGE_VAL: constant pressure from the start;
+                 default HUGE_VAL */
 } filtration_operation;
 
 typedef struct filtration_point {
@@ -116,16 +119,16 @@ typedef struct filtration_curve_def {
     double area;       /* [m2] > 0; default 2e-3 */
     double cake_ratio; /* K_S [-] > 0; NAN: unknown, then only the product r_K K_S is determined; default NAN */
     double
-        solids; /* mass of dry solids in the cake over the volume of filtrate [kg/m3] > 0; NAN: unknown, then alpha is not
-                              determined; default NAN */
+        solids; /* mass of dry solids in the cake over the volume of filtrate [kg/m3] > 0; NAN: unknown, then alpha is
+                              not determined; default NAN */
     double pressure_error; /* standard errors, relative [-] >= 0; default 0 */
     double viscosity_error;
     double area_error;
     double cake_ratio_error;
     double solids_error;
     double
-        time_error; /* standard error of a reading [s] >= 0; if volume_error is 0, too: unknown, and the readings tell how their
-                              scatter grows; default 0 */
+        time_error; /* standard error of a reading [s] >= 0; if volume_error is 0, too: unknown, and the readings tell
+                              how their scatter grows; default 0 */
     double volume_error; /* [m3] >= 0; default 0. Both only weight the readings; intervals follow from the scatter */
     double
         drift_error; /* standard error of the last volume used, from a balance that drifts in proportion to time [m3] >=

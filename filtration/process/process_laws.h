@@ -49,7 +49,8 @@ static inline double filtration_time_of_volume(double slope, double intercept, d
 static inline double filtration_volume_of_time(double slope, double intercept, double t) {
     if (!(slope >= 0.0 && intercept >= 0.0 && slope + intercept > 0.0 && t >= 0.0)) return (double)NAN;
     if (t == 0.0) return 0.0;
-    return 2.0 * t / (intercept + sqrt(intercept * intercept + 4.0 * slope * t)); /* avoids the difference of nearly equal numbers */
+    /* Avoids the difference of nearly equal numbers. */
+    return 2.0 * t / (intercept + sqrt(intercept * intercept + 4.0 * slope * t));
 }
 
 static inline double filtration_pressure(double product, double medium, double mu, double v, double w) {
@@ -112,4 +113,6 @@ static inline double filtration_mass_resistance(double specific, double porosity
 
 /* ---- Student's distribution ---- */
 
-static inline double filtration_student(double confidence, double freedom) { return riddle_student(confidence, freedom); }
+static inline double filtration_student(double confidence, double freedom) {
+    return riddle_student(confidence, freedom);
+}

@@ -57,7 +57,8 @@ typedef struct filtration__line {
     double mean_x, mean_y, sxx, slope, low, high, end; /* low, high: range of x; end: largest u */
 } filtration__line;
 
-static inline void filtration__plain_line(const filtration__readings *r, size_t first, size_t last, filtration__line *line) {
+static inline void filtration__plain_line(const filtration__readings *r, size_t first, size_t last,
+                                          filtration__line *line) {
     double x, y, u, weights = 0.0, sxy = 0.0;
     memset(line, 0, sizeof *line);
     line->low = HUGE_VAL, line->high = -HUGE_VAL;
@@ -72,7 +73,8 @@ static inline void filtration__plain_line(const filtration__readings *r, size_t 
     line->mean_x /= weights, line->mean_y /= weights;
     for (size_t i = first; i <= last; i++) {
         if (!filtration__reading(r, i, &x, &y, &u)) continue;
-        line->sxx += u * u * (x - line->mean_x) * (x - line->mean_x), sxy += u * u * (x - line->mean_x) * (y - line->mean_y);
+        line->sxx += u * u * (x - line->mean_x) * (x - line->mean_x),
+            sxy += u * u * (x - line->mean_x) * (y - line->mean_y);
     }
     line->slope = line->sxx > 0.0 ? sxy / line->sxx : 0.0;
 }
@@ -88,7 +90,8 @@ static inline double filtration__on_line(const filtration__line *line, double x,
 
 /* Returns the factor that gives a reading's ordinate the scatter of the others: V over the error of t, where that is
    constant (weight 0), that of a constant error of V (1), in proportion to V (2), or to t (3). */
-static inline double filtration__factor(const filtration__readings *r, const filtration__line *line, int weight, double x, double u) {
+static inline double filtration__factor(const filtration__readings *r, const filtration__line *line, int weight,
+                                        double x, double u) {
     const filtration_curve_def *d = r->def;
     double rate;
     const double y = filtration__on_line(line, x, u, &rate);
@@ -104,7 +107,8 @@ typedef struct filtration__kind {
     double level, slope;                  /* corrections of the plain line at mean_x */
     double of_level, of_both, of_slope;   /* inverse of the normal matrix */
     double squares, likelihood;           /* residual sum of squares; logarithm of the likelihood, up to a constant */
-    double drifted[2];                    /* change of level and slope by a drift of the balance by `end` at the last reading */
+    double drifted[2];                    /* change of level and slope by a drift of the balance by `end` at the
+                                             last reading */
     double drift;                         /* that drift, if there is one: shares of end */
     double bent_squares, bent_likelihood; /* with a parabola and a cubic in addition */
     double coefficient[2];                /* of them, over half the range */
@@ -128,8 +132,9 @@ static inline double filtration__decompose(double *g, int n, int pivots) {
 /* Sums the normal matrix of level, slope, parabola, cubic, drift and the plain line's residual, each made independent
    by the prediction from the readings before (Kalman 1960). Returns the logarithm of the factor between densities. */
 enum { FILTRATION__COLUMNS = 6 };
-static inline double filtration__normal_matrix(const filtration__readings *r, size_t first, size_t last, const filtration__line *line,
-                                               int weight, const filtration__roughness *rough,
+static inline double filtration__normal_matrix(const filtration__readings *r, size_t first, size_t last,
+                                               const filtration__line *line, int weight,
+                                               const filtration__roughness *rough,
                                                double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS]) {
     const double half = 0.5 * (line->high - line->low), middle = 0.5 * (line->high + line->low), keeps = rough->keeps;
     double before[FILTRATION__COLUMNS], row[FILTRATION__COLUMNS], x, y, u, rate, logs = 0.0, product = 1.0;
@@ -140,8 +145,10 @@ static inline double filtration__normal_matrix(const filtration__readings *r, si
     memset(before, 0, sizeof before);
     for (size_t i = first; i <= last; i++) {
         if (!filtration__reading(r, i, &x, &y, &u)) continue;
-        const double factor = filtration__factor(r, line, weight, x, u) / end, z = half > 0.0 ? (x - middle) / half : 0.0;
-        const double on_line = filtration__on_line(line, x, u, &rate), sum = variance + rough->white, share = 1.0 / sqrt(sum);
+        const double factor = filtration__factor(r, line, weight, x, u) / end,
+                     z = half > 0.0 ? (x - middle) / half : 0.0;
+        const double on_line = filtration__on_line(line, x, u, &rate), sum = variance + rough->white,
+                     share = 1.0 / sqrt(sum);
         const double now[FILTRATION__COLUMNS] = {factor,
                                                  factor * (x - line->mean_x),
                                                  factor * (z * z - 1.0 / 3.0),
@@ -213,9 +220,9 @@ static inline void filtration__fit_bend(double g[FILTRATION__COLUMNS][FILTRATION
 
 /* Fits one kind of scatter, without a drift of the balance and with drifts that were not stated: fills drifts
    entries. */
-static inline void filtration__fit_kind(const filtration__readings *r, size_t first, size_t last, const filtration__line *line,
-                                        int unknowns, int weight, const filtration__roughness *rough, int drifts,
-                                        filtration__kind *kind) {
+static inline void filtration__fit_kind(const filtration__readings *r, size_t first, size_t last,
+                                        const filtration__line *line, int unknowns, int weight,
+                                        const filtration__roughness *rough, int drifts, filtration__kind *kind) {
     double g[FILTRATION__COLUMNS][FILTRATION__COLUMNS], rate;
     const double logs = filtration__normal_matrix(r, first, last, line, weight, rough, g);
     const double rounding = FILTRATION__ROUNDING * 1e-2 * line->mean_y, least = g[0][0] * rounding * rounding;
@@ -258,8 +265,8 @@ static inline void filtration__average(filtration__mixture *m, int drifts) {
     }
 }
 
-static inline void filtration__mix(const filtration__readings *r, size_t first, size_t last, const filtration__line *line, int unknowns,
-                                   filtration__mixture *m) {
+static inline void filtration__mix(const filtration__readings *r, size_t first, size_t last,
+                                   const filtration__line *line, int unknowns, filtration__mixture *m) {
     double best = -HUGE_VAL;
     memset(m, 0, sizeof *m);
     m->freedom = (double)line->n - unknowns, m->confidence = r->def->confidence;
@@ -272,9 +279,11 @@ static inline void filtration__mix(const filtration__readings *r, size_t first, 
         filtration__fit_kind(r, first, last, line, unknowns, k / FILTRATION__ROUGHS, rough, drifts, &m->kind[m->n]);
         for (int q = 0; q < drifts; q++, m->n++) {
             filtration__kind *kind = &m->kind[m->n];
-            const double prior = rough->prior * filtration__weight_prior[k / FILTRATION__ROUGHS] * filtration__drifts[q].prior;
+            const double prior =
+                rough->prior * filtration__weight_prior[k / FILTRATION__ROUGHS] * filtration__drifts[q].prior;
             m->share[m->n] = riddle_log(prior) + kind->likelihood;
-            kind->likelihood = rough->white > 0.0 && rough->step == 0.0 ? 0.0 : rough->keeps; /* from here on: of neighbours */
+            /* From here on: of neighbours. */
+            kind->likelihood = rough->white > 0.0 && rough->step == 0.0 ? 0.0 : rough->keeps;
             if (m->share[m->n] > best) best = m->share[m->n];
         }
     }
@@ -289,7 +298,8 @@ static inline double filtration__error_of(const filtration__mixture *m, double l
     double mean[FILTRATION__KINDS], scale[FILTRATION__KINDS], low = 0.0, high = 0.0, half = 0.0;
     for (int k = 0; k < m->n; k++) {
         const filtration__kind *kind = &m->kind[k];
-        const double variance = level * level * kind->of_level + 2.0 * level * slope * kind->of_both + slope * slope * kind->of_slope;
+        const double variance =
+            level * level * kind->of_level + 2.0 * level * slope * kind->of_both + slope * slope * kind->of_slope;
         mean[k] = level * kind->level + slope * kind->slope - centre;
         scale[k] = sqrt(kind->squares / m->freedom * (variance > 0.0 ? variance : 0.0));
         const double most = m->share[k] > 0.0 ? fabs(mean[k]) + m->student * scale[k] : 0.0;
@@ -312,6 +322,7 @@ static inline double filtration__error_of(const filtration__mixture *m, double l
         half = next > low && next < high ? next : 0.5 * (low + high);
         if (step <= 1e-6 * half || !(high - low > 1e-12 * high)) break; /* each step doubles the digits */
     }
-    const double of_drift = m->drift * (level * m->drifted[0] + slope * m->drifted[1]) * filtration_student(m->confidence, 1e9);
+    const double of_drift =
+        m->drift * (level * m->drifted[0] + slope * m->drifted[1]) * filtration_student(m->confidence, 1e9);
     return sqrt(half * half + of_drift * of_drift) / m->student;
 }

@@ -19,7 +19,9 @@ static inline double filtration_schiller_naumann(double reynolds) {
 
 /* Returns the factor on the axis of a cylinder of diameter D; ratio = d / D, 0 .. below 1. The paper's (13): Ladenburg
    (1907) with Faxen's constant, first order. */
-static inline double filtration_wall_ladenburg(double ratio) { return ratio >= 0.0 && ratio < 1.0 ? 1.0 + 2.104 * ratio : (double)NAN; }
+static inline double filtration_wall_ladenburg(double ratio) {
+    return ratio >= 0.0 && ratio < 1.0 ? 1.0 + 2.104 * ratio : (double)NAN;
+}
 
 /* Returns the same by Faxen (1922): good to a ratio of about 0.3; NaN from 0.6 on. */
 static inline double filtration_wall_faxen(double ratio) {
@@ -42,7 +44,8 @@ static inline double filtration_wall_brenner(double gap_over_radius) {
     if (!(gap > 0.0)) return (double)NAN;
     if (gap < 1e-3) return 1.0 / gap - 0.2 * riddle_log(gap) + 0.9713;
     if (gap > 1e6) return 1.0 + 1.125 / gap;
-    const double alpha = riddle_log1p(gap + sqrt(gap * (gap + 2.0))), sinh_1 = sqrt(gap * (gap + 2.0)), sinh_2 = 2.0 * sinh_1 * (1.0 + gap);
+    const double alpha = riddle_log1p(gap + sqrt(gap * (gap + 2.0))), sinh_1 = sqrt(gap * (gap + 2.0)),
+                 sinh_2 = 2.0 * sinh_1 * (1.0 + gap);
     double sum = 0.0;
     for (int n = 1; n < 2000; n++) { /* every hyperbolic function is divided by exp((2n + 1) alpha) / 2 */
         const double odd = 2.0 * n + 1.0, e = riddle_exp(-odd * alpha), scale = 2.0 * e;

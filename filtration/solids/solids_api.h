@@ -10,8 +10,8 @@ typedef struct filtration_near {
     double normal[3]; /* unit vector from the sphere's centre to the surface */
 } filtration_near;
 
-/* A solid at rest, described by functions of the caller. filtration_fluid_init calls them, and filtration_move where spheres
-   touch the solid. */
+/* A solid at rest, described by functions of the caller. filtration_fluid_init calls them, and filtration_move where
+   spheres touch the solid. */
 typedef struct filtration_solid {
     /* Signed distance from a point to the surface [m], > 0 in the fluid. Its sign and its zero must be right; elsewhere
        it may be less than the true distance, never more. Points may lie up to a voxel outside the box, where periodic
@@ -23,7 +23,8 @@ typedef struct filtration_solid {
     const void *self;
     /* Lists at most `most` places with a gap below `reach` to a sphere, one for each wire or body that it may touch.
        Returns how many. For filtration_move. NULL: the nearest place, from differences of `distance`. */
-    int (*touch)(const void *self, const double centre[3], double radius, double reach, int most, filtration_near *near);
+    int (*touch)(const void *self, const double centre[3], double radius, double reach, int most,
+                 filtration_near *near);
 } filtration_solid;
 
 /* The solids below keep their own data. filtration_..._solid() returns a filtration_solid that points to these data,
@@ -32,7 +33,8 @@ typedef struct filtration_solid {
 /* Returns the fraction of the way from a point in the fluid to one in the solid at which the surface lies [-], 0 ..
    1, from the distance alone, to 1e-9. The points must be closer than two surfaces. NaN if both ends are on the same
    side. */
-FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3], const double in_solid[3]);
+FILTRATION_API double filtration_solid_cut(const filtration_solid *solid, const double fluid[3],
+                                           const double in_solid[3]);
 
 typedef enum filtration_weave {
     FILTRATION_PLAIN_WEAVE, /* over one, under one: repeats after 2 wires */
@@ -56,8 +58,8 @@ typedef struct filtration_cloth {
 
 /* Makes a cloth with a reach of 4 wires and no offset. BAD_ARGUMENT: wire or opening not > 0 and finite, centre not
    finite, unknown weave. */
-FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening, filtration_weave weave,
-                                                       double centre);
+FILTRATION_API filtration_status filtration_cloth_make(filtration_cloth *cloth, double wire, double opening,
+                                                       filtration_weave weave, double centre);
 /* Returns the length after which the cloth repeats along x and y [m]. A periodic box must be a multiple of it. */
 static inline double filtration_cloth_period(const filtration_cloth *cloth) {
     return (cloth->wire + cloth->opening) * (cloth->weave == FILTRATION_TWILL_WEAVE ? 4.0 : 2.0);
@@ -91,8 +93,8 @@ typedef struct filtration_bed {
 /* Makes a bed. The arrays are kept, not copied. memory NULL: malloc. After an error the bed is empty and may be freed.
    BAD_ARGUMENT: a number is not finite; a radius, an edge of the box or the reach is not > 0. NO_MEMORY. */
 FILTRATION_API filtration_status filtration_bed_init(filtration_bed *bed, ptrdiff_t n, const double *a, const double *b,
-                                                     const double *radius, const double box[3], const int periodic[3], double reach,
-                                                     const filtration_memory *memory);
+                                                     const double *radius, const double box[3], const int periodic[3],
+                                                     double reach, const filtration_memory *memory);
 FILTRATION_API void filtration_bed_free(filtration_bed *bed);
 FILTRATION_API double filtration_bed_distance(const filtration_bed *bed, const double point[3]); /* as above [m] */
 FILTRATION_API filtration_solid filtration_bed_solid(const filtration_bed *bed);
@@ -109,5 +111,6 @@ typedef struct filtration_image {
 
 /* Returns BAD_ARGUMENT if a field is out of range. */
 FILTRATION_API filtration_status filtration_image_check(const filtration_image *image);
-FILTRATION_API double filtration_image_distance(const filtration_image *image, const double point[3]); /* as above [m] */
+/* As above [m]. */
+FILTRATION_API double filtration_image_distance(const filtration_image *image, const double point[3]);
 FILTRATION_API filtration_solid filtration_image_solid(const filtration_image *image);

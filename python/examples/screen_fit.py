@@ -1,7 +1,7 @@
 """Fits a screening model to measured curves of a CSV: case, class, time, retained. Change: the file, FITTED, MODEL.
 
-The shipped file has 27 simulated cases; three dry ones with amplitudes of 1 mm and more are fitted, another one is predicted. Screening
-begins 0.5 s after the vibration: the bed has to reach the deck."""
+The shipped file has 27 simulated cases; three dry ones with amplitudes of 1 mm and more are fitted, another one is
+predicted. Screening begins 0.5 s after the vibration: the bed has to reach the deck."""
 import os
 
 import matplotlib.pyplot as plt
@@ -20,9 +20,11 @@ def case_of(number):
     """Mean curves over the seeds of a case."""
     rows = table[(table["case"] == number) & (table["time_s"] >= BEGIN)]
     time = np.unique(rows["time_s"])
-    curves = np.array([[rows[name][rows["time_s"] == t].mean() for t in time] for name in ("retained_small", "retained_near_mesh")])
+    curves = np.array([[rows[name][rows["time_s"] == t].mean() for t in time]
+                       for name in ("retained_small", "retained_near_mesh")])
     curves = np.minimum.accumulate(np.clip(curves, 0.0, 1.0), axis=1)
-    operation = screen.operation(amplitude=rows["amplitude_m"][0], frequency=rows["frequency_hz"][0], moisture=rows["moisture"][0])
+    operation = screen.operation(amplitude=rows["amplitude_m"][0], frequency=rows["frequency_hz"][0],
+                                 moisture=rows["moisture"][0])
     return screen.case(operation=operation, time=time - BEGIN, retained=curves)
 
 

@@ -1,7 +1,8 @@
-/* magnets.c - a contact law of one's own for Python (dem.Law): linear springs with friction, and an attraction while bodies touch. From the
-   repository's root:
+/* magnets.c - a contact law of one's own for Python (dem.Law): linear springs with friction, and an attraction while
+   bodies touch. From the repository's root:
 
-   cc -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC -shared -I. python/laws/magnets.c -lm -o magnets.so */
+   cc -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC -shared -I. python/laws/magnets.c -lm
+   -o magnets.so */
 #include "dem.h"
 
 static const double PULL = 2e-3; /* [N] */
@@ -11,7 +12,8 @@ DEM_INLINE void magnets_force(const dem_contact *c, double *state, dem_response 
     r->normal -= c->gap < 0.0 ? PULL : 0.0;
 }
 
-static const dem_law magnets = {"linear, magnets", 1, 3, 3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear, magnets_force, NULL, NULL};
+static const dem_law magnets = {"linear, magnets", 1,    3,   3, 1, DEM_LINEAR_CONSTANTS, dem_prepare_linear,
+                                magnets_force,     NULL, NULL};
 DEM_KERNEL(magnets_kernel, magnets, DEM_LINEAR | DEM_FRICTION)
 
 size_t law_world_size(void);

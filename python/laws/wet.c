@@ -1,6 +1,6 @@
-/* wet.c - liquid bridges for Python (dem.Law): the laws of dem_wet.h for worlds with a wire screen. The first run of a world
-   puts an equal film on every sphere, by the moisture and the screen's wall that law_set gave last. Groups 0, 1, 2 are size classes. One
-   thread at a time. From the repository's root:
+/* wet.c - liquid bridges for Python (dem.Law): the laws of dem_wet.h for worlds with a wire screen. The first run of a
+   world puts an equal film on every sphere, by the moisture and the screen's wall that law_set gave last.
+   Groups 0, 1, 2 are size classes. One thread at a time. From the repository's root:
 
    cc -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC -shared -I. python/laws/wet.c -lm -o wet.so */
 #include "dem_wet.h"
@@ -26,8 +26,8 @@ void law_forget(const dem_world *world);
 
 size_t law_world_size(void) { return sizeof(dem_world); }
 
-/* moisture: liquid over mass of particles [-] 0 .. 1, default 0.025; deck: wall index of the screen, default 0. For worlds that have not run
-   yet. Returns 0, or 1 for another name, 2 for a value outside its range. */
+/* moisture: liquid over mass of particles [-] 0 .. 1, default 0.025; deck: wall index of the screen, default 0. For
+   worlds that have not run yet. Returns 0, or 1 for another name, 2 for a value outside its range. */
 int law_set(const char *name, double value) {
     if (strcmp(name, "moisture") == 0) {
         if (!(value >= 0.0 && value <= 1.0)) return 2;
@@ -39,8 +39,8 @@ int law_set(const char *name, double value) {
     return 0;
 }
 
-/* bridges: their number, liquid: in films and bridges [m3], of the world that ran last, at the end of its run; moisture, deck: as set. NaN
-   for other names. */
+/* bridges: their number, liquid: in films and bridges [m3], of the world that ran last, at the end of its run;
+   moisture, deck: as set. NaN for other names. */
 double law_get(const char *name) {
     return strcmp(name, "bridges") == 0    ? bridges
            : strcmp(name, "liquid") == 0   ? liquid
@@ -80,8 +80,8 @@ static dem_status wet_the_spheres(wet_books *books, dem_world *world, double *di
         largest = diameter > largest ? diameter : largest;
     }
     for (int c = 0; c < WET_CLASSES; c++) classes[c] = classes[c] > 0.0 ? classes[c] : largest;
-    const bridge_status status =
-        wet_init(&books->scene, (int)books->ids, books->group, diameters, classes, moisture, mass, deck, world, false, WET_STEEL);
+    const bridge_status status = wet_init(&books->scene, (int)books->ids, books->group, diameters, classes, moisture,
+                                          mass, deck, world, false, WET_STEEL);
     return status == BRIDGE_OK ? DEM_OK : DEM_BAD_ARGUMENT;
 }
 
@@ -97,7 +97,8 @@ static dem_status begin(dem_world *world) {
     const ptrdiff_t ids = ids_of(world);
     if (deck >= world->walls || ids < 1 || ids > INT32_MAX) return DEM_BAD_ARGUMENT;
     if (dem_link_count(world) > 0) return DEM_LAW_MISMATCH; /* its films are not saved with a world */
-    law_forget(world);                                      /* another world at the same address, which was freed unseen */
+    /* Another world at the same address, which was freed unseen. */
+    law_forget(world);
     wet_books *books = calloc(1, sizeof *books);
     double *diameters = calloc((size_t)ids, sizeof *diameters);
     if (books) books->group = calloc((size_t)ids, sizeof *books->group);

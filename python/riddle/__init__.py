@@ -1,8 +1,10 @@
-"""Riddle: particle-process engineering. One module a header: dem, bridge, screen, blocking, granulation, classifier, filtration.
+"""Riddle: particle-process engineering. One module a header: dem, bridge, screen, blocking, granulation, classifier,
+filtration.
 
-Functions and structures have the names of the headers without their prefix: blocking_fit is blocking.fit. What only C looks into is a class:
-granulation_sim_run(&sim, steps) is sim.run(steps) of a granulation.Sim. Lengths of arrays are not given; answers are returned; a status other
-than ok is a riddle.Error with the status text and what looks wrong. help() has the headers' comments. Units are SI.
+Functions and structures have the names of the headers without their prefix: blocking_fit is blocking.fit. What only C
+looks into is a class: granulation_sim_run(&sim, steps) is sim.run(steps) of a granulation.Sim. Lengths of arrays are
+not given; answers are returned; a status other than ok is a riddle.Error with the status text and what looks wrong.
+help() has the headers' comments. Units are SI.
 """
 import sys as _sys
 import types as _types_module

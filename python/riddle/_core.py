@@ -1,5 +1,5 @@
-"""Calls the headers' functions: checks and converts arguments, makes answers, raises errors. What there is comes from api.json, which
-python/generate.py reads off the headers; nothing here knows a particular function."""
+"""Calls the headers' functions: checks and converts arguments, makes answers, raises errors. What there is comes from
+api.json, which python/generate.py reads off the headers; nothing here knows a particular function."""
 import html
 import inspect
 import json
@@ -30,7 +30,8 @@ for _number, _name in enumerate(api["layout"]):
     if ffi.sizeof(_name) != lib.riddle_layout(_number):
         raise ImportError(f"the library and its description differ in {_name}: build both anew")
 
-DTYPES = {"double": np.float64, "float": np.float32, "int": np.intc, "unsigned": np.uintc, "unsigned int": np.uintc, "size_t": np.uintp,
+DTYPES = {"double": np.float64, "float": np.float32, "int": np.intc, "unsigned": np.uintc, "unsigned int": np.uintc,
+          "size_t": np.uintp,
           "ptrdiff_t": np.intp, "int32_t": np.int32, "uint32_t": np.uint32, "int64_t": np.int64, "uint64_t": np.uint64,
           "uint8_t": np.uint8, "unsigned char": np.uint8, "_Bool": np.bool_}
 LARGEST = 1 << 31  # elements of one array
@@ -40,8 +41,9 @@ _shapes = api["shapes"]
 
 
 class Error(RuntimeError):
-    """A status other than ok. status: its number; name: DEM_BAD_ARGUMENT ...; text: its meaning; field: what was wrong; hint: which arguments
-    look wrong, or all of them; particle: its id; materials: two of them; None where that is not known."""
+    """A status other than ok. status: its number; name: DEM_BAD_ARGUMENT ...; text: its meaning; field: what was wrong;
+    hint: which arguments look wrong, or all of them; particle: its id; materials: two of them; None where that is not
+    known."""
 
     particle = materials = None
 
@@ -65,7 +67,8 @@ def short(value):
     if isinstance(value, np.ndarray):
         return str(value.tolist()) if value.size <= 4 else f"<array {value.shape} of {value.dtype}>"
     if isinstance(value, list):
-        return f"<list of {len(value)}>" if len(value) > 4 or any(isinstance(v, (list, Structure)) for v in value) else repr(value)
+        return (f"<list of {len(value)}>" if len(value) > 4 or any(isinstance(v, (list, Structure)) for v in value)
+                else repr(value))
     if isinstance(value, Structure):
         text = repr(value)
         return text if len(text) < 80 else f"<{value._name}>"
@@ -99,7 +102,8 @@ _TIMES = "times need a unit: divide by it, as in t / numpy.timedelta64(1, 's')"
 
 def number(c_type, value, what):
     """A number for C, of a type that is no array and no text; whole where C's type is."""
-    if type(value) is float and c_type == "double" or type(value) is int and c_type not in ("double", "float"):  # most often
+    # most often
+    if type(value) is float and c_type == "double" or type(value) is int and c_type not in ("double", "float"):
         return value
     if isinstance(value, np.ndarray) and value.ndim == 0 and not np.ma.isMaskedArray(value):
         value = value[()]
@@ -119,7 +123,8 @@ def number(c_type, value, what):
 def _parts(n, value, what, names=""):
     """The n parts of a sequence; text, a set and another number of parts are refused."""
     if type(value) not in (tuple, list):
-        wrong = isinstance(value, (str, bytes, bytearray, dict, set, frozenset)) or not hasattr(value, "__len__") or np.ndim(value) == 0
+        wrong = (isinstance(value, (str, bytes, bytearray, dict, set, frozenset)) or not hasattr(value, "__len__")
+                 or np.ndim(value) == 0)
         given = value.tolist() if type(value) is np.ndarray and value.dtype.kind in "iuf" else value
     else:
         wrong, given = False, value
@@ -144,12 +149,14 @@ def vector(n, value, what):
 
 def _array(value, dtype, what):
     if np.ma.isMaskedArray(value) and np.ma.getmaskarray(value).any():
-        raise ValueError(f"{what}: entries are masked; leave them out, as in a[~numpy.ma.getmaskarray(a)].data, and what belongs to them")
+        raise ValueError(f"{what}: entries are masked; leave them out, as in a[~numpy.ma.getmaskarray(a)].data, and "
+                         "what belongs to them")
     try:
         given = np.asarray(value)
         if given.dtype.kind in "mM":
             raise TypeError(_TIMES)
-        if given.dtype.kind not in "biufO" or given.dtype.kind == "O" and any(isinstance(v, (str, bytes, np.datetime64, np.timedelta64)) for v in given.flat):
+        if (given.dtype.kind not in "biufO" or given.dtype.kind == "O"
+            and any(isinstance(v, (str, bytes, np.datetime64, np.timedelta64)) for v in given.flat)):
             raise TypeError("text, complex numbers and records are none")
         with np.errstate(all="ignore"):
             made = np.asarray(given, order="C").astype(dtype, copy=False)
@@ -171,7 +178,9 @@ def _struct(c_type, value, what):
     if any(field.type.kind not in ("primitive", "enum") for field in fields.values()):
         raise TypeError(f"{what}: a {_named(c_type)} is needed, not {type(value).__name__}")
     given = _parts(len(fields), value, what, f" ({', '.join(fields)})")
-    return ffi.new(ffi.getctype(c_type, "*"), tuple([number(field.type.cname, v, f"{what}.{name}") for (name, field), v in zip(fields.items(), given)]))
+    return ffi.new(ffi.getctype(c_type, "*"),
+                   tuple([number(field.type.cname, v, f"{what}.{name}")
+                          for (name, field), v in zip(fields.items(), given)]))
 
 
 class Shape:
@@ -221,7 +230,8 @@ for _lower, _h in api["headers"].items():
 
 
 def held(values):
-    """All that these values refer to now: arrays, functions, structures. Kept by what C makes of the values and points to them."""
+    """All that these values refer to now: arrays, functions, structures. Kept by what C makes of the values and points
+    to them."""
     found, waiting = {}, list(values)
     while waiting:
         value = waiting.pop()
@@ -260,11 +270,13 @@ class _Memory:
 
     def __init__(self, owner, c, dtype, dims):
         self.owner = owner
-        self.__array_interface__ = {"version": 3, "data": (int(ffi.cast("uintptr_t", c)), False), "typestr": np.dtype(dtype).str, "shape": tuple(dims)}
+        self.__array_interface__ = {"version": 3, "data": (int(ffi.cast("uintptr_t", c)), False),
+                                    "typestr": np.dtype(dtype).str, "shape": tuple(dims)}
 
 
 class Structure:
-    """A structure of the headers: the same fields. Made with its defaults where the header has some; fields by keyword."""
+    """A structure of the headers: the same fields. Made with its defaults where the header has some; fields by
+    keyword."""
 
     _name = None
     _parent = None  # the structure that this one is a part of
@@ -281,14 +293,16 @@ class Structure:
 
     @classmethod
     def _of(cls, c, parent=None, part=None):
-        """A structure around C's: a copy of a value, or a part of another one, under whose name that keeps what the part points to."""
+        """A structure around C's: a copy of a value, or a part of another one, under whose name that keeps what the
+        part points to."""
         made = cls.__new__(cls)
         if parent is None:
             c, value = ffi.new(f"{cls._name} *"), c
             c[0] = value
         object.__setattr__(made, "_c", c)
         object.__setattr__(made, "_parent", parent)
-        object.__setattr__(made, "_kept", {} if part is None or not _points(ffi.typeof(c).item) else parent._kept.setdefault(part, {}))
+        object.__setattr__(made, "_kept", {} if part is None or not _points(ffi.typeof(c).item)
+                           else parent._kept.setdefault(part, {}))
         return made
 
     def _become(self, other):
@@ -312,7 +326,8 @@ class Structure:
         if c_type.kind == "array":
             return self._array_field(name, c_type, value)
         if c_type.kind == "pointer":
-            return None if value == ffi.NULL else ffi.string(value).decode() if c_type.cname in ("char *", "const char *") else value
+            return (None if value == ffi.NULL else ffi.string(value).decode()
+                    if c_type.cname in ("char *", "const char *") else value)
         return value
 
     def _array_field(self, name, c_type, value):
@@ -365,12 +380,14 @@ class Structure:
     def _set_parts(self, parts, value, what):
         """The first elements of an array of structures: structures, or the numbers of each."""
         if isinstance(value, (str, bytes, dict, set)) or not hasattr(value, "__len__") or len(value) > len(parts):
-            raise TypeError(f"{what}: a list of at most {len(parts)} {parts[0]._name} is needed" + (f", not of {len(value)}" if isinstance(value, (list, tuple, np.ndarray)) else ""))
+            raise TypeError(f"{what}: a list of at most {len(parts)} {parts[0]._name} is needed"
+                            + (f", not of {len(value)}" if isinstance(value, (list, tuple, np.ndarray)) else ""))
         made = []
         for k, new in enumerate(value):
             if isinstance(new, Structure) and new._name != parts[k]._name:
                 raise TypeError(f"{what}[{k}]: a {parts[k]._name} is needed, not a {new._name}")
-            made.append(new if isinstance(new, Structure) else parts[k]._of(_struct(ffi.typeof(parts[k]._c).item, new, f"{what}[{k}]")[0]))
+            made.append(new if isinstance(new, Structure)
+                        else parts[k]._of(_struct(ffi.typeof(parts[k]._c).item, new, f"{what}[{k}]")[0]))
         for part, new in zip(parts, made):
             part._become(new)
 
@@ -392,7 +409,8 @@ class Structure:
             for axis, part in enumerate(shape.bare if shape else ()):
                 if part in _lengths_of(self._name) and array.ndim == len(shape.bare):
                     setattr(self._c, part, array.shape[axis])
-        elif isinstance(value, (list, tuple)) and c_type.kind == "pointer" and _named(c_type.item) in _classes and _shape(what, {}):
+        elif (isinstance(value, (list, tuple)) and c_type.kind == "pointer" and _named(c_type.item) in _classes
+              and _shape(what, {})):
             self._set_structures(name, c_type, value, what)
         elif isinstance(value, Structure) and _named(c_type.item) in ("void", value._name):
             setattr(self._c, name, ffi.cast(c_type, value._c))
@@ -424,14 +442,17 @@ class Structure:
         lower, kind = _types_of[self._name]
         for name, about in kind["fields"].items():
             if isinstance(self._kept.get(name), list):
-                dims = _shape(f"{self._name}.{name}", _constants[lower]).of({n: getattr(self, n) for n in self._fields() if n != name}, f"{self._name}.{name}")
+                dims = _shape(f"{self._name}.{name}",
+                              _constants[lower]).of({n: getattr(self, n) for n in self._fields() if n != name},
+                                                    f"{self._name}.{name}")
                 if len(self._kept[name]) != dims[0]:
                     raise ValueError(f"{self._name}.{name}: a list of {len(self._kept[name])}, but {dims[0]} is needed")
                 for part in self._kept[name]:
                     part._check_arrays(above=above)
             if about.get("pointer") not in DTYPES:
                 continue
-            shape = _shape(f"{prefix}.{name}" if prefix else "", _constants[lower]) or _shape(f"{self._name}.{name}", _constants[lower])
+            shape = (_shape(f"{prefix}.{name}" if prefix else "", _constants[lower])
+                     or _shape(f"{self._name}.{name}", _constants[lower]))
             if shape is None or shape.dims is None:
                 continue
             names = {n: getattr(self, n) for n in self._fields() if n != name}
@@ -441,7 +462,8 @@ class Structure:
             if array is None and (getattr(self._c, name) == ffi.NULL) and (shape.optional or 0 in dims):
                 continue
             if array is None or not _fits(array, dims):
-                raise ValueError(f"{self._name}.{name}: {'not set' if array is None else array.shape}, but {dims} is needed")
+                raise ValueError(f"{self._name}.{name}: {'not set' if array is None else array.shape}, but "
+                                 f"{dims} is needed")
         for name, field in _fields_of(ffi.typeof(self._c).item).items():
             if field.type.kind == "struct" and _named(field.type) in _classes and _points(field.type):
                 getattr(self, name)._check_arrays(above=above)
@@ -458,7 +480,8 @@ class Structure:
     def _repr_html_(self):
         """A table of the fields, with the header's comments."""
         about = _types_of[self._name][1]["fields"]
-        rows = "".join(f"<tr><td>{n}</td><td>{html.escape(short(getattr(self, n)))}</td><td style='text-align:left'>{html.escape(about[n]['doc'])}</td></tr>" for n in self._fields())
+        rows = "".join(f"<tr><td>{n}</td><td>{html.escape(short(getattr(self, n)))}</td><td "
+                       f"style='text-align:left'>{html.escape(about[n]['doc'])}</td></tr>" for n in self._fields())
         return f"<table><caption>{self._name}</caption>{rows}</table>"
 
     def __iter__(self):
@@ -489,7 +512,8 @@ def _lengths_of(name):
     """The fields of a structure that the length of an array tells."""
     if name not in _lengths:
         kind = _types_of[name][1]["fields"]
-        _lengths[name] = {part for field in kind for shape in [_shape(f"{name}.{field}", {})] if shape for part in shape.bare
+        _lengths[name] = {part for field in kind for shape in [_shape(f"{name}.{field}", {})] if shape
+                          for part in shape.bare
                           if part in kind and number_type(kind[part]["type"])}
     return _lengths[name]
 
@@ -503,8 +527,8 @@ _open = []  # calls of C in progress, of all threads
 
 
 class Call:
-    """Around a call of C: the first exception in a Python function that C calls ends what can be ended, and is raised when C returns.
-    The handles that C works on cannot be freed meanwhile."""
+    """Around a call of C: the first exception in a Python function that C calls ends what can be ended, and is raised
+    when C returns. The handles that C works on cannot be freed meanwhile."""
 
     def __init__(self, handles=()):
         self.error, self.handles = None, handles
@@ -543,7 +567,8 @@ def _note(kind, error, trace):
 
 
 def _callback(c_type, value, what):
-    """A C function for a Python one, or the address of one of the headers' own. When it has failed, C gets NaN, or what stops it."""
+    """A C function for a Python one, or the address of one of the headers' own. When it has failed, C gets NaN, or what
+    stops it."""
     symbol = getattr(value, "c_symbol", None)
     if symbol:
         return ffi.cast(c_type, ffi.addressof(lib, symbol))
@@ -552,8 +577,10 @@ def _callback(c_type, value, what):
     kinds, result = c_type.args, c_type.result
     if len(kinds) == 4 and kinds[2].kind == "function":
         return ffi.callback(c_type, _all_tasks(value, what), onerror=_note)
-    failure = np.nan if result.cname in ("double", "float") else 1 if what.endswith("stop") else None if result.kind in ("void", "pointer") else 0
-    numbers_out = [k for k, kind in enumerate(kinds) if kind.cname == "double *" and any(before.cname == "double" for before in kinds[:k])]
+    failure = (np.nan if result.cname in ("double", "float") else 1 if what.endswith("stop") else None
+               if result.kind in ("void", "pointer") else 0)
+    numbers_out = [k for k, kind in enumerate(kinds) if kind.cname == "double *"
+                   and any(before.cname == "double" for before in kinds[:k])]
 
     def called(*arguments):
         call = _call_now()
@@ -675,7 +702,8 @@ class Function:
         self.status = self.returns == f"{lower}_status" and not name.endswith("_text")
         self.inferred = about["lengths"]
         self.visible = [p for p in self.parameters if p.about["role"] in ("given", "optional")]
-        self.guarded = any(p.changes or p.about["function"] or p.structure and _points(ffi.typeof(p.type)) for p in self.parameters)
+        self.guarded = any(p.changes or p.about["function"] or p.structure and _points(ffi.typeof(p.type))
+                           for p in self.parameters)
         self.defined = any(p.c_name == "def" and p.pointer for p in self.parameters)
         steps, _, pieces = _shapes.get(name, "").partition(" ")
         self.pieces = [p.name for p in self.parameters].index(steps) if pieces == "in pieces" else None
@@ -725,7 +753,8 @@ class Function:
         return self._answer(value, answers, field, [value for _, value in keep], given)
 
     def _run(self, arguments, handles):
-        """Calls C; where shapes.txt allows it in pieces of a tenth of a second, between which Ctrl-C and exceptions of functions end it."""
+        """Calls C; where shapes.txt allows it in pieces of a tenth of a second, between which Ctrl-C and exceptions of
+        functions end it."""
         if not self.guarded:
             return self.c_function(*arguments)
         if self.pieces is None:
@@ -744,16 +773,19 @@ class Function:
 
     def _bind(self, args, keywords):
         if len(args) > len(self.visible):
-            raise TypeError(f"{self.name}: at most {len(self.visible)} arguments: {', '.join(p.name for p in self.visible)}")
+            raise TypeError(f"{self.name}: at most {len(self.visible)} arguments: "
+                            f"{', '.join(p.name for p in self.visible)}")
         given = {p.name: value for p, value in zip(self.visible, args)}
         for name, value in keywords.items():
             if name in given or name not in {p.name for p in self.visible}:
-                raise TypeError(f"{self.name}: {name} is given twice or unknown; it takes {', '.join(p.name for p in self.visible)}")
+                raise TypeError(f"{self.name}: {name} is given twice or unknown; it takes "
+                                f"{', '.join(p.name for p in self.visible)}")
             given[name] = value
         for p in self.visible:
             if p.name not in given:
                 if not p.optional:
-                    raise TypeError(f"{self.name}: {p.name} is missing; it takes {', '.join(q.name for q in self.visible)}")
+                    raise TypeError(f"{self.name}: {p.name} is missing; it takes "
+                                    f"{', '.join(q.name for q in self.visible)}")
             elif given[p.name] is None and p.pointer:
                 if not p.optional:
                     raise TypeError(f"{self.name}: {p.name} must not be None")
@@ -764,7 +796,8 @@ class Function:
         if self.status and value != 0 or self.index and value < 0:
             status = int(value) if self.status else self.refusal or -int(value)
             field = None if field is None or field[0] == ffi.NULL else ffi.string(field[0]).decode()
-            raise status_error(self.lower, status, field, of_field(field, arguments) or wrong_arguments(arguments, self.about["doc"]))
+            raise status_error(self.lower, status, field,
+                               of_field(field, arguments) or wrong_arguments(arguments, self.about["doc"]))
         made = [(name, answer() if callable(answer) else answer) for name, answer in answers]
         if not self.status and self.about["returns"] != "void":
             made.insert(0, ("value", self._value(value)))
@@ -824,7 +857,9 @@ def wrong_arguments(arguments, doc=""):
             problem = wrong_value(name, value, world, doc)
             if problem:
                 found.append(f"{name} = {short(np.asarray(value) if isinstance(value, list) else value)}: {problem}")
-    return "; ".join(found) or ", ".join(f"{name} = {short(np.asarray(v) if isinstance(v, list) else v)}" for name, v in arguments.items() if not isinstance(v, Handle))
+    return ("; ".join(found)
+            or ", ".join(f"{name} = {short(np.asarray(v) if isinstance(v, list) else v)}"
+                         for name, v in arguments.items() if not isinstance(v, Handle)))
 
 
 def wrong_fields(structure):
@@ -851,17 +886,22 @@ def wrong_value(name, value, world, doc):
         return "not finite"
     if name in _EMPTY and array.shape == (3,) and not array.any():
         return "a direction of length 0"
-    if name in ("radius", "length", "diameter", "diameters", "mass", "inertia", "aperture", "wire", "dt") and (array <= 0.0).any() or \
-            name in ("duration", "rate", "frequency", "damping") and (array < 0.0).any() or re.search(rf"\b{name}\b[^.;,]*> 0", doc) and (array <= 0.0).any():
-        return f"must be above 0" if name not in ("duration", "rate", "frequency", "damping") else "must not be below 0"
+    lengths = ("radius", "length", "diameter", "diameters", "mass", "inertia", "aperture", "wire", "dt")
+    rates = ("duration", "rate", "frequency", "damping")
+    if name in rates and (array < 0.0).any():
+        return "must not be below 0"
+    if (name in lengths or re.search(rf"\b{name}\b[^.;,]*> 0", doc)) and (array <= 0.0).any():
+        return "must be above 0"
     if world is None or array.ndim:
         return None
     if name == "material" and math.isnan(lib.riddle_density(world._alive, int(array))):
         return "the world has no such material"
     if name == "wall" and not 0 <= array < lib.riddle_walls(world._alive):
-        return f"the world has {lib.riddle_walls(world._alive)} walls" + (f", 0 to {lib.riddle_walls(world._alive) - 1}" if lib.riddle_walls(world._alive) else "")
+        return f"the world has {lib.riddle_walls(world._alive)} walls" + (f", 0 to {lib.riddle_walls(world._alive) - 1}"
+                                                                          if lib.riddle_walls(world._alive) else "")
     if name == "i" and not lib.riddle_is_present(world._alive, int(array)):
-        return "there is no such particle" + ("" if 0 <= array < lib.riddle_count(world._alive) else f": there are {lib.riddle_count(world._alive)}")
+        return "there is no such particle" + ("" if 0 <= array < lib.riddle_count(world._alive)
+                                              else f": there are {lib.riddle_count(world._alive)}")
     return None
 
 
@@ -926,8 +966,10 @@ class Parameter:
         if self.dtype is None:
             raise TypeError(f"{what} cannot be given from Python")
         if self.shape is not None and self.shape.inout:
-            if not (isinstance(value, np.ndarray) and not np.ma.isMaskedArray(value) and value.dtype == self.dtype and value.flags.c_contiguous and value.flags.writeable):
-                raise TypeError(f"{what}: a writable, contiguous numpy array of {np.dtype(self.dtype)} is needed; it is changed")
+            if not (isinstance(value, np.ndarray) and not np.ma.isMaskedArray(value) and value.dtype == self.dtype
+                    and value.flags.c_contiguous and value.flags.writeable):
+                raise TypeError(f"{what}: a writable, contiguous numpy array of {np.dtype(self.dtype)} is needed; "
+                                "it is changed")
             array = value
         else:
             array = _array(value, self.dtype, what)
@@ -976,7 +1018,8 @@ def ffi_of_law():
     import cffi
     made = cffi.FFI()
     made.cdef("size_t law_world_size(void); int law_run(void *world, double duration);"
-              "int law_set(const char *name, double value); double law_get(const char *name); void law_forget(const void *world);")
+              "int law_set(const char *name, double value); double law_get(const char *name); void law_forget(const "
+              "void *world);")
     return made
 
 
@@ -1000,7 +1043,8 @@ def _python_function(function):
     call.method_signature = _signature(function, True)
     answers = [p.name for p in function.parameters if p.made]
     call.__doc__ = (f"{call.__name__}({', '.join(p.name + ('=None' if p.optional else '') for p in function.visible)})"
-                    + (f" -> {', '.join(answers)}" if answers else "") + f"\n\n{function.about['doc']}\n\nC: {function.about['signature']}")
+                    + (f" -> {', '.join(answers)}" if answers else "")
+                    + f"\n\n{function.about['doc']}\n\nC: {function.about['signature']}")
     call.c_symbol = function.symbol
     call.c_name = function.name
     return call
@@ -1012,7 +1056,8 @@ def _method(function, handle):
         return function(self, *args, **keywords)
 
     prefix = handle if function.c_name.startswith(handle + "_") else handle.split("_")[0]
-    call.__name__ = call.__qualname__ = function.c_name[len(prefix) + 1:] + "_" * iskeyword(function.c_name[len(prefix) + 1:])
+    name = function.c_name[len(prefix) + 1:]
+    call.__name__ = call.__qualname__ = name + "_" * iskeyword(name)
     call.__doc__, call.__signature__, call.c_name = function.__doc__, function.method_signature, function.c_name
     return call
 
@@ -1020,11 +1065,13 @@ def _method(function, handle):
 def handle_of(about):
     """The opaque type whose method a function is: that of its first parameter."""
     first = about["parameters"][0] if about["parameters"] else None
-    return first["base"] if first and first["pointer"] and first["base"] in _types_of and _types_of[first["base"]][1]["opaque"] else None
+    return (first["base"] if first and first["pointer"] and first["base"] in _types_of
+            and _types_of[first["base"]][1]["opaque"] else None)
 
 
 class Hook:
-    """A function of the headers that is given to a definition, such as a kernel: C calls it with the definition's data."""
+    """A function of the headers that is given to a definition, such as a kernel: C calls it with the definition's
+    data."""
 
     def __init__(self, about, name):
         self.c_symbol, self.c_name, self.__name__ = about["symbol"], name, name
@@ -1044,11 +1091,13 @@ def _handle_class(name, lower, makers, module):
 
     def make(cls, *args, **keywords):
         made = makers[0](*args, **keywords)
-        handle = made if isinstance(made, Handle) else next(value for value in vars(made).values() if isinstance(value, Handle))
+        handle = (made if isinstance(made, Handle)
+                  else next(value for value in vars(made).values() if isinstance(value, Handle)))
         handle.__class__ = cls
         return handle
 
-    cls = type(short_name, (Handle,), {"_name": name, "__module__": module.__name__, "__init__": lambda self, *args, **keywords: None})
+    cls = type(short_name, (Handle,),
+               {"_name": name, "__module__": module.__name__, "__init__": lambda self, *args, **keywords: None})
     functions = api["headers"][lower]["functions"]
     cls._free = next((free for free in (f"{name}_free", f"{lower}_free") if free in functions), None)
     if makers:
@@ -1058,7 +1107,8 @@ def _handle_class(name, lower, makers, module):
 
 
 def fill(module, lower, known=()):
-    """Puts a header's functions, structures and constants into a module, without their prefix. known: classes of opaque types that it has."""
+    """Puts a header's functions, structures and constants into a module, without their prefix. known: classes of opaque
+    types that it has."""
     header = api["headers"][lower]
     prefix = lower + "_"
     module._functions, methods, names = {}, {}, []
@@ -1073,10 +1123,15 @@ def fill(module, lower, known=()):
     for name, kind in header["types"].items():
         if not kind["opaque"]:
             called = "def_" if name == prefix + "def" else name[len(prefix):] or name
-            lines = [f"{field} ({about['type']}): {about['doc']}" for field, about in kind["fields"].items() if "__" not in field]
-            _classes[name] = type(called, (Structure,), {"_name": name, "__module__": module.__name__, "__doc__": f"{name}\n\n" + "\n".join(lines)})
-            fields, keyword = [f for f in kind["fields"] if "__" not in f and f.isidentifier() and not iskeyword(f)], inspect.Parameter.KEYWORD_ONLY
-            _classes[name].__signature__ = inspect.Signature([inspect.Parameter(field, keyword, default=...) for field in fields])
+            lines = [f"{field} ({about['type']}): {about['doc']}" for field, about in kind["fields"].items()
+                     if "__" not in field]
+            _classes[name] = type(called, (Structure,),
+                                  {"_name": name, "__module__": module.__name__,
+                                   "__doc__": f"{name}\n\n" + "\n".join(lines)})
+            fields, keyword = [f for f in kind["fields"] if "__" not in f and f.isidentifier()
+                               and not iskeyword(f)], inspect.Parameter.KEYWORD_ONLY
+            _classes[name].__signature__ = inspect.Signature([inspect.Parameter(field, keyword, default=...)
+                                                              for field in fields])
             put(called, _classes[name])
     for name, about in header["functions"].items():
         if in_python(name):

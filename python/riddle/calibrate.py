@@ -9,12 +9,14 @@
       rolling:  {key: contacts.glass-glass.rolling_friction, low: 0.01, high: 0.5, log: true}
     targets:
       - {scene: heap.yaml, result: angle_deg, value: 31.5, error: 0.8}       # riddle run heap.yaml --set ...
-      - {command: "hopper --friction {friction} --json {json} --out {out}", result: rate_kg_s, value: 0.212, error: 0.004}
+      - {command: "hopper --friction {friction} --json {json} --out {out}", result: rate_kg_s, value: 0.212,
+         error: 0.004}
 
-Each run of the scenes or commands writes JSON; `result` is the name of a number in it, with points between (means.rate). error is the
-standard error of the measured value, of repeated measurements: the mean of many simulations is compared with it. Scenes lie beside the file,
-commands run where you are. Everything is written to out/my_powder, or to the folder that follows --out: the runs (after Ctrl-C the same
-command goes on), result.json, result.png where matplotlib is there, and found.set, with which any scene that has these keys takes what was found:
+Each run of the scenes or commands writes JSON; `result` is the name of a number in it, with points between
+(means.rate). error is the standard error of the measured value, of repeated measurements: the mean of many simulations
+is compared with it. Scenes lie beside the file, commands run where you are. Everything is written to out/my_powder, or
+to the folder that follows --out: the runs (after Ctrl-C the same command goes on), result.json, result.png where
+matplotlib is there, and found.set, with which any scene that has these keys takes what was found:
 
     riddle run hopper.yaml --set @out/my_powder/found.set
 
@@ -25,10 +27,10 @@ In Python the simulation is a function of your own:
                                 [calibrate.Parameter("friction", 0.1, 0.9)], [calibrate.Target("angle", 31.5, 0.8)])
     print(found)
 
-Method: results over parameters are Gaussian processes (Rasmussen & Williams 2006, eq 2.25) with a linear part and noise, over a design that
-fills the space. Their lengths and sizes are drawn from their own distribution, so that few runs give wide ranges. Parameters have the
-distribution that measured values and processes leave, each value within its bounds as likely as any other before. Later runs go to where
-this distribution lies and the processes are least certain.
+Method: results over parameters are Gaussian processes (Rasmussen & Williams 2006, eq 2.25) with a linear part and
+noise, over a design that fills the space. Their lengths and sizes are drawn from their own distribution, so that few
+runs give wide ranges. Parameters have the distribution that measured values and processes leave, each value within its
+bounds as likely as any other before. Later runs go to where this distribution lies and the processes are least certain.
 """
 import concurrent.futures
 import hashlib
@@ -61,7 +63,8 @@ class Target(NamedTuple):
 def _kernel(a, b, size, length):
     """Covariance: a plane of any slope, and what departs from it."""
     c, d = a / length, b / length
-    halved = c @ d.T - 0.5 * np.sum(c * c, axis=1)[:, None] - 0.5 * np.sum(d * d, axis=1)  # of the square of the way between them, negative
+    # of the square of the way between them, negative
+    halved = c @ d.T - 0.5 * np.sum(c * c, axis=1)[:, None] - 0.5 * np.sum(d * d, axis=1)
     return 9.0 * (1.0 + a @ b.T) + size * size * np.exp(np.minimum(halved, 0.0))
 
 
@@ -74,7 +77,8 @@ class _Process:
         self.y = (y - self.middle) / self.scale
         self.away, self.plane = (x[:, None, :] - x[None, :, :]) ** 2, 9.0 * (1.0 + x @ x.T)
         dimensions = x.shape[1]
-        mean = np.concatenate([np.full(dimensions, math.log(0.7)), [0.0, math.log(0.05)]])  # lengths, size, noise: logarithms
+        # lengths, size, noise: logarithms
+        mean = np.concatenate([np.full(dimensions, math.log(0.7)), [0.0, math.log(0.05)]])
         sd = np.concatenate([np.full(dimensions, 0.7), [1.0, 1.5]])
         settling, between = (60 if start is None else 15), 12
         at, best, chain = (mean if start is None else start), -np.inf, []
@@ -131,7 +135,8 @@ def _spread(n, dimensions, rng):
 
 
 def _likelihood(processes, targets, points):
-    """Logarithm of the likelihood of points, and the mean variance of the processes over that of the measured values."""
+    """Logarithm of the likelihood of points, and the mean variance of the processes over that of the measured
+    values."""
     total, doubt = np.zeros(len(points)), np.zeros(len(points))
     for process, target in zip(processes, targets):
         means, variances = process.predict(points)
@@ -164,7 +169,9 @@ def _draw(processes, targets, dimensions, rng, n=3000, rounds=4):
         fresh[wide] = rng.uniform(size=(int(wide.sum()), dimensions))
         fresh = fresh[np.all((fresh >= 0.0) & (fresh <= 1.0), axis=1)]
         away = np.linalg.solve(width * root, (fresh[:, None] - chosen[None]).transpose(0, 2, 1))
-        normal = np.exp(-0.5 * np.sum(away * away, axis=1)) / ((2.0 * math.pi) ** (0.5 * dimensions) * width ** dimensions * np.prod(np.diag(root)))
+        normal = np.exp(-0.5
+                        * np.sum(away * away, axis=1)) / ((2.0 * math.pi) ** (0.5 * dimensions) * width ** dimensions
+                                                          * np.prod(np.diag(root)))
         points, density, n = fresh, 0.2 + 0.8 * normal.mean(axis=1), len(fresh)
     at = rng.choice(n, size=n, p=weights)
     return points[at], doubt[at]
@@ -173,7 +180,8 @@ def _draw(processes, targets, dimensions, rng, n=3000, rounds=4):
 # ---- the calibration ----
 
 class Calibration:
-    """What was found. values, low, high: of each parameter by name (medians, 95 % ranges); text: what the targets leave open."""
+    """What was found. values, low, high: of each parameter by name (medians, 95 % ranges); text: what the targets leave
+    open."""
 
     def __init__(self, parameters, targets, points, predicted, runs, remarks):
         self.parameters, self.targets, self.runs, self.remarks = parameters, targets, runs, remarks
@@ -186,15 +194,18 @@ class Calibration:
 
     def __str__(self):
         lines = [f"{'parameter':16}  {'value':>10}  95 % range"]
-        lines += [f"{name:16}  {self.values[name]:10.4g}  {self.low[name]:.4g} .. {self.high[name]:.4g}" for name in self.values]
+        lines += [f"{name:16}  {self.values[name]:10.4g}  {self.low[name]:.4g} .. {self.high[name]:.4g}"
+                  for name in self.values]
         lines += [f"{'target':16}  {'measured':>10}  simulated there"]
-        lines += [f"{t.name:16}  {t.value:10.4g}  {low:.4g} .. {high:.4g}" for t, (low, high) in zip(self.targets, self.predicted)]
+        lines += [f"{t.name:16}  {t.value:10.4g}  {low:.4g} .. {high:.4g}"
+                  for t, (low, high) in zip(self.targets, self.predicted)]
         return "\n".join(lines + self.remarks)
 
     __repr__ = __str__
 
     def as_dict(self):
-        return {"parameters": {n: {"value": self.values[n], "low": self.low[n], "high": self.high[n]} for n in self.values},
+        return {"parameters": {n: {"value": self.values[n], "low": self.low[n], "high": self.high[n]}
+                               for n in self.values},
                 "correlation": self.correlation.tolist(), "runs": self.runs, "remarks": self.remarks,
                 "targets": [{**t._asdict(), "simulated_low": low, "simulated_high": high}
                             for t, (low, high) in zip(self.targets, self.predicted)]}
@@ -232,7 +243,8 @@ def _remarks(parameters, targets, points, predicted):
         for b in range(a):
             if abs(correlation[a, b]) > 0.8:
                 how = "rises where the other rises" if correlation[a, b] > 0.0 else "rises where the other falls"
-                remarks.append(f"{parameters[b].name} and {parameters[a].name}: the targets tell them only together; one {how}")
+                remarks.append(f"{parameters[b].name} and {parameters[a].name}: the targets tell them only "
+                               f"together; one {how}")
     for t, (low, high) in zip(targets, predicted):
         if not (low - 2.0 * t.error <= t.value <= high + 2.0 * t.error):
             remarks.append(f"{t.name}: no parameters within the bounds give the measured value")
@@ -240,9 +252,11 @@ def _remarks(parameters, targets, points, predicted):
 
 
 def calibrate(run, parameters, targets, runs=30, parallel=1, seed=0, store=None, told=None, of=""):
-    """Finds parameters with which run(values, seed), values a dict, returns a dict with the values of the targets. A run that returns None
-    or a number that is not finite for a target says nothing about it. store: a file of the runs, with which a broken calibration goes on;
-    of: what run() simulates, as text: a store of another one is refused; told(text): is called after each run. Returns a Calibration. ValueError: a bad argument, or too few runs that gave a result."""
+    """Finds parameters with which run(values, seed), values a dict, returns a dict with the values of the targets. A
+    run that returns None or a number that is not finite for a target says nothing about it. store: a file of the runs,
+    with which a broken calibration goes on; of: what run() simulates, as text: a store of another one is refused;
+    told(text): is called after each run. Returns a Calibration. ValueError: a bad argument, or too few runs that gave a
+    result."""
     parameters, targets = [Parameter(*p) for p in parameters], [Target(*t) for t in targets]
     _check(parameters, targets, runs)
     rng = np.random.default_rng(seed)
@@ -258,14 +272,16 @@ def calibrate(run, parameters, targets, runs=30, parallel=1, seed=0, store=None,
                 processes = _processes(x, y, targets, rng, processes)
                 points, doubt = _draw(processes, targets, len(parameters), rng, 800, 3)
                 batch = _next(points, doubt, x, min(max(parallel, 3), runs - len(x)))
-            jobs = [pool.submit(run, {p.name: _value(p, u) for p, u in zip(parameters, at)}, 1 + seed + len(x) + k) for k, at in enumerate(batch)]
+            jobs = [pool.submit(run, {p.name: _value(p, u) for p, u in zip(parameters, at)}, 1 + seed + len(x) + k)
+                    for k, at in enumerate(batch)]
             for at, job in zip(batch, jobs):
                 result = job.result() or {}
                 x.append([float(u) for u in at])
                 y.append([float(result[t.name]) if result.get(t.name) is not None else math.nan for t in targets])
                 if store:
                     with open(store, "a", encoding="utf-8") as file:
-                        file.write(json.dumps({"at": x[-1], "results": [None if math.isnan(v) else v for v in y[-1]]}) + "\n")
+                        file.write(json.dumps({"at": x[-1], "results": [None if math.isnan(v) else v for v in y[-1]]})
+                                   + "\n")
                 if told:
                     told(f"run {len(x)} of {runs}")
     processes = _processes(x, y, targets, rng, processes)
@@ -284,7 +300,8 @@ def _processes(x, y, targets, rng, before=None):
         told = [i for i in range(len(x)) if math.isfinite(y[i][k])]
         if len(told) < len(x[0]) + 3:
             raise ValueError(f"target {target.name}: only {len(told)} of {len(x)} runs gave a number")
-        processes.append(_Process(np.array([x[i] for i in told]), np.array([y[i][k] for i in told]), rng, before[k].last if before else None))
+        processes.append(_Process(np.array([x[i] for i in told]), np.array([y[i][k] for i in told]), rng,
+                                  before[k].last if before else None))
     return processes
 
 
@@ -312,7 +329,8 @@ def _stored(store, parameters, targets, of):
         lines = file.read().split("\n")
     if lines[0] != head:
         if lines[0].partition(', "of"')[0] == head.partition(', "of"')[0]:
-            raise ValueError(f"{store} holds runs of another simulation (a scene, a command or a key has changed): remove it, or give the old one")
+            raise ValueError(f"{store} holds runs of another simulation (a scene, a command or a key has changed): "
+                             "remove it, or give the old one")
         raise ValueError(f"{store} holds runs of other parameters or targets: remove it, or give the old ones")
     rows = [json.loads(line) for line in lines[1:-1]]  # a line without an end was cut off
     if lines[-1]:
@@ -326,7 +344,8 @@ def _stored(store, parameters, targets, of):
 def _names(targets):
     """Of the targets of a file: their results, with what gives them where two have one name."""
     results = [t["result"] for t in targets]
-    return [t["result"] if results.count(t["result"]) == 1 else f"{t.get('scene') or t['command']} {t['result']}" for t in targets]
+    return [t["result"] if results.count(t["result"]) == 1 else f"{t.get('scene') or t['command']} {t['result']}"
+            for t in targets]
 
 
 class _Programs:
@@ -349,7 +368,8 @@ class _Programs:
         if "scene" in target:
             scene = os.path.join(self.beside, target["scene"])
             sets = [word for name, value in values.items() for word in ("--set", f"{self.keys[name]}={value!r}")]
-            return [self.riddle, "run", scene, *sets, "--seed", str(seed), "--threads", "1", "--quiet", "--json", place + ".json", "--out", place]
+            return [self.riddle, "run", scene, *sets, "--seed", str(seed), "--threads", "1", "--quiet", "--json",
+                    place + ".json", "--out", place]
         named = {**values, "json": place + ".json", "out": place, "seed": seed}
         return [word.format(**named) for word in shlex.split(target["command"])]
 
@@ -368,8 +388,10 @@ class _Programs:
                     print(f"{what}: {(said.stderr.strip() or 'failed').splitlines()[-1]}", file=sys.stderr)
             number, steady = done[what], True
             for word in target["result"].split("."):
-                steady = steady and not (isinstance(number, dict) and number.get("steady") is False)  # a mean of a curve that still climbs
-                number = number.get(word) if isinstance(number, dict) else number[int(word)] if isinstance(number, list) else None
+                # a mean of a curve that still climbs
+                steady = steady and not (isinstance(number, dict) and number.get("steady") is False)
+                number = (number.get(word) if isinstance(number, dict) else number[int(word)]
+                          if isinstance(number, list) else None)
             if not steady:
                 print(f"{what}: {target['result']} is not steady: the run says nothing about it", file=sys.stderr)
             results[name] = number if steady and isinstance(number, (int, float)) else None
@@ -410,7 +432,8 @@ def _number(name, entry, key):
     try:
         return float(entry[key])
     except (TypeError, ValueError):
-        raise ValueError(f"{name}: {key}: {entry[key]!r} is no number" + (" (a decimal point is wanted)" if "," in str(entry[key]) else "")) from None
+        raise ValueError(f"{name}: {key}: {entry[key]!r} is no number"
+                         + (" (a decimal point is wanted)" if "," in str(entry[key]) else "")) from None
 
 
 def _read(path):
@@ -425,16 +448,20 @@ def _read(path):
         if extra:
             raise ValueError(f"{sorted(extra)[0]}: not known here; runs, parallel, seed, parameters, targets are")
         for name, entry in list(d["parameters"].items()) + [("targets", t) for t in d["targets"]]:
-            known = ("scene", "command", "result", "value", "error") if name == "targets" else ("low", "high", "log", "key")
+            known = ("scene", "command", "result", "value",
+                     "error") if name == "targets" else ("low", "high", "log", "key")
             other = [key for key in entry if key not in known]
             if other:  # YAML reads {value: 0,6} as the value 0 and a key 6
-                raise ValueError(f"{name}: {other[0]}: not known here; {', '.join(known)} are" + (" (a decimal point is wanted)" if isinstance(other[0], (int, float)) else ""))
-        parameters = [Parameter(name, _number(name, p, "low"), _number(name, p, "high"), bool(p.get("log", False))) for name, p in d["parameters"].items()]
+                raise ValueError(f"{name}: {other[0]}: not known here; {', '.join(known)} are"
+                                 + (" (a decimal point is wanted)" if isinstance(other[0], (int, float)) else ""))
+        parameters = [Parameter(name, _number(name, p, "low"), _number(name, p, "high"), bool(p.get("log", False)))
+                      for name, p in d["parameters"].items()]
         keys = {name: p.get("key", name) for name, p in d["parameters"].items()}
         for t in d["targets"]:
             if ("scene" in t) == ("command" in t):
                 raise ValueError(f"target {t['result']}: a scene or a command is needed")
-        targets = [Target(name, _number(name, t, "value"), _number(name, t, "error")) for name, t in zip(_names(d["targets"]), d["targets"])]
+        targets = [Target(name, _number(name, t, "value"), _number(name, t, "error"))
+                   for name, t in zip(_names(d["targets"]), d["targets"])]
         runs = int(d.get("runs", 30))
         _check(parameters, targets, runs)
         return d, parameters, keys, targets, runs
@@ -465,7 +492,8 @@ def main(words=None):
     programs = _Programs(words[0], os.path.join(out, "runs"), keys, d["targets"])
     told = lambda text: print(f"\r{text}", end="", file=sys.stderr, flush=True)
     try:
-        found = calibrate(programs, parameters, targets, runs, int(d.get("parallel", 1)), int(d.get("seed", 0)), store, told, programs.what())
+        found = calibrate(programs, parameters, targets, runs, int(d.get("parallel", 1)), int(d.get("seed", 0)), store,
+                          told, programs.what())
     except KeyboardInterrupt:
         print(f"\nstopped; the same command goes on with {store}", file=sys.stderr)
         return 130
@@ -477,7 +505,8 @@ def main(words=None):
     with open(os.path.join(out, "result.json"), "w", encoding="utf-8") as file:
         json.dump(found.as_dict(), file, indent=1)
     with open(os.path.join(out, "found.set"), "w", encoding="utf-8") as file:
-        file.write(f"# of {words[0]}\n" + "".join(f"{keys[name]}={value:.6g}\n" for name, value in found.values.items()))
+        file.write(f"# of {words[0]}\n"
+                   + "".join(f"{keys[name]}={value:.6g}\n" for name, value in found.values.items()))
     print("with: " + " ".join(f"--set {keys[name]}={value:.4g}" for name, value in found.values.items()))
     if not _picture(found, os.path.join(out, "result.png")):
         print("no picture: matplotlib is missing")

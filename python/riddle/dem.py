@@ -13,8 +13,8 @@
     print(world.positions())
     world.picture().save("balls.png")
 
-Functions that take a world are methods of World. Ctrl-C stops a run between steps, and a fill before anything is added; the world stays
-usable. A world can be pickled.
+Functions that take a world are methods of World. Ctrl-C stops a run between steps, and a fill before anything is added;
+the world stays usable. A world can be pickled.
 """
 import contextlib
 import copy
@@ -52,14 +52,16 @@ def _number_in(path, key=""):
 def _need_memory(what, spheres):
     """Raises MemoryError where so many spheres more do not fit into what the system has free."""
     limit, used = _number_in("/sys/fs/cgroup/memory.max"), _number_in("/sys/fs/cgroup/memory.current")
-    free = min(1024.0 * _number_in("/proc/meminfo", "MemAvailable:"), max(limit - used, 0.0) if limit < np.inf else np.inf)
+    free = min(1024.0 * _number_in("/proc/meminfo", "MemAvailable:"), max(limit - used, 0.0) if limit < np.inf
+               else np.inf)
     if spheres * BYTES_OF_A_SPHERE > free:
-        raise MemoryError(f"{what}: {spheres:.3g} particles take about {1e-9 * spheres * BYTES_OF_A_SPHERE:.3g} GB of memory, of which {1e-9 * free:.3g} GB are free")
+        raise MemoryError(f"{what}: {spheres:.3g} particles take about {1e-9 * spheres * BYTES_OF_A_SPHERE:.3g} GB of "
+                          f"memory, of which {1e-9 * free:.3g} GB are free")
 
 
 class View(np.lib.mixins.NDArrayOperatorsMixin):
-    """What a world stores, as it is read: it serves as a read-only array of numpy, and raises once the world has changed. Copy it with
-    numpy.array()."""
+    """What a world stores, as it is read: it serves as a read-only array of numpy, and raises once the world has
+    changed. Copy it with numpy.array()."""
 
     def __init__(self, world, values):
         self._world, self._values, self._version = world, values, world._version
@@ -75,7 +77,8 @@ class View(np.lib.mixins.NDArrayOperatorsMixin):
     def __array_ufunc__(self, ufunc, method, *inputs, **keywords):
         if any(isinstance(out, View) for out in keywords.get("out", ())):
             raise TypeError("what a world stores cannot be changed through a view")
-        return getattr(ufunc, method)(*[value._now() if isinstance(value, View) else value for value in inputs], **keywords)
+        return getattr(ufunc,
+                       method)(*[value._now() if isinstance(value, View) else value for value in inputs], **keywords)
 
     def __getattr__(self, name):
         if name.startswith("_"):
@@ -102,16 +105,20 @@ def _pose(motion, now):
         shift, turn = returned
         return _core.vector(3, shift, "shift"), _core.vector(3, turn, "turn")
     except (TypeError, ValueError):
-        raise ValueError(f"prescribe: the motion must return ((x, y, z) [m], (rx, ry, rz) [rad]), finite numbers, not {returned!r}") from None
+        raise ValueError(f"prescribe: the motion must return ((x, y, z) [m], (rx, ry, rz) [rad]), finite numbers, not "
+                         f"{returned!r}") from None
 
 
 class World(_core.Handle):
-    """Particles, walls and links of one scene: dem_world. definition: dem.def_, checked by dem_init; the bad field is in the error."""
+    """Particles, walls and links of one scene: dem_world. definition: dem.def_, checked by dem_init; the bad field is
+    in the error."""
 
     _name = "dem_world"
     _free = "dem_free"
-    largest_diameter = 1.0  # [m] larger particles are refused: mostly they are millimetres; set it on a world for boulders
-    _OWN = ("_memory", "_c", "_keep", "_users", "_version", "_callbacks", "_laws")  # what a subclass adds is kept in copies
+    # [m] larger particles are refused: mostly they are millimetres; set it on a world for boulders
+    largest_diameter = 1.0
+    # what a subclass adds is kept in copies
+    _OWN = ("_memory", "_c", "_keep", "_users", "_version", "_callbacks", "_laws")
 
     def __init__(self, definition=None):
         if not isinstance(definition, Structure) or definition._name != "dem_def":
@@ -134,7 +141,8 @@ class World(_core.Handle):
             law._forget(self)
 
     def _do(self, function, *arguments, given=None):
-        """Calls a function of C that changes the world and returns a status. given: the arguments by their names in Python."""
+        """Calls a function of C that changes the world and returns a status. given: the arguments by their names in
+        Python."""
         try:
             with _core.Call([self]):
                 status = function(*arguments)
@@ -148,7 +156,8 @@ class World(_core.Handle):
             pair = None
             if status == lib.DEM_PAIR_NOT_SET:
                 pair = tuple(lib.riddle_failed_material(self._alive, which) for which in (0, 1))
-            error = _core.status_error("dem", status, f"materials {pair[0]} and {pair[1]}" if pair else None, _core.wrong_arguments(given) if given else None)
+            error = _core.status_error("dem", status, f"materials {pair[0]} and {pair[1]}" if pair else None,
+                                       _core.wrong_arguments(given) if given else None)
             error.materials = pair
             if status in (lib.DEM_NOT_FINITE, lib.DEM_TOO_FAST, lib.DEM_PAIR_NOT_SET):
                 error.particle = lib.riddle_failed_id(self._alive)
@@ -156,13 +165,16 @@ class World(_core.Handle):
 
     # ---- reading ----
 
-    count = property(lambda self: lib.riddle_count(self._alive), doc="places of particles; one that has been removed keeps its place for a while: see present()")
+    count = property(lambda self: lib.riddle_count(self._alive),
+                     doc="places of particles; one that has been removed keeps its place for a while: see present()")
     time = property(lambda self: lib.riddle_time(self._alive), doc="[s]")
     step = property(lambda self: lib.riddle_step(self._alive), doc="steps done")
     dt = property(lambda self: lib.riddle_dt(self._alive), doc="time step [s]")
     walls = property(lambda self: lib.riddle_walls(self._alive), doc="number of walls")
-    passed_count = property(lambda self: lib.riddle_passed_count(self._alive), doc="particles that have left by an exit and are recorded")
-    particle_steps = property(lambda self: lib.riddle_particle_steps(self._alive), doc="sum over steps of the particles present")
+    passed_count = property(lambda self: lib.riddle_passed_count(self._alive),
+                            doc="particles that have left by an exit and are recorded")
+    particle_steps = property(lambda self: lib.riddle_particle_steps(self._alive),
+                              doc="sum over steps of the particles present")
 
     def __len__(self):
         return self.count
@@ -172,7 +184,8 @@ class World(_core.Handle):
         shape = (self.count, width) if width else (self.count,)
         if out is None:
             out = np.empty(shape)
-        elif not (isinstance(out, np.ndarray) and out.dtype == np.float64 and out.shape == shape and out.flags.c_contiguous and out.flags.writeable):
+        elif not (isinstance(out, np.ndarray) and out.dtype == np.float64 and out.shape == shape
+                  and out.flags.c_contiguous and out.flags.writeable):
             raise ValueError(f"{name}: out must be a writable contiguous numpy array of float64 with shape {shape}")
         if out.size:
             lib.riddle_states(self._alive, what, ffi.cast("double *", ffi.from_buffer(out)))
@@ -188,7 +201,8 @@ class World(_core.Handle):
         return View(self, values)
 
     def __repr__(self):
-        return "<dem.World, freed>" if self._c is None else f"<dem.World of {self.count} particles and {self.walls} walls at {self.time:.6g} s>"
+        return ("<dem.World, freed>" if self._c is None
+                else f"<dem.World of {self.count} particles and {self.walls} walls at {self.time:.6g} s>")
 
     def wall(self, index):
         """A wall as it is now: wall.force, torque, impulse, position, velocity, ... See dem.Wall."""
@@ -197,15 +211,16 @@ class World(_core.Handle):
     # ---- pictures and files ----
 
     def picture(self, size=(960, 640), direction=(0.3, 1.0, -0.4), speed=0.0, names=()):
-        """The world as a picture in perspective, which a notebook shows: picture.save("a.png"), picture.pixels [height][width][3]. size:
-        pixels; direction: from the eye to the world; names: of the groups, for the legend; speed [m/s] above 0: coloured by speed up to it
-        instead."""
+        """The world as a picture in perspective, which a notebook shows: picture.save("a.png"), picture.pixels
+        [height][width][3]. size: pixels; direction: from the eye to the world; names: of the groups, for the legend;
+        speed [m/s] above 0: coloured by speed up to it instead."""
         width, height = (_core.number("int", v, "picture: size") for v in _core._parts(2, size, "picture: size"))
         if not (64 <= width <= 4096 and 64 <= height <= 4096):
             raise ValueError(f"picture: size: 64 to 4096 pixels a side, not {width} x {height}")
         pixels = np.zeros((height, width, 3), dtype=np.uint8)
         texts, pointers = _texts(names, 8)
-        if lib.riddle_picture(self._alive, pointers, len(texts), _core.number("double", speed, "picture: speed"), list(_core.vector(3, direction, "picture: direction")),
+        if lib.riddle_picture(self._alive, pointers, len(texts), _core.number("double", speed, "picture: speed"),
+                              list(_core.vector(3, direction, "picture: direction")),
                               width, height, ffi.cast("unsigned char *", ffi.from_buffer(pixels))) != 0:
             raise MemoryError("picture: out of memory")
         return Picture(pixels)
@@ -214,19 +229,24 @@ class World(_core.Handle):
         return self.picture()._repr_png_() if self.count else None
 
     def section(self, point=None, normal=(0.0, -1.0, 0.0), right=(1.0, 0.0, 0.0), names=(), title=""):
-        """A section to scale, which a notebook shows: the plane through point (default: the particles' centre), seen against normal with
-        right to the right. drawing.save("a.svg"), drawing.svg. names: of the groups, for the legend."""
+        """A section to scale, which a notebook shows: the plane through point (default: the particles' centre), seen
+        against normal with right to the right. drawing.save("a.svg"), drawing.svg. names: of the groups, for the
+        legend."""
         point = point if point is not None else np.mean(self.positions(), axis=0) if self.count else (0.0, 0.0, 0.0)
-        vectors = [[float(v) for v in _core.vector(3, v, f"section: {n}")] for n, v in (("point", point), ("normal", normal), ("right", right))]
+        vectors = [[float(v) for v in _core.vector(3, v, f"section: {n}")]
+                   for n, v in (("point", point), ("normal", normal), ("right", right))]
         texts, pointers = _texts(names, 8)
         with tempfile.TemporaryDirectory() as folder:
-            _written("section", lib.riddle_section(self._alive, title.encode(), *vectors, pointers, len(texts), folder.encode(), b"section.svg"))
+            _written("section",
+                     lib.riddle_section(self._alive, title.encode(), *vectors, pointers, len(texts), folder.encode(),
+                                        b"section.svg"))
             with open(os.path.join(folder, "section.svg"), encoding="utf-8") as file:
                 return Drawing(file.read())
 
     def draw(self, axes, right=0, up=2, unit=1e-3, colours=None):
-        """Draws the particles to scale into axes of matplotlib, the nearer ones over the farther, seen along the third axis. right, up: the
-        axes that are shown, 0 .. 2; unit: [m] of the axes' numbers; colours: one a particle, by default that of its group."""
+        """Draws the particles to scale into axes of matplotlib, the nearer ones over the farther, seen along the third
+        axis. right, up: the axes that are shown, 0 .. 2; unit: [m] of the axes' numbers; colours: one a particle, by
+        default that of its group."""
         from matplotlib.collections import PatchCollection
         from matplotlib.patches import Circle
         x, radii = self.positions() / unit, self.radii() / unit
@@ -234,7 +254,8 @@ class World(_core.Handle):
         order = np.argsort(x[:, depth] * (1.0 if (right, up) in ((0, 1), (1, 2), (2, 0)) else -1.0), kind="stable")
         order = order[np.asarray(self.present())[order]]
         colours = [f"C{int(g) % 10}" for g in self.groups()] if colours is None else colours
-        axes.add_collection(PatchCollection([Circle((x[i, right], x[i, up]), radii[i]) for i in order], facecolors=[colours[i] for i in order],
+        axes.add_collection(PatchCollection([Circle((x[i, right], x[i, up]), radii[i]) for i in order],
+                                            facecolors=[colours[i] for i in order],
                                             edgecolors="black", linewidths=0.3))
         axes.set_aspect("equal")
         axes.autoscale_view()
@@ -242,20 +263,26 @@ class World(_core.Handle):
     # ---- changing ----
 
     def add_spheres(self, centres, diameters, material, group=0):
-        """Adds spheres at rest. centres: [n][3] [m], or [3] for one; diameters: [n] [m] or one number. Returns the index of the first."""
-        centres, diameters = _core._array(centres, np.float64, "centres"), _core._array(diameters, np.float64, "diameters")
+        """Adds spheres at rest. centres: [n][3] [m], or [3] for one; diameters: [n] [m] or one number. Returns the
+        index of the first."""
+        centres, diameters = _core._array(centres, np.float64,
+                                          "centres"), _core._array(diameters, np.float64, "diameters")
         centres = centres.reshape(1, 3) if centres.shape == (3,) else centres if centres.size else np.empty((0, 3))
         if centres.ndim != 2 or centres.shape[1] != 3:
-            raise ValueError(f"add_spheres: centres: shape {centres.shape} given, (n, 3) needed" + ("; transpose it" if centres.shape[:1] == (3,) else ""))
+            raise ValueError(f"add_spheres: centres: shape {centres.shape} given, (n, 3) needed"
+                             + ("; transpose it" if centres.shape[:1] == (3,) else ""))
         if diameters.shape not in ((), (len(centres),)):
-            raise ValueError(f"add_spheres: diameters: shape {diameters.shape} given, ({len(centres)},) or one number needed")
+            raise ValueError(f"add_spheres: diameters: shape {diameters.shape} given, ({len(centres)},) or one "
+                             "number needed")
         diameters = np.ascontiguousarray(np.broadcast_to(diameters, (len(centres),)))
-        material, group = _core.number("int", material, "add_spheres: material"), _core.number("int", group, "add_spheres: group")
+        material, group = _core.number("int", material,
+                                       "add_spheres: material"), _core.number("int", group, "add_spheres: group")
         first = self.count
         if len(centres):
             _refuse_large(self, diameters.max(initial=0.0, where=np.isfinite(diameters)), "add_spheres")
             given = {"world": self, "centres": centres, "diameters": diameters, "material": material, "group": group}
-            self._do(lib.dem_add_spheres, self._alive, len(centres), ffi.cast("double *", ffi.from_buffer(np.ascontiguousarray(centres))),
+            self._do(lib.dem_add_spheres, self._alive, len(centres),
+                     ffi.cast("double *", ffi.from_buffer(np.ascontiguousarray(centres))),
                      ffi.cast("double *", ffi.from_buffer(diameters)), material, group, given=given)
         return first
 
@@ -279,8 +306,8 @@ class World(_core.Handle):
             raise KeyboardInterrupt
 
     def run(self, duration, features, progress=None):
-        """Advances by duration [s]. features: dem.LINEAR | dem.FRICTION | ... Ctrl-C stops between steps: the world is whole, and
-        KeyboardInterrupt is raised. progress: called with the world now and then."""
+        """Advances by duration [s]. features: dem.LINEAR | dem.FRICTION | ... Ctrl-C stops between steps: the world is
+        whole, and KeyboardInterrupt is raised. progress: called with the world now and then."""
         self._advance(duration, lambda span: lib.dem_run(self._alive, span, features), progress)
 
     def _advance(self, duration, run, progress):
@@ -313,21 +340,25 @@ class World(_core.Handle):
                 signal.signal(signal.SIGINT, before)
 
     def run_law(self, duration, law, progress=None):
-        """The same with another law: dem.ContactLaw, one that comes with Riddle; dem.Law, one of your own, made from a C file."""
+        """The same with another law: dem.ContactLaw, one that comes with Riddle; dem.Law, one of your own, made from a
+        C file."""
         self._advance(duration, lambda span: law(self, span), progress)
 
     def prescribe(self, wall, centre, motion):
-        """The wall goes where motion(time) says: ((x, y, z) [m], (rx, ry, rz) [rad]). Called here, and in every step: slow from Python.
-        An exception in it ends the run in that step and is raised; the world can be read then, but not run on."""
+        """The wall goes where motion(time) says: ((x, y, z) [m], (rx, ry, rz) [rad]). Called here, and in every step:
+        slow from Python. An exception in it ends the run in that step and is raised; the world can be read then, but
+        not run on."""
         def pose(_, now, out):
             out.shift, out.turn = _pose(motion, now)
         _pose(motion, self.time)
         made = _core._callback(ffi.typeof("dem_motion_fn"), pose, "motion")
-        self._do(lib.dem_prescribe, self._alive, _core.number("int", wall, "prescribe: wall"), _core.vector(3, centre, "prescribe: centre"), made, ffi.NULL)
+        self._do(lib.dem_prescribe, self._alive, _core.number("int", wall, "prescribe: wall"),
+                 _core.vector(3, centre, "prescribe: centre"), made, ffi.NULL)
         self._callbacks[wall] = made
 
     def add_stl(self, material, source, scale=1e-3, weld=1e-6):
-        """A wall from an STL file (its path or its bytes). scale [m per unit of the file]. Returns its index and the report."""
+        """A wall from an STL file (its path or its bytes). scale [m per unit of the file]. Returns its index and the
+        report."""
         if not isinstance(source, (bytes, bytearray)):
             with open(source, "rb") as file:
                 source = file.read()
@@ -349,7 +380,8 @@ class World(_core.Handle):
         fields = ffi.new("dem_field[]", nx * ny * nz)
         self._check(lib.dem_coarse_grain(self._alive, cells._c, fields))
         table = np.frombuffer(ffi.buffer(fields), dtype=np.float64).reshape(nz, ny, nx, -1).copy()
-        return {"density": table[..., 0], "momentum": table[..., 1:4], "contact_stress": table[..., 4:13].reshape(nz, ny, nx, 3, 3),
+        return {"density": table[..., 0], "momentum": table[..., 1:4],
+                "contact_stress": table[..., 4:13].reshape(nz, ny, nx, 3, 3),
                 "kinetic_stress": table[..., 13:22].reshape(nz, ny, nx, 3, 3)}
 
     # ---- saving ----
@@ -449,7 +481,8 @@ class Drawing:
 
 
 class Series:
-    """Frames for ParaView: NAME.pvd (particles), NAME_walls.pvd (walls where they are at each time), NAME_polyhedra.pvd.
+    """Frames for ParaView: NAME.pvd (particles), NAME_walls.pvd (walls where they are at each time),
+    NAME_polyhedra.pvd.
 
         with dem.Series("out", "drum") as frames:
             for _ in range(50):
@@ -461,7 +494,8 @@ class Series:
         os.makedirs(folder, exist_ok=True)
         self._series = lib.riddle_series_open(os.fsencode(folder), os.fsencode(name))
         if self._series == ffi.NULL:
-            raise OSError(ffi.string(lib.riddle_last_line()).decode(errors="replace") or f"series: {name!r} cannot be opened")
+            raise OSError(ffi.string(lib.riddle_last_line()).decode(errors="replace")
+                          or f"series: {name!r} cannot be opened")
 
     def add(self, world):
         """Writes a frame of the world as it is now."""
@@ -488,11 +522,11 @@ class Series:
 
 
 class Wall:
-    """A wall of a world, read when asked. position [m], velocity [m/s] and normal (the axis of what is round) of its own frame; force [N]
-    on it, and torque [N m] about its origin, in the last step; impulse [N s] and angular_impulse [N m s]: the time integrals of the force
-    and of the torque about the world's origin (angular_impulse_about: about another point), work [J]: done on the particles by its motion
-    and its belt; for means: their differences over the time between; spin [rad/s]; coordinate and rate of a wall that is pushed [m or rad,
-    m/s or rad/s]."""
+    """A wall of a world, read when asked. position [m], velocity [m/s] and normal (the axis of what is round) of its
+    own frame; force [N] on it, and torque [N m] about its origin, in the last step; impulse [N s] and angular_impulse
+    [N m s]: the time integrals of the force and of the torque about the world's origin (angular_impulse_about: about
+    another point), work [J]: done on the particles by its motion and its belt; for means: their differences over the
+    time between; spin [rad/s]; coordinate and rate of a wall that is pushed [m or rad, m/s or rad/s]."""
 
     _VECTORS = ("position", "velocity", "normal", "force", "torque", "impulse", "angular_impulse")
     _NUMBERS = ("kind", "material", "enabled", "spin", "coordinate", "rate", "work")
@@ -515,11 +549,13 @@ class Wall:
             return np.array([self._read()[at + k] for k in range(3)])
         if name in self._NUMBERS:
             value = self._read()[self._NUMBERS.index(name)]
-            return self._KINDS.get(int(value), str(int(value))).lower() if name == "kind" else bool(value) if name == "enabled" else int(value) if name == "material" else value
+            return (self._KINDS.get(int(value), str(int(value))).lower() if name == "kind" else bool(value)
+                    if name == "enabled" else int(value) if name == "material" else value)
         raise AttributeError(f"a wall has no {name}; it has index, {', '.join(self._NUMBERS + self._VECTORS)}")
 
     def angular_impulse_about(self, point):
-        """The time integral of the torque about a point at rest [N m s]: its difference over the time between is the mean torque."""
+        """The time integral of the torque about a point at rest [N m s]: its difference over the time between is the
+        mean torque."""
         return self.angular_impulse - np.cross(_core.vector(3, point, "angular_impulse_about: point"), self.impulse)
 
     def __dir__(self):
@@ -559,11 +595,13 @@ def pair(definition, a, b):
 class Law:
     """A contact law of your own, compiled from C (python/laws/magnets.c is an example):
 
-        cc -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC -shared -I. python/laws/magnets.c -lm -o magnets.so
+        cc -O3 -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC -shared -I. python/laws/magnets.c -lm -o
+        magnets.so
 
-    The file includes dem.h, defines the law and its kernel, and two functions: size_t law_world_size(void), which returns
-    sizeof(dem_world), and dem_status law_run(dem_world *world, double duration). It must be of the same version of dem.h as the binding.
-    It may have three more, which wet.c shows: law_set and law_get for its numbers, law_forget for what it keeps of a world."""
+    The file includes dem.h, defines the law and its kernel, and two functions: size_t law_world_size(void), which
+    returns sizeof(dem_world), and dem_status law_run(dem_world *world, double duration). It must be of the same version
+    of dem.h as the binding. It may have three more, which wet.c shows: law_set and law_get for its numbers, law_forget
+    for what it keeps of a world."""
 
     def __init__(self, path):
         self._path = os.path.abspath(os.fspath(path))
@@ -583,15 +621,18 @@ class Law:
             return None
 
     def set(self, name, value):
-        """Sets a number of the law, if its file has int law_set(const char *name, double value), which returns 0; 1: there is no such
-        number; 2: the value is outside its range."""
+        """Sets a number of the law, if its file has int law_set(const char *name, double value), which returns 0; 1:
+        there is no such number; 2: the value is outside its range."""
         function, number = self._function("law_set"), _core.number("double", value, f"law: {name}")
         refused = function(name.encode(), number) if function else 1
         if refused:
-            raise ValueError(f"{self._path}: " + (f"{name} cannot be {number}" if refused == 2 else f"the law has no number {name!r} to be set"))
+            raise ValueError(f"{self._path}: "
+                             + (f"{name} cannot be {number}" if refused == 2
+                                else f"the law has no number {name!r} to be set"))
 
     def get(self, name):
-        """A number of the law, if its file has double law_get(const char *name), which returns NaN where there is no such number."""
+        """A number of the law, if its file has double law_get(const char *name), which returns NaN where there is no
+        such number."""
         function = self._function("law_get")
         value = function(name.encode()) if function else np.nan
         if np.isnan(value):
@@ -614,13 +655,15 @@ class Law:
 
 
 class ContactPair:
-    """What a ContactLaw wants of a pair of materials beside dem.pair. rolling: coefficient mu_r [-] of "epsd", the tangent of the slope on
-    which a ball begins to roll; rolling_damping [-], 0.3; twisting [-]; surface_energy: work of adhesion of both surfaces together [J/m2];
-    bond_modulus [Pa]: 0, the pair does not bond; bond_shear [-], 0.4; bond_radius: over the smaller sphere's [-], 1; bond_damping [-], 0.1;
-    tensile, shear: strengths [Pa], infinite. All others are 0 to begin with."""
+    """What a ContactLaw wants of a pair of materials beside dem.pair. rolling: coefficient mu_r [-] of "epsd", the
+    tangent of the slope on which a ball begins to roll; rolling_damping [-], 0.3; twisting [-]; surface_energy: work of
+    adhesion of both surfaces together [J/m2]; bond_modulus [Pa]: 0, the pair does not bond; bond_shear [-], 0.4;
+    bond_radius: over the smaller sphere's [-], 1; bond_damping [-], 0.1; tensile, shear: strengths [Pa], infinite. All
+    others are 0 to begin with."""
 
     __slots__ = ("_law", "_numbers")
-    _FIELDS = ("rolling", "rolling_damping", "twisting", "surface_energy", "bond_modulus", "bond_shear", "bond_radius", "bond_damping", "tensile", "shear")
+    _FIELDS = ("rolling", "rolling_damping", "twisting", "surface_energy", "bond_modulus", "bond_shear", "bond_radius",
+               "bond_damping", "tensile", "shear")
 
     def __init__(self, law, numbers):
         object.__setattr__(self, "_law", law)
@@ -645,12 +688,13 @@ class ContactPair:
         return list(self._FIELDS)
 
     def __repr__(self):
-        return "<dem.ContactPair " + ", ".join(f"{name} = {self._numbers[k]:g}" for k, name in enumerate(self._FIELDS)) + ">"
+        return "<dem.ContactPair " + ", ".join(f"{name} = {self._numbers[k]:g}"
+                                               for k, name in enumerate(self._FIELDS)) + ">"
 
 
 class ContactLaw:
-    """A contact law that comes with Riddle (dem_laws.h), by its name: "epsd" and "epsd_hertz", linear springs and Hertz with rolling that
-    rests; "dmt" and "jkr", Hertz with adhesion; "bonds", linear with bonds that break.
+    """A contact law that comes with Riddle (dem_laws.h), by its name: "epsd" and "epsd_hertz", linear springs and Hertz
+    with rolling that rests; "dmt" and "jkr", Hertz with adhesion; "bonds", linear with bonds that break.
 
         law = dem.ContactLaw("jkr")
         law.pair(powder, powder).surface_energy = 0.05
@@ -668,7 +712,8 @@ class ContactLaw:
 
     def pair(self, a, b):
         """The numbers of a pair of materials, in either order, to be edited: dem.ContactPair."""
-        numbers = lib.riddle_contact_pair(self._laws, _core.number("int", a, "ContactLaw: a"), _core.number("int", b, "ContactLaw: b"))
+        numbers = lib.riddle_contact_pair(self._laws, _core.number("int", a, "ContactLaw: a"),
+                                          _core.number("int", b, "ContactLaw: b"))
         if numbers == ffi.NULL:
             raise IndexError(f"ContactLaw: no materials {a}, {b}")
         return ContactPair(self, numbers)
@@ -693,7 +738,8 @@ class ContactLaw:
 
 
 def _method(function):
-    changes = not any(p["name"] == "world" and "const" in p["type"] for p in api["headers"]["dem"]["functions"][function.c_name]["parameters"])
+    changes = not any(p["name"] == "world" and "const" in p["type"]
+                      for p in api["headers"]["dem"]["functions"][function.c_name]["parameters"])
 
     def call(self, *args, **keywords):
         try:
@@ -702,26 +748,31 @@ def _method(function):
             if changes:
                 self._version += 1
 
-    call.__name__, call.__doc__, call.c_name, call.__signature__ = function.__name__, function.__doc__, function.c_name, function.method_signature
+    call.__name__, call.__doc__, call.c_name = function.__name__, function.__doc__, function.c_name
+    call.__signature__ = function.method_signature
     return call
 
 
 def _in_metres(world, sizes, what):
     """Raises where sizes look like millimetres."""
-    largest = sizes.diameter[:max(min(sizes.count, len(sizes.diameter)), 0)].max(initial=0.0) if sizes.kind == SIZES_LIST else sizes.largest  # noqa: F821
+    # noqa: F821
+    largest = (sizes.diameter[:max(min(sizes.count, len(sizes.diameter)), 0)].max(initial=0.0)
+               if sizes.kind == SIZES_LIST else sizes.largest)
     _refuse_large(world, largest, what)
 
 
 def _refuse_large(world, diameter, what):
     if diameter > world.largest_diameter:
-        raise ValueError(f"{what}: a diameter of {diameter:.6g} m is above {world.largest_diameter:.6g} m: are lengths in metres? "
+        raise ValueError(f"{what}: a diameter of {diameter:.6g} m is above {world.largest_diameter:.6g} m: are lengths "
+                         "in metres? "
                          "Set world.largest_diameter for larger particles")
 
 
 def _number_of(world, feed, mass):
     """About how many bodies of a feed have a mass [kg]; 0 where that cannot be told."""
     random = np.array([1], dtype=np.uint64)
-    volume = np.pi / 6.0 * np.mean([draw_size(feed.sizes, random) ** 3 for _ in range(200)])  # noqa: F821 (made by fill)
+    # noqa: F821 (made by fill)
+    volume = np.pi / 6.0 * np.mean([draw_size(feed.sizes, random) ** 3 for _ in range(200)])
     number = mass / (lib.riddle_density(world._alive, feed.material) * volume)
     return number if number > 0.0 and feed.polyhedron == 0 else 0.0
 
@@ -731,7 +782,8 @@ def _placing(method, name):
     def call(self, *args, **keywords):
         given = dict(zip(("feed", "count" if name == "dem_fill" else "mass"), args), **keywords)
         feed, amount = given.get("feed"), given.get("count", given.get("mass"))
-        fills = name.startswith("dem_fill") and isinstance(feed, Structure) and feed._name == "dem_feed" and isinstance(amount, (numbers.Real, np.ndarray))
+        fills = (name.startswith("dem_fill") and isinstance(feed, Structure) and feed._name == "dem_feed"
+                 and isinstance(amount, (numbers.Real, np.ndarray)))
         if fills:
             amount = _core.number("double", amount, f"{method.__name__}: {'count' if name == 'dem_fill' else 'mass'}")
             number = amount if name == "dem_fill" else _number_of(self, feed, amount)
@@ -741,10 +793,12 @@ def _placing(method, name):
         with self._stoppable():
             answer = method(self, *args, **keywords)
         if fills and feed.placed == before[0] and feed.missed > before[1]:
-            warnings.warn(f"{method.__name__}: none of {feed.missed - before[1]} bodies found a place in the region: are all lengths in metres?", stacklevel=2)
+            warnings.warn(f"{method.__name__}: none of {feed.missed - before[1]} bodies found a place in the region: "
+                          "are all lengths in metres?", stacklevel=2)
         return answer
 
-    call.__name__, call.__doc__, call.c_name = method.__name__, method.__doc__ + "\n\nCtrl-C ends it; nothing has changed then.", method.c_name
+    call.__name__, call.c_name = method.__name__, method.c_name
+    call.__doc__ = method.__doc__ + "\n\nCtrl-C ends it; nothing has changed then."
     call.__signature__ = method.__signature__
     return call
 
@@ -752,4 +806,5 @@ def _placing(method, name):
 for _name, _function in _functions.items():  # noqa: F821 (made by fill)
     if _core.handle_of(api["headers"]["dem"]["functions"][_name]) and not hasattr(World, _function.__name__):
         _made = _method(_function)
-        setattr(World, _function.__name__, _placing(_made, _name) if _name.startswith(("dem_fill", "dem_feed_")) else _made)
+        setattr(World, _function.__name__, _placing(_made, _name)
+                if _name.startswith(("dem_fill", "dem_feed_")) else _made)

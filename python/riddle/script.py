@@ -1,8 +1,10 @@
-"""What a script with a figure needs beside the modules of the headers: its options, one line for what goes wrong, files whole or absent.
+"""What a script with a figure needs beside the modules of the headers: its options, one line for what goes wrong, files
+whole or absent.
 
     from riddle import script
 
-    OPTIONS = script.options(__doc__)        # --quick, --out DIR, --help; anything else is refused in one line, with status 2
+    OPTIONS = script.options(__doc__)        # --quick, --out DIR, --help; anything else is refused in one line, with
+                                             status 2
     ...
     script.save(figure, OPTIONS, "hopper.png")
 """
@@ -21,7 +23,8 @@ def _say(text):
 
 
 def _flush():
-    """What was printed, at the end: a full device is told, with status 1. A pipe that nobody reads any more: silent, status 141."""
+    """What was printed, at the end: a full device is told, with status 1. A pipe that nobody reads any more: silent,
+    status 141."""
     try:
         sys.stdout.flush()
     except BrokenPipeError:
@@ -52,7 +55,8 @@ class _Parser(argparse.ArgumentParser):
 
 
 def options(about):
-    """Reads the command line: .quick (True: a small run), .out (the folder for files, made if it is not there). about: the text of --help."""
+    """Reads the command line: .quick (True: a small run), .out (the folder for files, made if it is not there). about:
+    the text of --help."""
     parser = _Parser(description=about, allow_abbrev=False)
     parser.add_argument("--quick", action="store_true", help="a small run, of a few seconds")
     parser.add_argument("--out", metavar="DIR", default=".", help="folder for what is written; default: where you are")

@@ -1,4 +1,5 @@
-/* dem_calls.h: one public call of dem.h with numbers that are drawn beforehand, so that several worlds can be given the same one. */
+/* dem_calls.h: one public call of dem.h with numbers that are drawn beforehand, so that several worlds can be given
+   the same one. */
 #ifndef RIDDLE_FUZZ_DEM_CALLS_H
 #define RIDDLE_FUZZ_DEM_CALLS_H
 
@@ -129,7 +130,9 @@ static call draw_call(fuzz_draws *d, int kind, int hostile) {
 }
 
 /* Number k of a call, between low and high if it is not an odd one. */
-static double number(const call *c, int k, double low, double high) { return c->odd == k ? c->value : low + (high - low) * c->u[k]; }
+static double number(const call *c, int k, double low, double high) {
+    return c->odd == k ? c->value : low + (high - low) * c->u[k];
+}
 /* The same, evenly in its logarithm. */
 static double decade(const call *c, int k, double low, double high) {
     return c->odd == k ? c->value : low * riddle_exp(riddle_log(high / low) * c->u[k]);
@@ -159,7 +162,8 @@ typedef struct side {
     dem_force_field field; /* without a kernel: none is set */
 } side;
 
-/* The array index of the sphere picked among those present: a save closes the gaps of those that are gone. -1: there is none. */
+/* The array index of the sphere picked among those present: a save closes the gaps of those that are gone. -1:
+   there is none. */
 static ptrdiff_t sphere(const side *s, const call *c, int k) {
     ptrdiff_t present = 0;
     for (ptrdiff_t i = 0; i < s->w.count; i++) present += s->w.alive[i] == DEM_PRESENT;
@@ -182,19 +186,25 @@ static dem_region region_of(const call *c) {
     switch (pick(c, 0, 3)) {
     case 0: return dem_sphere_region(x, size);
     case 1: return dem_cylinder_region(x, vector(c, 4, 1.0), size, number(c, 7, 0.0, HALF));
-    default: return dem_box_region(x, dem_vec3(x.x + size, x.y + number(c, 7, 0.0, HALF), x.z + number(c, 8, 0.0, HALF)));
+    default:
+        return dem_box_region(x, dem_vec3(x.x + size, x.y + number(c, 7, 0.0, HALF), x.z + number(c, 8, 0.0, HALF)));
     }
 }
 
 static dem_sizes sizes_of(const call *c) {
     const double largest = number(c, 9, 3e-3, LARGEST), smallest = number(c, 10, 1.0, 3e-3 / SMALLEST) * SMALLEST;
-    const double list[3] = {largest, smallest, number(c, 11, SMALLEST, LARGEST)}, share[3] = {1.0, number(c, 12, 0.0, 1.0), 0.5};
+    const double list[3] = {largest, smallest, number(c, 11, SMALLEST, LARGEST)},
+                 share[3] = {1.0, number(c, 12, 0.0, 1.0), 0.5};
     switch (pick(c, 1, 5)) {
     case 0: return dem_one_size(largest);
     case 1: return dem_size_list(3, list, share, c->pick[2] % 2);
     case 2: return dem_uniform_sizes(smallest, largest, c->pick[2] % 2);
-    case 3: return dem_lognormal_sizes(number(c, 11, SMALLEST, LARGEST), number(c, 12, 0.1, 1.0), smallest, largest, c->pick[2] % 2);
-    default: return dem_rosin_rammler_sizes(number(c, 11, SMALLEST, LARGEST), number(c, 12, 0.5, 8.0), smallest, largest, c->pick[2] % 2);
+    case 3:
+        return dem_lognormal_sizes(number(c, 11, SMALLEST, LARGEST), number(c, 12, 0.1, 1.0), smallest, largest,
+                                   c->pick[2] % 2);
+    default:
+        return dem_rosin_rammler_sizes(number(c, 11, SMALLEST, LARGEST), number(c, 12, 0.5, 8.0), smallest, largest,
+                                       c->pick[2] % 2);
     }
 }
 
@@ -206,7 +216,8 @@ static int shapes_of(const dem_world *w) {
 static void set_feed(side *s, const call *c) {
     dem_feed *feed = &s->feed;
     feed->clump = s->bodies && c->pick[0] % 4 == 3 ? &s->clump : NULL;
-    feed->polyhedron = s->bodies > 1 && c->pick[0] % 4 < 2 ? 1 + pick(c, 1, shapes_of(&s->w)) : 0; /* there is one from the beginning */
+    /* There is one from the beginning. */
+    feed->polyhedron = s->bodies > 1 && c->pick[0] % 4 < 2 ? 1 + pick(c, 1, shapes_of(&s->w)) : 0;
     feed->region = region_of(c);
     feed->sizes = sizes_of(c);
     feed->material = c->pick[3] % 2;
@@ -242,9 +253,12 @@ static int add_wall(dem_world *w, const call *c) {
     case ADD_SPHERE_WALL: return dem_add_sphere_wall(w, material, x, size, c->pick[1] % 2);
     case ADD_EXIT: return dem_add_exit(w, dem__scale(HALF, n), dem__scale(-1.0, n));
     case ADD_MESH: return add_mesh(w, c);
-    case ADD_BOX: return dem_add_box(w, material, x, dem_vec3(x.x + size, x.y + number(c, 7, 1e-3, HALF), x.z + number(c, 8, 1e-3, HALF)));
+    case ADD_BOX:
+        return dem_add_box(w, material, x,
+                           dem_vec3(x.x + size, x.y + number(c, 7, 1e-3, HALF), x.z + number(c, 8, 1e-3, HALF)));
     case ADD_CONE:
-        cone.low = x, cone.high = vector(c, 7, HALF), cone.low_radius = size, cone.high_radius = number(c, 10, 0.0, HALF);
+        cone.low = x, cone.high = vector(c, 7, HALF), cone.low_radius = size,
+        cone.high_radius = number(c, 10, 0.0, HALF);
         return dem_add_cone(w, material, &cone);
     case ADD_DISC:
         disc.centre = x, disc.normal = n, disc.radius = size, disc.hole_radius = number(c, 10, 0.0, size);
@@ -266,9 +280,12 @@ static dem_status move_wall(dem_world *w, const call *c) {
     case MOVE: return dem_move(w, wall, vector(c, 6, 0.2));
     case ROTATE: return dem_rotate(w, wall, centre, axis, number(c, 6, -10.0, 10.0));
     case PRESCRIBE: return dem_prescribe(w, wall, centre, swing, NULL);
-    case CONTROL_FORCE: return dem_control_force(w, wall, axis, decade(c, 6, 1e-2, 1.0), number(c, 7, -0.5, 0.5), number(c, 8, 0.0, 1.0));
+    case CONTROL_FORCE:
+        return dem_control_force(w, wall, axis, decade(c, 6, 1e-2, 1.0), number(c, 7, -0.5, 0.5),
+                                 number(c, 8, 0.0, 1.0));
     case CONTROL_TORQUE:
-        return dem_control_torque(w, wall, centre, axis, decade(c, 6, 1e-6, 1e-4), number(c, 7, -1e-4, 1e-4), number(c, 8, 0.0, 1e-4));
+        return dem_control_torque(w, wall, centre, axis, decade(c, 6, 1e-6, 1e-4), number(c, 7, -1e-4, 1e-4),
+                                  number(c, 8, 0.0, 1e-4));
     case SET_BELT: return dem_set_belt(w, wall, vector(c, 6, 0.3));
     default: return dem_enable_wall(w, wall, c->pick[1] % 2);
     }
@@ -289,8 +306,10 @@ static dem_status add_spheres(dem_world *w, const call *c) {
 
 static dem_status set_pair(dem_world *w, const call *c) {
     dem_pair_def p = *dem_pair(&w->def, 0, 0);
-    p.stiffness = decade(c, 0, 200.0, 1000.0), p.tangential_ratio = number(c, 1, 0.0, 1.0), p.restitution = number(c, 2, 0.2, 1.0);
-    p.friction = number(c, 3, 0.0, 1.0), p.rolling = number(c, 4, 0.0, 1e-4), p.tangential_damping = number(c, 5, 0.0, 0.5);
+    p.stiffness = decade(c, 0, 200.0, 1000.0), p.tangential_ratio = number(c, 1, 0.0, 1.0),
+    p.restitution = number(c, 2, 0.2, 1.0);
+    p.friction = number(c, 3, 0.0, 1.0), p.rolling = number(c, 4, 0.0, 1e-4),
+    p.tangential_damping = number(c, 5, 0.0, 0.5);
     p.mode = (dem_restitution)pick(c, 2, 2);
     return dem_set_pair(w, pick(c, 0, 2), pick(c, 1, 2), &p);
 }
@@ -303,7 +322,8 @@ static dem_status set_links(side *s, const call *c) {
 }
 static dem_status add_link(side *s, const call *c) {
     const double state[SPRING_STATES] = {number(c, 0, 0.0, 2.0), number(c, 1, 1e-3, 8e-3), number(c, 2, 0.0, 1e-3)};
-    const ptrdiff_t i = sphere(s, c, 0), j = c->pick[2] % 4 && s->w.walls ? sphere(s, c, 1) : -1 - pick(c, 1, s->w.walls);
+    const ptrdiff_t i = sphere(s, c, 0),
+                    j = c->pick[2] % 4 && s->w.walls ? sphere(s, c, 1) : -1 - pick(c, 1, s->w.walls);
     return dem_add_link(&s->w, i, j, 0, state);
 }
 
@@ -314,7 +334,8 @@ static dem_status add_clumps(dem_world *w, const call *c) {
     double centre[12], diameter[4], at[6], size[2], turn[8];
     dem_clump clump;
     for (int k = 0; k < of; k++) {
-        for (int a = 0; a < 3; a++) centre[3 * k + a] = number(c, (k + 3 * a) % 7, -2e-3, 2e-3) * (a == k % 3 ? -1.0 : 1.0);
+        for (int a = 0; a < 3; a++)
+            centre[3 * k + a] = number(c, (k + 3 * a) % 7, -2e-3, 2e-3) * (a == k % 3 ? -1.0 : 1.0);
         diameter[k] = number(c, 7 + k % 2, SMALLEST, 4e-3);
     }
     const dem_status made = dem_make_clump(of, centre, diameter, &clump);
@@ -325,7 +346,8 @@ static dem_status add_clumps(dem_world *w, const call *c) {
         for (int a = 0; a < 4; a++) turn[4 * k + a] = number(c, 12 + (k + a) % 4, -1.0, 1.0);
         size[k] = number(c, 8, 3e-3, LARGEST);
     }
-    return dem_add_clumps(w, n, &clump, at, c->pick[3] % 2 ? size : NULL, c->pick[3] % 3 ? turn : NULL, pick(c, 0, 2), c->pick[3] % 40);
+    return dem_add_clumps(w, n, &clump, at, c->pick[3] % 2 ? size : NULL, c->pick[3] % 3 ? turn : NULL, pick(c, 0, 2),
+                          c->pick[3] % 40);
 }
 
 static dem_status add_shape(dem_world *w, const call *c) {
@@ -336,11 +358,13 @@ static dem_status add_shape(dem_world *w, const call *c) {
     const double rounding = number(c, 3, 0.02, 0.2);
     dem_status made;
     if (c->pick[0] % 2) {
-        made = dem_make_brick(&shape, dem_vec3(number(c, 0, 2e-3, 6e-3), number(c, 1, 2e-3, 4e-3), number(c, 2, 2e-3, 4e-3)), rounding,
-                              &reason);
+        made = dem_make_brick(&shape,
+                              dem_vec3(number(c, 0, 2e-3, 6e-3), number(c, 1, 2e-3, 4e-3), number(c, 2, 2e-3, 4e-3)),
+                              rounding, &reason);
     } else { /* an octahedron, pulled about */
         for (int k = 0; k < 3 * CORNERS; k++) corner[k] = 5e-4 * (c->u[k % NUMBERS] - 0.5);
-        for (int k = 0; k < CORNERS; k++) corner[4 * k % (3 * CORNERS)] += (k % 2 ? 1.0 : -1.0) * number(c, 4 + k, 1.5e-3, 3e-3);
+        for (int k = 0; k < CORNERS; k++)
+            corner[4 * k % (3 * CORNERS)] += (k % 2 ? 1.0 : -1.0) * number(c, 4 + k, 1.5e-3, 3e-3);
         made = dem_make_convex(&shape, 4 + c->pick[1] % 3, corner, rounding, &reason);
     }
     FUZZ_HOLDS((made == DEM_OK) == (reason == NULL));
@@ -355,7 +379,8 @@ static dem_status add_convex(dem_world *w, const call *c) {
         for (int a = 0; a < 3; a++) at[3 * k + a] = number(c, 3 * k + a, -HALF, HALF);
         for (int a = 0; a < 4; a++) turn[4 * k + a] = number(c, 9 + (k + a) % 7, -1.0, 1.0);
     }
-    return dem_add_convex(w, pick(c, 1, shapes_of(w)), n, at, c->pick[2] % 3 ? turn : NULL, pick(c, 0, 2), c->pick[3] % 40);
+    return dem_add_convex(w, pick(c, 1, shapes_of(w)), n, at, c->pick[2] % 3 ? turn : NULL, pick(c, 0, 2),
+                          c->pick[3] % 40);
 }
 
 DEM_INLINE dem_vec in_a_bowl(const dem_force_point *at) {
@@ -366,7 +391,8 @@ DEM_FORCE_FIELD(bowl, in_a_bowl)
 DEM_GAS(air, dem_drag_schiller_naumann)
 DEM_GAS(thick_air, dem_drag_stokes)
 
-static const double gas_grid[24] = {1, 0, 0, 0, 2, 0, 0, 0, 3, -1, 0, 0, 0, -2, 0, 0, 0, -3, 2, 2, 0, 0, 1, 1}; /* 2 x 2 x 2 velocities */
+/* 2 x 2 x 2 velocities */
+static const double gas_grid[24] = {1, 0, 0, 0, 2, 0, 0, 0, 3, -1, 0, 0, 0, -2, 0, 0, 0, -3, 2, 2, 0, 0, 1, 1};
 
 /* The field of s, that of another side or one set before, for its own world. */
 static dem_status hand_over_field(side *s) {
@@ -380,27 +406,32 @@ static dem_status set_field(side *s, const call *c) {
         return dem_set_force_field(&s->w, NULL);
     }
     s->gas = dem_default_gas();
-    s->gas.density = decade(c, 0, 0.5, 50.0), s->gas.viscosity = decade(c, 1, 1e-5, 1e-3), s->gas.buoyancy = c->pick[1] % 2;
+    s->gas.density = decade(c, 0, 0.5, 50.0), s->gas.viscosity = decade(c, 1, 1e-5, 1e-3),
+    s->gas.buoyancy = c->pick[1] % 2;
     if (c->pick[1] % 3) {
         for (int a = 0; a < 3; a++) s->gas.n[a] = 2;
-        s->gas.low = dem_vec3(-HALF, -HALF, number(c, 2, -HALF, 0.0)), s->gas.high = dem_vec3(HALF, HALF, number(c, 3, 1e-3, HALF));
+        s->gas.low = dem_vec3(-HALF, -HALF, number(c, 2, -HALF, 0.0)),
+        s->gas.high = dem_vec3(HALF, HALF, number(c, 3, 1e-3, HALF));
         s->gas.velocity = gas_grid, s->gas.pressure_gradient = c->pick[2] % 2 ? gas_grid : NULL;
         s->gas.spin = number(c, 4, -50.0, 50.0), s->gas.axis = vector(c, 5, 1.0), s->gas.centre = vector(c, 8, HALF);
         if (c->pick[2] % 3 == 0) dem_attach_gas(&s->gas, &s->w, pick(c, 3, s->w.walls));
     }
-    s->field = c->pick[0] % 3 == 1 ? dem_default_force_field(bowl, NULL) : dem_gas_field(c->pick[3] % 2 ? air : thick_air, &s->gas);
+    s->field = c->pick[0] % 3 == 1 ? dem_default_force_field(bowl, NULL)
+                                   : dem_gas_field(c->pick[3] % 2 ? air : thick_air, &s->gas);
     s->field.accuracy = decade(c, 11, 1e-8, 1e-4);
     if (s->field.kernel == bowl) s->field.length = 1e-3; /* it begins at x = 0, which a longer step could miss */
     if (c->odd == 12) s->field.length = c->value;
     if (c->odd == 13) s->field.interval = c->value;
-    const dem_status status = dem_check_gas(&s->gas, NULL) == DEM_OK ? dem_set_force_field(&s->w, &s->field) : DEM_BAD_ARGUMENT;
+    const dem_status status =
+        dem_check_gas(&s->gas, NULL) == DEM_OK ? dem_set_force_field(&s->w, &s->field) : DEM_BAD_ARGUMENT;
     if (status != DEM_OK) s->gas = before.gas, s->field = before.field;
     return status;
 }
 
 static dem_quaternion turn_of(const call *c) {
     dem_quaternion q;
-    q.w = number(c, 0, -1.0, 1.0), q.x = number(c, 1, -1.0, 1.0), q.y = number(c, 2, -1.0, 1.0), q.z = number(c, 3, -1.0, 1.0);
+    q.w = number(c, 0, -1.0, 1.0), q.x = number(c, 1, -1.0, 1.0), q.y = number(c, 2, -1.0, 1.0),
+    q.z = number(c, 3, -1.0, 1.0);
     return q;
 }
 
@@ -424,7 +455,8 @@ static dem_status read_tetrahedron(const call *c, dem_mesh *mesh) {
     dem_stl_report report;
     memset(bytes, 0, sizeof bytes);
     for (int k = 0; k < 4; k++) {
-        for (int a = 0; a < 3; a++) vertex[k][a] = (float)(number(c, 3 * k + a, -2e-3, 2e-3) + (k == a + 1 ? 5e-3 : 0.0));
+        for (int a = 0; a < 3; a++)
+            vertex[k][a] = (float)(number(c, 3 * k + a, -2e-3, 2e-3) + (k == a + 1 ? 5e-3 : 0.0));
     }
     bytes[80] = FACES;
     for (int f = 0; f < FACES; f++) {
@@ -515,7 +547,8 @@ static dem_status apply_call(side *s, const call *c) {
     case SET_LOAD: return dem_set_load(w, sphere(s, c, 0), vector(c, 0, 1e-3), vector(c, 3, 1e-7));
     case REMOVE: return dem_remove(w, sphere(s, c, 0));
     case REMOVE_REGION: n = dem_remove_region(w, &region); break;
-    case FILL: return dem_fill(w, &s->feed, c->odd == NUMBERS + 3 ? (c->pick[3] % 2 ? -1 : PTRDIFF_MAX / 2) : c->pick[3] % 12);
+    case FILL:
+        return dem_fill(w, &s->feed, c->odd == NUMBERS + 3 ? (c->pick[3] % 2 ? -1 : PTRDIFF_MAX / 2) : c->pick[3] % 12);
     case FILL_MASS: return dem_fill_mass(w, &s->feed, number(c, 15, 0.0, 4e-4));
     case FEED_NUMBER: return dem_feed_number(w, &s->feed, number(c, 15, 0.0, 1e3), 5e-3);
     case FEED_MASS: return dem_feed_mass(w, &s->feed, number(c, 15, 0.0, 0.1), 5e-3);

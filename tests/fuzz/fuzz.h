@@ -3,8 +3,9 @@
        clang -g -fsanitize=fuzzer,address,undefined -DFUZZ_LIBRARY -Iexamples/common tests/fuzz/fuzz_csv.c \
            examples/common/[a-z]*.c -lm -lpthread
 
-   Without, this header adds a main that runs it over files named on the command line, or over inputs mixed from the target's own
-   samples: that is the regression test. Crashes and sanitizers are the judges, and whatever the target asserts. */
+   Without, this header adds a main that runs it over files named on the command line, or over inputs mixed from the
+   target's own samples: that is the regression test. Crashes and sanitizers are the judges, and whatever the
+   target asserts. */
 #ifndef RIDDLE_FUZZ_H
 #define RIDDLE_FUZZ_H
 
@@ -16,18 +17,18 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 
-#define FUZZ_ASSERT(condition)                                                                                                             \
-    do {                                                                                                                                   \
-        if (!(condition)) {                                                                                                                \
-            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                                                                \
-            abort();                                                                                                                       \
-        }                                                                                                                                  \
+#define FUZZ_ASSERT(condition)                                                                                         \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition);                                            \
+            abort();                                                                                                   \
+        }                                                                                                              \
     } while (0)
 
 #ifdef FUZZ_LIBRARY
 #define FUZZ_MAIN(samples, n, runs)
 #else
-#define FUZZ_MAIN(samples, n, runs)                                                                                                        \
+#define FUZZ_MAIN(samples, n, runs)                                                                                    \
     int main(int argc, char **argv) { return fuzz_main(argc, argv, samples, n, runs); }
 
 static uint32_t fuzz_random(uint64_t *state) {

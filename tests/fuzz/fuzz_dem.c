@@ -1,5 +1,6 @@
-/* Any program of public calls of dem.h, legal and not. Two worlds get the same calls: they skip other things, share their tasks otherwise,
-   run out of memory at other places, and now and then one is thrown away for what the other saves. What must hold:
+/* Any program of public calls of dem.h, legal and not. Two worlds get the same calls: they skip other things, share
+   their tasks otherwise, run out of memory at other places, and now and then one is thrown away for what the other
+   saves. What must hold:
    - both answer the same, with a status that the call documents, and a refused call changes nothing;
    - both end with the same bits: hash, ledger, time, records of exits;
    - readers and saves change nothing;
@@ -8,16 +9,19 @@
    - what the world holds is bounded by the spheres and walls that it has had at a time. */
 #include "dem_calls.h"
 
-#define LEDGER_TOLERANCE 0.02 /* of the energy that a run moves: contacts have 20 steps or more, overlaps stay below a tenth of a radius */
+/* of the energy that a run moves: contacts have 20 steps or more, overlaps stay below a tenth of a radius */
+#define LEDGER_TOLERANCE 0.02
 #define DEEP 0.1              /* overlap over radius, and speed [m/s], beyond which the ledger is not judged */
 #define FAST 1.0
-#define FIRST_WITH_BODIES                                                                                                                  \
-    100000                      /* seed: programs from here on have clumps, polyhedra and fields as well; those below stay what they were */
+#define FIRST_WITH_BODIES                                                                                              \
+/* Seed: programs from here on have clumps, polyhedra and fields as well; those below stay what they were. */
+100000
 #define FIRST_WITH_FIXED 200000 /* and fixed particles and all the rest of the public functions */
 
-/* ---- what a call may answer ---- */
+    /* ---- what a call may answer ---- */
 
-static int is_documented(const call *c, dem_status status, int memory_failed) {
+    static int
+    is_documented(const call *c, dem_status status, int memory_failed) {
     const int runs = c->kind == RUN || c->kind == RUN_LAW, fills = c->kind >= FILL && c->kind <= FEED_MASS;
     const int adds = c->kind == ADD_SPHERES || fills || (c->kind >= ADD_PLANE && c->kind <= ADD_EXIT) ||
                      (c->kind >= ADD_CLUMPS && c->kind <= ADD_CONVEX) || c->kind == FILL_IN_MESH;
@@ -35,8 +39,8 @@ static int is_documented(const call *c, dem_status status, int memory_failed) {
     }
 }
 
-/* Calls that have what they need and no odd number are legal: they must succeed, whatever happened before. But a load may be too large for
-   a sphere that was added with an odd diameter, 1e-58 m: its acceleration is refused. */
+/* Calls that have what they need and no odd number are legal: they must succeed, whatever happened before. But a load
+   may be too large for a sphere that was added with an odd diameter, 1e-58 m: its acceleration is refused. */
 static int must_succeed(const side *s, const call *c, int extreme) {
     const int of_wall = c->kind >= VIBRATE && c->kind <= ENABLE_WALL;
     const int of_sphere = c->kind == SET_MOTION || c->kind == SET_LOAD || c->kind == REMOVE;
@@ -63,7 +67,8 @@ static uint64_t digest(const dem_world *w) {
     fuzz_mix_bits(&hash, (uint64_t)w->step), fuzz_mix_bits(&hash, (uint64_t)w->passed_total);
     fuzz_mix_bits(&hash, (uint64_t)dem_contact_count(w)), fuzz_mix_bits(&hash, (uint64_t)dem_link_count(w));
     fuzz_mix_bits(&hash, (uint64_t)spheres_present(w));
-    for (ptrdiff_t k = 0; k < w->passed_count; k++) fuzz_mix_bits(&hash, w->passed[k].id), fuzz_mix_number(&hash, w->passed[k].time);
+    for (ptrdiff_t k = 0; k < w->passed_count; k++)
+        fuzz_mix_bits(&hash, w->passed[k].id), fuzz_mix_number(&hash, w->passed[k].time);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem_vec of[3];
         if (!dem_is_fixed(w, i)) continue;
@@ -79,7 +84,8 @@ static void tell_hidden_difference(const dem_world *a, ptrdiff_t i, const dem_wo
     const double *load = a->engine->bodies.load[i], *other = b->engine->bodies.load[j];
     if (p->origin != q->origin || dem_is_fixed(a, i) != dem_is_fixed(b, j))
         fprintf(stderr, "particle %ld: origin %lld %lld, fixed %d %d, activity %d %d\n", (long)i, (long long)p->origin,
-                (long long)q->origin, dem_is_fixed(a, i), dem_is_fixed(b, j), a->engine->bodies.activity[i], b->engine->bodies.activity[j]);
+                (long long)q->origin, dem_is_fixed(a, i), dem_is_fixed(b, j), a->engine->bodies.activity[i],
+                b->engine->bodies.activity[j]);
     for (int k = 0; k < 3; k++) {
         const double v[] = {dem_axis(p->a, k), dem_axis(a->spin_rate[i], k), load[k], load[3 + k]};
         const double u[] = {dem_axis(q->a, k), dem_axis(b->spin_rate[j], k), other[k], other[3 + k]};
@@ -95,9 +101,9 @@ static void tell_hidden_difference(const dem_world *a, ptrdiff_t i, const dem_wo
 /* In a trace: in what two worlds differ. */
 static void tell_difference(const dem_world *a, const dem_world *b) {
     const dem_energy_ledger ledger[2] = {dem_energy(a), dem_energy(b)};
-    fprintf(stderr, "a: hash %016llx step %lld contacts %ld; b: hash %016llx step %lld contacts %ld\n", (unsigned long long)dem_hash(a),
-            (long long)a->step, (long)dem_contact_count(a), (unsigned long long)dem_hash(b), (long long)b->step,
-            (long)dem_contact_count(b));
+    fprintf(stderr, "a: hash %016llx step %lld contacts %ld; b: hash %016llx step %lld contacts %ld\n",
+            (unsigned long long)dem_hash(a), (long long)a->step, (long)dem_contact_count(a),
+            (unsigned long long)dem_hash(b), (long long)b->step, (long)dem_contact_count(b));
     for (size_t k = 0; k < sizeof ledger[0] / sizeof(double); k++) {
         const double x = (&ledger[0].kinetic)[k], y = (&ledger[1].kinetic)[k];
         if (x != y) fprintf(stderr, "ledger, number %d: %.17g %.17g\n", (int)k, x, y);
@@ -109,10 +115,12 @@ static void tell_difference(const dem_world *a, const dem_world *b) {
         const dem_body p = dem_get_body(a, i), q = dem_get_body(b, j);
         tell_hidden_difference(a, i, b, j);
         if (memcmp(&p.mass, &q.mass, sizeof p - offsetof(dem_body, mass)) == 0) continue;
-        fprintf(stderr, "%s %ld: x %.17g %.17g %.17g, v %.17g %.17g %.17g, spin %.17g %.17g %.17g\n", "particle", (long)i, p.position.x,
-                p.position.y, p.position.z, p.velocity.x, p.velocity.y, p.velocity.z, p.spin.x, p.spin.y, p.spin.z);
-        fprintf(stderr, "%s %ld: x %.17g %.17g %.17g, v %.17g %.17g %.17g, spin %.17g %.17g %.17g\n", "against ", (long)j, q.position.x,
-                q.position.y, q.position.z, q.velocity.x, q.velocity.y, q.velocity.z, q.spin.x, q.spin.y, q.spin.z);
+        fprintf(stderr, "%s %ld: x %.17g %.17g %.17g, v %.17g %.17g %.17g, spin %.17g %.17g %.17g\n", "particle",
+                (long)i, p.position.x, p.position.y, p.position.z, p.velocity.x, p.velocity.y, p.velocity.z, p.spin.x,
+                p.spin.y, p.spin.z);
+        fprintf(stderr, "%s %ld: x %.17g %.17g %.17g, v %.17g %.17g %.17g, spin %.17g %.17g %.17g\n", "against ",
+                (long)j, q.position.x, q.position.y, q.position.z, q.velocity.x, q.velocity.y, q.velocity.z, q.spin.x,
+                q.spin.y, q.spin.z);
     }
 }
 
@@ -134,7 +142,8 @@ static void compute_all(const call *c) {
     double shape[3];
     dem_mesh mesh;
     dem_draw_size(&sizes, &random);
-    dem_restitution_of(dem_damping_ratio(x, DEM_CLIPPED), DEM_NAIVE), dem_contact_time(y, z, x, c->pick[0] % 2 ? DEM_NAIVE : DEM_CLIPPED);
+    dem_restitution_of(dem_damping_ratio(x, DEM_CLIPPED), DEM_NAIVE),
+        dem_contact_time(y, z, x, c->pick[0] % 2 ? DEM_NAIVE : DEM_CLIPPED);
     dem_hertz_contact_time(1e7 * y, z, x, y), dem_shape_of_drag(x, y, z, shape);
     dem_ball_in_box(z, dem_vec3(-x, -y, -z), vector(c, 3, 1.0));
     dem_status_text((dem_status)(c->pick[0] % 40 - 2));
@@ -156,11 +165,14 @@ static void read_all(const side *s, const call *c) {
     double bins[BINS], of_group[CELLS], of_all[CELLS], entered[4], stayed[4] = {0.0, 0.0, 0.0, 0.0};
     for (int k = 0; k < 4; k++) entered[k] = (double)NAN;
     for (ptrdiff_t i = -1; i <= w->count; i++) {
-        dem_position(w, i), dem_velocity(w, i), dem_spin(w, i), dem_orientation(w, i), dem_radius(w, i), dem_mass(w, i), dem_get_body(w, i);
-        dem_get_shape(w, dem_shape_of(w, i)), dem_wall_acts(w, c->pick[2] % 4, i), dem_get_fixed_force(w, i, &at, &at, &at);
+        dem_position(w, i), dem_velocity(w, i), dem_spin(w, i), dem_orientation(w, i), dem_radius(w, i), dem_mass(w, i),
+            dem_get_body(w, i);
+        dem_get_shape(w, dem_shape_of(w, i)), dem_wall_acts(w, c->pick[2] % 4, i),
+            dem_get_fixed_force(w, i, &at, &at, &at);
     }
     compute_all(c), dem_check_def(&w->def, NULL);
-    dem_core_overlaps(w), dem_core_overlap_steps(w), dem_gas_velocity(&s->gas, region.low, w->time), dem_gas_porosity(w, &s->gas, of_all);
+    dem_core_overlaps(w), dem_core_overlap_steps(w), dem_gas_velocity(&s->gas, region.low, w->time),
+        dem_gas_porosity(w, &s->gas, of_all);
     dem_region_volume(&region), dem_region_holds(&region, region.low), dem_hash(w), dem_build_is_deterministic();
     for (ptrdiff_t k = -1; k <= dem_contact_count(w); k++) dem_get_contact(w, k);
     for (ptrdiff_t k = -1; k <= dem_link_count(w); k++) dem_get_link(w, k);
@@ -171,7 +183,8 @@ static void read_all(const side *s, const call *c) {
     cells.low.x = number(c, 10, -HALF, 0.0), cells.width[1] = number(c, 11, 0.0, 1e-3);
     dem_coarse_grain(w, &cells, field);
     dem_count_in_cells(w, &cells, 0, of_group, of_all);
-    dem_histogram(w, c->pick[1] % 2 ? DEM_CONTACT_FORCE : DEM_CONTACT_OVERLAP, 0.0, number(c, 12, 1e-4, 1e-2), BINS, bins);
+    dem_histogram(w, c->pick[1] % 2 ? DEM_CONTACT_FORCE : DEM_CONTACT_OVERLAP, 0.0, number(c, 12, 1e-4, 1e-2), BINS,
+                  bins);
     dem_residence(w, &region, 4, entered, stayed);
     dem_mixing_of(CELLS, of_group, of_all);
 }
@@ -225,7 +238,8 @@ static void begin(side *s, const dem_def *def, int skip, int threads, int backwa
     FUZZ_HOLDS(dem_init(&s->w, &own, NULL) == DEM_OK);
     if (bodies > 1) {
         dem_convex brick;
-        FUZZ_HOLDS(dem_make_brick(&brick, dem_vec3(2e-3, 2e-3, 4e-3), 0.05, NULL) == DEM_OK && dem_add_shape(&s->w, &brick) == 0);
+        FUZZ_HOLDS(dem_make_brick(&brick, dem_vec3(2e-3, 2e-3, 4e-3), 0.05, NULL) == DEM_OK &&
+                   dem_add_shape(&s->w, &brick) == 0);
     }
     set_threads(s);
 }
@@ -265,7 +279,8 @@ static void forge_number(fuzz_draws *d, unsigned char *at, int width) {
     static const int64_t odd[] = {0,  1,           2,          -1,     3,      31,      32,     100,
                                   -2, -2147483648, 2147483647, 65536, 1 << 29, INT64_MAX, INT64_MIN, 1000000000000};
     uint64_t bits = (uint64_t)odd[fuzz_one_of(d, (int)(sizeof odd / sizeof *odd))];
-    const double number = fuzz_one_of(d, 3) ? fuzz_hostile_number(d) : (fuzz_uniform(d) - 0.5) * (fuzz_one_of(d, 2) ? 1e9 : 1e-3);
+    const double number =
+        fuzz_one_of(d, 3) ? fuzz_hostile_number(d) : (fuzz_uniform(d) - 0.5) * (fuzz_one_of(d, 2) ? 1e9 : 1e-3);
     if (width == 8 && fuzz_one_of(d, 4)) memcpy(&bits, &number, sizeof bits);
     for (int k = 0; k < width; k++) at[k] = (unsigned char)(bits >> (8 * k));
 }
@@ -312,7 +327,8 @@ static void load_forged(const side *of, const call *c, int times) {
         if (status == DEM_OK) {
             set_threads(&s);
             for (int q = 0; q < s.w.walls; q++) {
-                if (s.w.wall[q].asked.drive == DEM_PRESCRIBED) dem_prescribe(&s.w, q, s.w.wall[q].asked.spin_centre, swing, NULL);
+                if (s.w.wall[q].asked.drive == DEM_PRESCRIBED)
+                    dem_prescribe(&s.w, q, s.w.wall[q].asked.spin_centre, swing, NULL);
             }
             if (s.field.kernel) hand_over_field(&s);
             if (s.links) dem_set_links(&s.w, &spring_kernel, s.interval, s.near);
@@ -328,8 +344,8 @@ static void load_forged(const side *of, const call *c, int times) {
 
 /* ---- energy and memory ---- */
 
-/* Is the ledger to be judged? Overlaps and speeds are moderate, the step is short enough, and nobody comes out of a wall on the other
-   side of a periodic box. */
+/* Is the ledger to be judged? Overlaps and speeds are moderate, the step is short enough, and nobody comes out of a
+   wall on the other side of a periodic box. */
 static int is_tame(const dem_world *w, int features) {
     if (!(w->def.dt <= dem_advise(w, features, FAST).advised)) return 0;
     for (int a = 0; a < 3; a++) {
@@ -340,14 +356,16 @@ static int is_tame(const dem_world *w, int features) {
     }
     for (ptrdiff_t k = 0; k < dem_contact_count(w); k++) {
         const dem_contact_info c = dem_get_contact(w, k);
-        const double r = dem__touching_radius(w, c.i), other = c.j >= 0 ? dem__touching_radius(w, c.j) : r, least = other < r ? other : r;
+        const double r = dem__touching_radius(w, c.i), other = c.j >= 0 ? dem__touching_radius(w, c.j) : r,
+                     least = other < r ? other : r;
         if (!(-c.gap < DEEP * least)) return 0;
     }
     return 1;
 }
 static double moved(const dem_energy_ledger *l) {
-    return l->kinetic + l->rotational + l->elastic + fabs(l->normal_loss) + fabs(l->sliding_loss) + fabs(l->rolling_loss) +
-           fabs(l->wall_work) + fabs(l->external_work) + fabs(l->link_work) + fabs(l->added) + fabs(l->removed) + l->released;
+    return l->kinetic + l->rotational + l->elastic + fabs(l->normal_loss) + fabs(l->sliding_loss) +
+           fabs(l->rolling_loss) + fabs(l->wall_work) + fabs(l->external_work) + fabs(l->link_work) + fabs(l->added) +
+           fabs(l->removed) + l->released;
 }
 static void energies_are_numbers(const dem_energy_ledger *l) {
     const double *sum = &l->kinetic;
@@ -358,14 +376,16 @@ static void ledger_closes(const dem_energy_ledger *before, const dem_energy_ledg
     FUZZ_HOLDS(error <= LEDGER_TOLERANCE * scale);
 }
 
-/* Bytes that so many spheres (80 more if some are fixed), walls and threads need at most: see Memory in the manual of dem.h. Spheres of
-   these sizes have at most 12 near pairs and 8 contacts each that begin apart; where they lie on one point each has all others. */
+/* Bytes that so many spheres (80 more if some are fixed), walls and threads need at most: see Memory in the manual of
+   dem.h. Spheres of these sizes have at most 12 near pairs and 8 contacts each that begin apart; where they lie on one
+   point each has all others. */
 typedef struct peaks {
     ptrdiff_t spheres, walls, pairs, contacts, links, passed;
 } peaks;
 static void note_peaks(peaks *p, const dem_world *w) {
 #define NOTE(field, value) p->field = (value) > p->field ? (value) : p->field
-    NOTE(spheres, w->count), NOTE(walls, w->walls), NOTE(contacts, dem_contact_count(w)), NOTE(links, dem_link_count(w));
+    NOTE(spheres, w->count), NOTE(walls, w->walls), NOTE(contacts, dem_contact_count(w)),
+        NOTE(links, dem_link_count(w));
     NOTE(pairs, w->engine->pairs.count), NOTE(passed, w->passed_count);
 #undef NOTE
 }
@@ -412,7 +432,8 @@ static int has_failed(dem_status s) { return s == DEM_NOT_FINITE || s == DEM_TOO
 
 static void try_call(program *p, fuzz_draws *d, const call *c) {
     side *a = &p->a, *b = &p->b;
-    const int runs = c->kind == RUN || c->kind == RUN_LAW, short_of_memory = fuzz_one_of(d, 20) == 0, fail_at = fuzz_one_of(d, 6);
+    const int runs = c->kind == RUN || c->kind == RUN_LAW, short_of_memory = fuzz_one_of(d, 20) == 0,
+              fail_at = fuzz_one_of(d, 6);
     const uint64_t before = digest(&a->w);
     const int needed = must_succeed(a, c, p->extreme);
     int tame = 0;
@@ -422,16 +443,19 @@ static void try_call(program *p, fuzz_draws *d, const call *c) {
         p->over = has_failed(first) || has_failed(second);
         if (p->over) return;
         FUZZ_HOLDS(first == second);
-        tame = first == DEM_OK && c->kind == RUN && (features_of(c) & DEM_ENERGY) && !p->extreme && is_tame(&a->w, features_of(c));
+        tame = first == DEM_OK && c->kind == RUN && (features_of(c) & DEM_ENERGY) && !p->extreme &&
+               is_tame(&a->w, features_of(c));
     }
     const dem_energy_ledger energy = dem_energy(&a->w);
-    const dem_status of_a = apply_call(a, c), of_b = short_of_memory && !runs ? apply_short_of_memory(b, c, fail_at) : apply_call(b, c);
+    const dem_status of_a = apply_call(a, c),
+                     of_b = short_of_memory && !runs ? apply_short_of_memory(b, c, fail_at) : apply_call(b, c);
     if (fuzz_traces) {
-        fprintf(stderr, "call %2d odd %2d %g: a %d, b %d; %ld spheres, %d walls, step %lld\n", c->kind, c->odd, c->value, of_a, of_b,
-                (long)a->w.count, a->w.walls, (long long)a->w.step);
+        fprintf(stderr, "call %2d odd %2d %g: a %d, b %d; %ld spheres, %d walls, step %lld\n", c->kind, c->odd,
+                c->value, of_a, of_b, (long)a->w.count, a->w.walls, (long long)a->w.step);
     }
     FUZZ_HOLDS(is_documented(c, of_a, 0) && is_documented(c, of_b, 0));
-    p->over = has_failed(of_a) || has_failed(of_b); /* how soon it is noticed that a sphere is too fast depends on the lists */
+    /* How soon it is noticed that a sphere is too fast depends on the lists. */
+    p->over = has_failed(of_a) || has_failed(of_b);
     if (p->over) return;
     FUZZ_HOLDS(of_a == of_b);
     FUZZ_HOLDS(of_a == DEM_OK || !needed);
@@ -461,18 +485,22 @@ static uint64_t run_program(fuzz_draws *d) {
     uint64_t hash = 0xcbf29ce484222325u;
     memset(&p, 0, sizeof p);
     const dem_def def = draw_def(d);
-    const int kinds = fuzz_seed >= FIRST_WITH_FIXED || d->bytes ? CALLS : fuzz_seed >= FIRST_WITH_BODIES ? MIDDLE_CALLS : OLD_CALLS;
-    const int bodies = kinds == OLD_CALLS ? 0 : d->bytes || (kinds == CALLS && fuzz_seed % 3 == 2) ? 2 : 1; /* a third feeds polyhedra */
+    const int kinds = fuzz_seed >= FIRST_WITH_FIXED || d->bytes ? CALLS
+                      : fuzz_seed >= FIRST_WITH_BODIES          ? MIDDLE_CALLS
+                                                                : OLD_CALLS;
+    /* a third feeds polyhedra */
+    const int bodies = kinds == OLD_CALLS ? 0 : d->bytes || (kinds == CALLS && fuzz_seed % 3 == 2) ? 2 : 1;
     begin(&p.a, &def, DEM_SKIP_ALL, 1, 0, bodies);
-    const int threads = 1 + fuzz_one_of(d, 3), skip = fuzz_one_of(d, DEM_SKIP_ALL + 1); /* a call draws its arguments in any order */
+    /* a call draws its arguments in any order */
+    const int threads = 1 + fuzz_one_of(d, 3), skip = fuzz_one_of(d, DEM_SKIP_ALL + 1);
     begin(&p.b, &def, skip, threads, 1, bodies);
     const int lasts = fuzz_one_of(d, 1000) == 0; /* many calls, legal ones, and short runs: does memory grow? */
     for (int calls = lasts ? 10000 : 8 + fuzz_one_of(d, 24); calls > 0; calls--) {
         const int kind = draw_kind(d, kinds), hostile = fuzz_one_of(d, 10) == 0 && !lasts;
         call c = draw_call(d, kind, hostile);
         c.most_steps = lasts ? 10 : 1500;
-        const int grows =
-            kind == ADD_SPHERES || kind == ADD_CLUMPS || kind == ADD_CONVEX || kind == FILL_IN_MESH || (kind >= FILL && kind <= FEED_MASS);
+        const int grows = kind == ADD_SPHERES || kind == ADD_CLUMPS || kind == ADD_CONVEX || kind == FILL_IN_MESH ||
+                          (kind >= FILL && kind <= FEED_MASS);
         if (grows && spheres_present(&p.a.w) > MOST_SPHERES) continue;
         try_call(&p, d, &c);
         if (fuzz_one_of(d, 6) == 0) readers_change_nothing(&p.a, &c);
@@ -487,6 +515,6 @@ static uint64_t run_program(fuzz_draws *d) {
     return hash;
 }
 
-FUZZ_PROGRAMS(100, FIRST_WITH_BODIES, 1843, 8785, 11667, 18402, 30776, 100371, 100547, 100889, 105725, 109151, 112296, 112838, 113162,
-              113956, 116184, 118699, 123140, 127298, 128703, 131164, 132917, 134508, 135463, 136227, 138284, 200082, 206089, 209162,
-              220493)
+FUZZ_PROGRAMS(100, FIRST_WITH_BODIES, 1843, 8785, 11667, 18402, 30776, 100371, 100547, 100889, 105725, 109151, 112296,
+              112838, 113162, 113956, 116184, 118699, 123140, 127298, 128703, 131164, 132917, 134508, 135463, 136227,
+              138284, 200082, 206089, 209162, 220493)

@@ -1,8 +1,8 @@
-/* Any program of public calls of filtration.h: a small box of fluid with solids and moving spheres; the filtration equation with any
-   numbers. Two fluids get the same calls; one of them shares its tasks otherwise, skips nothing, runs out of memory now and then, and is
-   thrown away for what the other saves. What must hold: both answer the same, with a status that the call documents, and end with the same
-   bits; a refused call changes nothing; the mass of the liquid is kept, or made right by filtration_fluid_keep_mass; readers give numbers;
-   nothing is left in memory. */
+/* Any program of public calls of filtration.h: a small box of fluid with solids and moving spheres; the filtration
+   equation with any numbers. Two fluids get the same calls; one of them shares its tasks otherwise, skips nothing, runs
+   out of memory now and then, and is thrown away for what the other saves. What must hold: both answer the same, with a
+   status that the call documents, and end with the same bits; a refused call changes nothing; the mass of the liquid is
+   kept, or made right by filtration_fluid_keep_mass; readers give numbers; nothing is left in memory. */
 #include "../failing_allocator.h"
 #include "filtration.h"
 #include "programs.h"
@@ -13,7 +13,9 @@ typedef struct call {
     double u[NUMBERS], value;
 } call;
 
-static double number(const call *c, int k, double low, double high) { return c->odd == k ? c->value : low + (high - low) * c->u[k]; }
+static double number(const call *c, int k, double low, double high) {
+    return c->odd == k ? c->value : low + (high - low) * c->u[k];
+}
 static call draw_call(fuzz_draws *d, int kinds, int odds) {
     call c;
     c.kind = fuzz_one_of(d, kinds), c.pick = fuzz_one_of(d, 1 << 20);
@@ -76,7 +78,8 @@ static filtration_fluid_def draw_def(const call *c, const call *f) {
     filtration_fluid_def def = filtration_fluid_default_def();
     for (int a = 0; a < 3; a++) def.nodes[a] = 4 + (int)(8.0 * f->u[a]);
     if (c->odd == 15) def.nodes[c->pick % 3] = c->pick % 2 ? 0 : -3;
-    def.voxel = number(c, 0, 1e-6, 1e-5), def.density = number(c, 1, 800.0, 1200.0), def.viscosity = number(c, 2, 5e-4, 2e-3);
+    def.voxel = number(c, 0, 1e-6, 1e-5), def.density = number(c, 1, 800.0, 1200.0),
+    def.viscosity = number(c, 2, 5e-4, 2e-3);
     def.tau = number(c, 3, 0.55, 1.5), def.bulk_ratio = c->pick % 3 ? 2.0 / 3.0 : number(c, 4, 0.0, 5.0);
     def.magic = c->pick % 5 ? number(c, 5, 0.1, 0.3) : HUGE_VAL;
     def.lattice = c->pick / 2 % 4 ? FILTRATION_D3Q19 : FILTRATION_D3Q15;
@@ -87,7 +90,9 @@ static filtration_fluid_def draw_def(const call *c, const call *f) {
         const int kind = (int)(6.0 * f->u[3 + a]);
         if (kind == 1) def.face[2 * a] = def.face[2 * a + 1] = FILTRATION_WALL;
         if (kind == 2) def.face[2 * a] = FILTRATION_SYMMETRY, def.face[2 * a + 1] = FILTRATION_WALL;
-        if (kind == 3) def.face[2 * a] = def.face[2 * a + 1] = FILTRATION_PRESSURE, def.face_pressure[2 * a] = number(f, 6, 0.0, 5.0);
+        if (kind == 3)
+            def.face[2 * a] = def.face[2 * a + 1] = FILTRATION_PRESSURE,
+                         def.face_pressure[2 * a] = number(f, 6, 0.0, 5.0);
         if (kind == 3 && f->pick % 2) def.face[2 * a + 1] = FILTRATION_OUTLET;
         def.body_force[a] = f->u[9 + a] < 0.3 ? number(c, 6 + a, -1e4, 1e4) : 0.0;
     }
@@ -95,9 +100,11 @@ static filtration_fluid_def draw_def(const call *c, const call *f) {
     return def;
 }
 
-static filtration_solid draw_solid(solids *s, const filtration_fluid_def *def, const call *c, const filtration_memory *memory) {
+static filtration_solid draw_solid(solids *s, const filtration_fluid_def *def, const call *c,
+                                   const filtration_memory *memory) {
     const double box[3] = {def->nodes[0] * def->voxel, def->nodes[1] * def->voxel, def->nodes[2] * def->voxel};
-    const int periodic[3] = {def->face[0] == FILTRATION_PERIODIC, def->face[2] == FILTRATION_PERIODIC, def->face[4] == FILTRATION_PERIODIC};
+    const int periodic[3] = {def->face[0] == FILTRATION_PERIODIC, def->face[2] == FILTRATION_PERIODIC,
+                             def->face[4] == FILTRATION_PERIODIC};
     filtration_solid none;
     memset(&none, 0, sizeof none);
     switch (c->pick % 6) {
@@ -109,13 +116,14 @@ static filtration_solid draw_solid(solids *s, const filtration_fluid_def *def, c
     case 1:
         for (int k = 0; k < 9; k++) s->a[k] = c->u[k] * box[k % 3], s->b[k] = c->u[k + 3] * box[k % 3];
         for (int k = 0; k < 3; k++) s->radius[k] = number(c, 12 + k, 0.05, 0.3) * box[0];
-        if (filtration_bed_init(&s->bed, 3, s->a, c->pick / 8 % 2 ? s->b : NULL, s->radius, box, periodic, 0.5 * box[0], memory) !=
-            FILTRATION_OK)
+        if (filtration_bed_init(&s->bed, 3, s->a, c->pick / 8 % 2 ? s->b : NULL, s->radius, box, periodic, 0.5 * box[0],
+                                memory) != FILTRATION_OK)
             return none;
         return filtration_bed_solid(&s->bed);
     case 2:
         for (int k = 0; k < 64; k++) s->cubes[k] = (unsigned char)(c->pick >> k % 20 & k % 3 & 1);
-        s->image.n[0] = s->image.n[1] = s->image.n[2] = 4, s->image.edge = number(c, 0, 0.1, 0.3) * box[0], s->image.reach = 2;
+        s->image.n[0] = s->image.n[1] = s->image.n[2] = 4, s->image.edge = number(c, 0, 0.1, 0.3) * box[0],
+        s->image.reach = 2;
         memcpy(s->image.periodic, periodic, sizeof periodic);
         s->image.solid = s->cubes;
         return filtration_image_check(&s->image) == FILTRATION_OK ? filtration_image_solid(&s->image) : none;
@@ -126,22 +134,26 @@ static filtration_solid draw_solid(solids *s, const filtration_fluid_def *def, c
 static uint64_t digest(const side *s) {
     uint64_t hash = 0xcbf29ce484222325u;
     const filtration_fluid *f = &s->fluid;
-    fuzz_mix_bits(&hash, (uint64_t)f->steps), fuzz_mix_number(&hash, f->time), fuzz_mix_number(&hash, f->mass_correction);
+    fuzz_mix_bits(&hash, (uint64_t)f->steps), fuzz_mix_number(&hash, f->time),
+        fuzz_mix_number(&hash, f->mass_correction);
     for (int z = 0; z < f->def.nodes[2]; z++)
         for (int y = 0; y < f->def.nodes[1]; y++)
             for (int x = 0; x < f->def.nodes[0]; x++) {
                 filtration_sample p;
                 FUZZ_HOLDS(filtration_fluid_at(f, x, y, z, &p) == FILTRATION_OK);
-                mix(&hash, p.velocity, 3), fuzz_mix_number(&hash, p.pressure), fuzz_mix_bits(&hash, (uint64_t)(int64_t)p.owner);
+                mix(&hash, p.velocity, 3), fuzz_mix_number(&hash, p.pressure),
+                    fuzz_mix_bits(&hash, (uint64_t)(int64_t)p.owner);
             }
-    mix(&hash, s->centre, 3 * s->spheres.n), mix(&hash, s->velocity, 3 * s->spheres.n), mix(&hash, s->spin, 3 * s->spheres.n);
+    mix(&hash, s->centre, 3 * s->spheres.n), mix(&hash, s->velocity, 3 * s->spheres.n),
+        mix(&hash, s->spin, 3 * s->spheres.n);
     mix(&hash, s->force, 3 * s->spheres.n), mix(&hash, s->torque, 3 * s->spheres.n);
     return hash;
 }
 
 static void flow(void *user, const double point[3], double velocity[3], double *pressure) {
     const call *c = (const call *)user;
-    for (int a = 0; a < 3; a++) velocity[a] = number(c, a, -1e-3, 1e-3) * riddle_sin(number(c, 3, 1e4, 1e6) * point[(a + 1) % 3]);
+    for (int a = 0; a < 3; a++)
+        velocity[a] = number(c, a, -1e-3, 1e-3) * riddle_sin(number(c, 3, 1e4, 1e6) * point[(a + 1) % 3]);
     *pressure = number(c, 4, -1.0, 1.0);
 }
 
@@ -190,21 +202,26 @@ static filtration_status apply(side *s, const call *c) {
     case STEP: return filtration_fluid_step(f, c->pick % 4 ? &s->spheres : NULL);
     case RUN: return filtration_fluid_run(f, c->odd == 15 ? -1 : c->pick % 6, &s->spheres);
     case MOVE:
-        motion.density = number(c, 0, 1100.0, 3000.0), motion.modulus = number(c, 1, 1e6, 1e7), motion.restitution = number(c, 2, 0.2, 1.0);
-        motion.friction = number(c, 3, 0.0, 1.0), motion.sub_steps = 1 + c->pick % 4, motion.lubrication = c->pick / 4 % 2;
-        motion.least_gap = number(c, 4, 1e-3, 1e-2), motion.spin = c->pick / 8 % 2, motion.fixed_axes[c->pick % 3] = c->pick / 16 % 2;
+        motion.density = number(c, 0, 1100.0, 3000.0), motion.modulus = number(c, 1, 1e6, 1e7),
+        motion.restitution = number(c, 2, 0.2, 1.0);
+        motion.friction = number(c, 3, 0.0, 1.0), motion.sub_steps = 1 + c->pick % 4,
+        motion.lubrication = c->pick / 4 % 2;
+        motion.least_gap = number(c, 4, 1e-3, 1e-2), motion.spin = c->pick / 8 % 2,
+        motion.fixed_axes[c->pick % 3] = c->pick / 16 % 2;
         for (int a = 0; a < 3; a++) motion.gravity[a] = number(c, 5 + a, -10.0, 10.0);
         return filtration_move(&motion, f, &s->spheres, c->odd == 9 ? c->value : 1.0, c->pick % 2 ? contact : NULL);
     case ADD_SPHERE: return add_sphere(s, c);
     case PUSH_SPHERE:
-        for (int a = 0; a < 3 && i >= 0; a++) s->velocity[3 * i + a] = slow[a], s->spin[3 * i + a] = number(c, 3 + a, -100.0, 100.0);
+        for (int a = 0; a < 3 && i >= 0; a++)
+            s->velocity[3 * i + a] = slow[a], s->spin[3 * i + a] = number(c, 3 + a, -100.0, 100.0);
         return FILTRATION_OK;
     case DROP_SPHERE:
         if (i >= 0) s->radius[i] = c->odd >= 0 ? c->value : 0.0;
         return FILTRATION_OK;
     case SET_TAU: return filtration_fluid_set_tau(f, number(c, 0, 0.55, 1.5));
     case SET_FORCE: return filtration_fluid_set_body_force(f, three);
-    case SET_PRESSURE: return filtration_fluid_set_face_pressure(f, c->odd == 3 ? 99 : c->pick % 6, number(c, 0, -5.0, 5.0));
+    case SET_PRESSURE:
+        return filtration_fluid_set_face_pressure(f, c->odd == 3 ? 99 : c->pick % 6, number(c, 0, -5.0, 5.0));
     case SET_VELOCITY: return filtration_fluid_set_face_velocity(f, c->odd == 3 ? -1 : c->pick % 6, slow);
     case SET_FLOW: return filtration_fluid_set_flow(f, c->odd == 15 ? NULL : flow, &own);
     case KEEP_MASS: return filtration_fluid_keep_mass(f);
@@ -240,17 +257,20 @@ static void read_all(const side *s, const call *c, int over) {
     double v[3], solid[3];
     filtration_fluid_mean_velocity(f, v), filtration_fluid_solid_force(f, solid);
     const double flux = filtration_fluid_flux(f, c->pick % 4 - 1, c->pick % 9 - 1);
-    const double sums = v[0] + v[1] + v[2] + solid[0] + solid[1] + solid[2] + filtration_fluid_mass(f) + filtration_fluid_max_speed(f);
+    const double sums =
+        v[0] + v[1] + v[2] + solid[0] + solid[1] + solid[2] + filtration_fluid_mass(f) + filtration_fluid_max_speed(f);
     FUZZ_HOLDS(over || is_finite(sums));
     FUZZ_HOLDS(filtration_fluid_porosity(f) >= 0.0 && filtration_fluid_porosity(f) <= 1.0);
-    FUZZ_HOLDS(filtration_fluid_at(f, -1, 0, 0, &sample) == FILTRATION_BAD_ARGUMENT && (is_finite(flux) || isnan(flux) || over));
+    FUZZ_HOLDS(filtration_fluid_at(f, -1, 0, 0, &sample) == FILTRATION_BAD_ARGUMENT &&
+               (is_finite(flux) || isnan(flux) || over));
     filtration_fluid_fields(f, NULL, NULL, NULL);
 }
 
 /* What the liquid's mass should be when its mean density is that of the definition [kg]. */
 static double right_mass(const filtration_fluid *f) {
     const filtration_fluid_def *d = &f->def;
-    return d->density * filtration_fluid_porosity(f) * d->nodes[0] * d->nodes[1] * d->nodes[2] * d->voxel * d->voxel * d->voxel;
+    return d->density * filtration_fluid_porosity(f) * d->nodes[0] * d->nodes[1] * d->nodes[2] * d->voxel * d->voxel *
+           d->voxel;
 }
 
 static uint64_t fluid(fuzz_draws *d) {
@@ -287,20 +307,22 @@ static uint64_t fluid(fuzz_draws *d) {
         const uint64_t before = digest(&s[0]);
         const double mass = filtration_fluid_mass(&s[0].fluid);
         const filtration_status a = apply(&s[0], &q);
-        s[1].memory.fail_at = fails ? s[1].memory.calls + fail_at : -1, s[1].memory.fail_count = 1, s[1].memory.has_failed = 0;
+        s[1].memory.fail_at = fails ? s[1].memory.calls + fail_at : -1, s[1].memory.fail_count = 1,
+        s[1].memory.has_failed = 0;
         filtration_status b = apply(&s[1], &q);
         s[1].memory.fail_at = -1;
         if (b == FILTRATION_NO_MEMORY && s[1].memory.has_failed) { /* it can be read and saved; go on from the other */
             read_all(&s[1], &q, 0);
             load_in_place(&s[1], &s[0]);
-            memcpy(s[1].centre, s[0].centre, sizeof s[0].centre), memcpy(s[1].velocity, s[0].velocity, sizeof s[0].velocity);
+            memcpy(s[1].centre, s[0].centre, sizeof s[0].centre),
+                memcpy(s[1].velocity, s[0].velocity, sizeof s[0].velocity);
             memcpy(s[1].spin, s[0].spin, sizeof s[0].spin), memcpy(s[1].force, s[0].force, sizeof s[0].force);
             memcpy(s[1].torque, s[0].torque, sizeof s[0].torque);
             b = a;
         }
         if (fuzz_traces)
-            fprintf(stderr, "call %2d odd %2d %g: a %d, b %d; %ld spheres, step %lld\n", q.kind, q.odd, q.value, a, b, (long)s[0].spheres.n,
-                    (long long)s[0].fluid.steps);
+            fprintf(stderr, "call %2d odd %2d %g: a %d, b %d; %ld spheres, step %lld\n", q.kind, q.odd, q.value, a, b,
+                    (long)s[0].spheres.n, (long long)s[0].fluid.steps);
         FUZZ_HOLDS(a == b && may_answer(&q, a));
         over = a == FILTRATION_DIVERGED || a == FILTRATION_TOO_FAST;
         extreme |= q.odd >= 0 && a == FILTRATION_OK;
@@ -309,11 +331,12 @@ static uint64_t fluid(fuzz_draws *d) {
         if (a == FILTRATION_BAD_ARGUMENT || a == FILTRATION_BAD_DEF) FUZZ_HOLDS(digest(&s[0]) == before);
         FUZZ_HOLDS(digest(&s[0]) == digest(&s[1]));
         /* interpolation at a solid loses a little, as the header says; half-way bounce-back does not */
-        int closed =
-            s[0].spheres.n == 0 && (q.kind == STEP || q.kind == RUN) && (!def.solid.distance || def.boundary == FILTRATION_HALF_WAY);
+        int closed = s[0].spheres.n == 0 && (q.kind == STEP || q.kind == RUN) &&
+                     (!def.solid.distance || def.boundary == FILTRATION_HALF_WAY);
         for (int k = 0; k < 6; k++) closed &= def.face[k] != FILTRATION_PRESSURE && def.face[k] != FILTRATION_OUTLET;
         if (closed && !extreme)
-            FUZZ_HOLDS(fabs(filtration_fluid_mass(&s[0].fluid) - mass) <= (def.precision == FILTRATION_FLOAT ? 1e-5 : 1e-10) * mass);
+            FUZZ_HOLDS(fabs(filtration_fluid_mass(&s[0].fluid) - mass) <=
+                       (def.precision == FILTRATION_FLOAT ? 1e-5 : 1e-10) * mass);
         if (q.kind == KEEP_MASS && a == FILTRATION_OK && !extreme)
             FUZZ_HOLDS(fabs(filtration_fluid_mass(&s[0].fluid) / right_mass(&s[0].fluid) - 1.0) <=
                            (def.precision == FILTRATION_FLOAT ? 1e-5 : 1e-9) ||
@@ -333,7 +356,8 @@ static uint64_t fluid(fuzz_draws *d) {
 /* ---- the filtration equation ---- */
 
 static void mix_estimate(uint64_t *hash, const filtration_estimate *e) {
-    fuzz_mix_number(hash, e->value), fuzz_mix_number(hash, e->error), fuzz_mix_number(hash, e->low), fuzz_mix_number(hash, e->high);
+    fuzz_mix_number(hash, e->value), fuzz_mix_number(hash, e->error), fuzz_mix_number(hash, e->low),
+        fuzz_mix_number(hash, e->high);
 }
 
 static uint64_t equation(fuzz_draws *d) {
@@ -356,7 +380,8 @@ static uint64_t equation(fuzz_draws *d) {
                                                   : filtration_at_time(&o, number(&c, 8, 0.0, 1e5), &point);
         FUZZ_HOLDS(status == FILTRATION_OK || status == FILTRATION_BAD_ARGUMENT || status == FILTRATION_NO_SOLUTION);
         FUZZ_HOLDS(sound || status == FILTRATION_BAD_ARGUMENT);
-        if (status == FILTRATION_OK && k > 0) FUZZ_HOLDS(is_finite(point.time) && point.volume >= 0.0 && point.time >= 0.0);
+        if (status == FILTRATION_OK && k > 0)
+            FUZZ_HOLDS(is_finite(point.time) && point.volume >= 0.0 && point.time >= 0.0);
         if (status == FILTRATION_OK) fuzz_mix_number(&hash, point.volume), fuzz_mix_number(&hash, point.time);
     }
     for (int k = 0; k < READINGS; k++) {
@@ -365,20 +390,24 @@ static uint64_t equation(fuzz_draws *d) {
     }
     if (q.odd == 0) time[q.pick % READINGS] = q.value;
     if (q.odd == 1) volume[q.pick % READINGS] = q.value;
-    def.pressure = number(&q, 2, 1e4, 1e5), def.viscosity = number(&q, 3, 5e-4, 2e-3), def.area = number(&q, 4, 1e-3, 1e-2);
+    def.pressure = number(&q, 2, 1e4, 1e5), def.viscosity = number(&q, 3, 5e-4, 2e-3),
+    def.area = number(&q, 4, 1e-3, 1e-2);
     def.cake_ratio = q.pick % 2 ? number(&q, 5, 0.01, 0.5) : (double)NAN, def.time_error = number(&q, 6, 0.0, 1.0),
     def.volume_error = number(&q, 7, 0.0, 1e-6);
-    def.first_volume = number(&q, 8, 0.0, 5e-4), def.last_volume = number(&q, 9, 1e-3, 2e-3), def.automatic = q.pick / 2 % 2;
-    def.confidence = number(&q, 10, 0.5, 0.99), def.bend_level = number(&q, 11, 0.01, 0.5), def.tolerance = number(&q, 12, 0.0, 0.01);
+    def.first_volume = number(&q, 8, 0.0, 5e-4), def.last_volume = number(&q, 9, 1e-3, 2e-3),
+    def.automatic = q.pick / 2 % 2;
+    def.confidence = number(&q, 10, 0.5, 0.99), def.bend_level = number(&q, 11, 0.01, 0.5),
+    def.tolerance = number(&q, 12, 0.0, 0.01);
     const filtration_status status = filtration_evaluate(&def, READINGS, time, volume, &curve);
     FUZZ_HOLDS(status != FILTRATION_NO_MEMORY && status < FILTRATION_NOT_STEADY);
     FUZZ_HOLDS((status == FILTRATION_BAD_DEF) == (filtration_curve_check_def(&def, NULL) != FILTRATION_OK));
     if (status == FILTRATION_OK) {
         FUZZ_HOLDS(is_finite(curve.slope.value) && is_finite(curve.intercept.value) && curve.used >= 3);
         mix_estimate(&hash, &curve.slope), mix_estimate(&hash, &curve.product), mix_estimate(&hash, &curve.medium);
-        const filtration_status predicted =
-            filtration_predict(&curve, number(&q, 13, 1e4, 1e5), number(&q, 14, 0.1, 1.0), number(&q, 15, 0.0, 0.9), 1.0, &estimate);
-        FUZZ_HOLDS(predicted == FILTRATION_OK || predicted == FILTRATION_BAD_ARGUMENT || predicted == FILTRATION_NO_SOLUTION);
+        const filtration_status predicted = filtration_predict(
+            &curve, number(&q, 13, 1e4, 1e5), number(&q, 14, 0.1, 1.0), number(&q, 15, 0.0, 0.9), 1.0, &estimate);
+        FUZZ_HOLDS(predicted == FILTRATION_OK || predicted == FILTRATION_BAD_ARGUMENT ||
+                   predicted == FILTRATION_NO_SOLUTION);
         if (predicted == FILTRATION_OK) mix_estimate(&hash, &estimate);
     }
     filtration_evaluate_clean(&def, READINGS, time, volume, number(&q, 9, 1e-4, 1e-3), &estimate);
@@ -391,9 +420,9 @@ static uint64_t equation(fuzz_draws *d) {
     }
     filtration_number_distribution(READINGS, volume, shares, shares);
     fuzz_mix_number(&hash, filtration_contact_sub_steps(NULL, 1.0, 1.0, 1.0));
-    fuzz_mix_number(&hash,
-                    filtration_lubrication_force(number(&c, 0, 1e-6, 1e-5), number(&c, 1, 1e-6, 1e-5), number(&c, 2, -1e-7, 1e-6),
-                                                 number(&c, 3, -1e-3, 1e-3), 1e-3, number(&c, 4, 1e-7, 1e-6), number(&c, 5, 1e-9, 1e-8)));
+    fuzz_mix_number(&hash, filtration_lubrication_force(number(&c, 0, 1e-6, 1e-5), number(&c, 1, 1e-6, 1e-5),
+                                                        number(&c, 2, -1e-7, 1e-6), number(&c, 3, -1e-3, 1e-3), 1e-3,
+                                                        number(&c, 4, 1e-7, 1e-6), number(&c, 5, 1e-9, 1e-8)));
     return hash;
 }
 

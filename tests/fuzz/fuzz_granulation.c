@@ -1,6 +1,7 @@
-/* Any program of public calls of granulation.h: a simulation, a population balance and a Monte Carlo, each twice with the same calls, the
-   second short of memory now and then. Both must answer the same, with a status that the call documents; refused calls change nothing; a
-   run that was stopped and taken up again ends with the same bits; volumes are those that came in; nothing is left in memory. */
+/* Any program of public calls of granulation.h: a simulation, a population balance and a Monte Carlo, each twice with
+   the same calls, the second short of memory now and then. Both must answer the same, with a status that the call
+   documents; refused calls change nothing; a run that was stopped and taken up again ends with the same bits; volumes
+   are those that came in; nothing is left in memory. */
 #include "../failing_allocator.h"
 #include "granulation.h"
 #include "programs.h"
@@ -11,7 +12,9 @@ typedef struct call {
     double u[NUMBERS], value;
 } call;
 
-static double number(const call *c, int k, double low, double high) { return c->odd == k ? c->value : low + (high - low) * c->u[k]; }
+static double number(const call *c, int k, double low, double high) {
+    return c->odd == k ? c->value : low + (high - low) * c->u[k];
+}
 static double decade(const call *c, int k, double low, double high) {
     return c->odd == k ? c->value : low * riddle_exp(riddle_log(high / low) * c->u[k]);
 }
@@ -43,8 +46,15 @@ static uint64_t sim_digest(const granulation_sim *s) {
     fuzz_mix_bits(&hash, (uint64_t)s->n), fuzz_mix_bits(&hash, (uint64_t)s->steps);
     fuzz_mix_number(&hash, s->time), fuzz_mix_number(&hash, s->owed);
     for (int i = 0; i < s->n; i++) {
-        const double of[] = {
-            s->x[i], s->y[i], s->z[i], s->vx[i], s->vy[i], s->vz[i], s->body[i].volumes.s, s->body[i].volumes.l, s->body[i].volumes.a};
+        const double of[] = {s->x[i],
+                             s->y[i],
+                             s->z[i],
+                             s->vx[i],
+                             s->vy[i],
+                             s->vz[i],
+                             s->body[i].volumes.s,
+                             s->body[i].volumes.l,
+                             s->body[i].volumes.a};
         for (size_t k = 0; k < sizeof of / sizeof *of; k++) fuzz_mix_number(&hash, of[k]);
     }
     return hash;
@@ -54,7 +64,8 @@ static granulation_def changed_def(const granulation_sim *s, const call *c) {
     granulation_def def = s->def;
     def.laws.viscosity = decade(c, 0, 1e-3, 1.0), def.laws.asperity_factor = number(c, 1, 0.01, 1.0);
     def.step = number(c, 2, 0.1, 2.0), def.dilation = decade(c, 3, 3e3, 1e5);
-    def.restitution = number(c, 4, 0.0, 1.0), def.stirring = number(c, 5, 0.0, 0.5), def.consolidation = number(c, 6, 0.0, 0.2);
+    def.restitution = number(c, 4, 0.0, 1.0), def.stirring = number(c, 5, 0.0, 0.5),
+    def.consolidation = number(c, 6, 0.0, 0.2);
     def.breakage = c->pick % 2, def.detection = (granulation_detection)(c->pick / 2 % 2);
     def.contact = (granulation_contact)(c->pick / 4 % 2), def.bounce = (granulation_bounce)(c->pick / 8 % 2);
     def.signs = (granulation_signs)(c->pick / 16 % 3), def.restitution_of_law = c->pick / 64 % 2;
@@ -65,7 +76,8 @@ static granulation_def changed_def(const granulation_sim *s, const call *c) {
 static granulation_status sim_call(granulation_sim *s, const call *c) {
     const granulation_granule g = granule(c);
     const granulation_granule many[3] = {g, g, g};
-    const double centre[3] = {number(c, 4, 0.0, s->def.box), number(c, 5, 0.0, s->def.box), number(c, 6, 0.0, s->def.box)};
+    const double centre[3] = {number(c, 4, 0.0, s->def.box), number(c, 5, 0.0, s->def.box),
+                              number(c, 6, 0.0, s->def.box)};
     const double velocity[3] = {number(c, 7, -3.0, 3.0), number(c, 8, -3.0, 3.0), number(c, 9, -3.0, 3.0)};
     const double deviation[3] = {number(c, 4, 0.0, 2.0), number(c, 5, 0.0, 2.0), number(c, 6, 0.0, 2.0)};
     granulation_def def = changed_def(s, c);
@@ -110,9 +122,10 @@ static void volumes_are_kept(const granulation_sim *s) {
                    s->z[i] < s->def.box);
 }
 
-/* The call with one allocation that fails; what was stopped is taken up again. *left: the rest of the last step is still to be done, which a
-   run of one step more does first. */
-static granulation_status short_of_memory(granulation_sim *s, failing_allocator *m, const call *c, int fail_at, int *left) {
+/* The call with one allocation that fails; what was stopped is taken up again. *left: the rest of the last step is
+   still to be done, which a run of one step more does first. */
+static granulation_status short_of_memory(granulation_sim *s, failing_allocator *m, const call *c, int fail_at,
+                                          int *left) {
     const int64_t steps = s->steps, asked = c->kind == RUN || c->kind == RUN_MORE ? 1 + c->pick % 4 : 0;
     const double time = s->time;
     m->fail_at = m->calls + fail_at, m->fail_count = 1;
@@ -142,12 +155,14 @@ static uint64_t simulate(fuzz_draws *d) {
         const int fails = fuzz_one_of(d, 8) == 0 && c.kind >= RUN, fail_at = fuzz_one_of(d, 4);
         int left = 0;
         const granulation_status a = sim_call(&side[0], &c),
-                                 b = fails ? short_of_memory(&side[1], &memory[1], &c, fail_at, &left) : sim_call(&side[1], &c);
+                                 b = fails ? short_of_memory(&side[1], &memory[1], &c, fail_at, &left)
+                                           : sim_call(&side[1], &c);
         if (fuzz_traces)
-            fprintf(stderr, "call %d odd %2d %g: a %d, b %d; %d granules, step %lld\n", c.kind, c.odd, c.value, a, b, side[0].n,
-                    (long long)side[0].steps);
+            fprintf(stderr, "call %d odd %2d %g: a %d, b %d; %d granules, step %lld\n", c.kind, c.odd, c.value, a, b,
+                    side[0].n, (long long)side[0].steps);
         if (a != b && left) break;                             /* side 0 has met the end of the step */
-        if (a == b && fails && a == GRANULATION_EVENTS) break; /* a step that is taken up again counts its events anew */
+        /* a step that is taken up again counts its events anew */
+        if (a == b && fails && a == GRANULATION_EVENTS) break;
         FUZZ_HOLDS(a == b && sim_may_answer(&c, a));
         if (a == GRANULATION_BAD_ARGUMENT || a == GRANULATION_BAD_DEF) FUZZ_HOLDS(sim_digest(&side[0]) == before);
         volumes_are_kept(&side[0]);
@@ -172,10 +187,11 @@ static double slow_breakage(const granulation_granule *g, const void *user) {
 }
 
 static granulation_kernel kernel_of(int k) {
-    static const granulation_kernel all[] = {granulation_constant_kernel,   granulation_sum_kernel,       granulation_product_kernel,
-                                             granulation_shear_kernel,      granulation_eke_kernel,       granulation_brownian_kernel,
-                                             granulation_kapur_kernel,      granulation_collision_kernel, granulation_cutoff_kernel,
-                                             granulation_saturation_kernel, granulation_class_kernel};
+    static const granulation_kernel all[] = {
+        granulation_constant_kernel,   granulation_sum_kernel,       granulation_product_kernel,
+        granulation_shear_kernel,      granulation_eke_kernel,       granulation_brownian_kernel,
+        granulation_kapur_kernel,      granulation_collision_kernel, granulation_cutoff_kernel,
+        granulation_saturation_kernel, granulation_class_kernel};
     return all[k % (int)(sizeof all / sizeof *all)];
 }
 
@@ -202,7 +218,8 @@ static uint64_t balance(fuzz_draws *d) {
     data.rate = decade(&of, 0, 1e-15, 1e-11), data.a = number(&of, 1, 0.0, 2.0), data.b = number(&of, 2, 0.0, 2.0),
     data.speed = number(&of, 3, 0.0, 3.0);
     data.laws = of.pick % 3 ? &laws : NULL, data.limit = of.pick % 5 ? HUGE_VAL : 2e-4;
-    def.kernel = kernel_of(of.pick), def.kernel_user = of.pick % 7 ? &data : NULL, def.kernel_changes = of.pick / 16 % 2;
+    def.kernel = kernel_of(of.pick), def.kernel_user = of.pick % 7 ? &data : NULL,
+    def.kernel_changes = of.pick / 16 % 2;
     def.scheme = (granulation_scheme)(of.pick / 32 % 2), def.daughters = (granulation_daughters)(of.pick / 64 % 3);
     const granulation_austin austin = {number(&of, 4, 0.0, 1.0), number(&of, 6, 0.5, 6.0), number(&of, 7, 0.5, 12.0)};
     def.breakage = of.pick % 11 ? granulation_austin_breakage : NULL, def.breakage_user = of.pick % 13 ? &austin : NULL;
@@ -213,9 +230,12 @@ static uint64_t balance(fuzz_draws *d) {
     def.memory.fn = failing_fn, def.memory.user = &memory;
     if (fuzz_one_of(d, 8) == 0) memory.fail_at = fuzz_one_of(d, 8), memory.fail_count = 1;
     const int two = fuzz_one_of(d, 4) == 0;
-    const granulation_status made = granulation_balance_init(&b, &def, CELLS, edges, NULL, two ? CELLS : 0, two ? edges : NULL, NULL);
-    FUZZ_HOLDS(made == GRANULATION_OK || (made == GRANULATION_NO_MEMORY && memory.has_failed) ||
-               ((made == GRANULATION_BAD_ARGUMENT || made == GRANULATION_BAD_DEF) && (of.odd >= 0 || two || !def.breakage)) || made == GRANULATION_KERNEL);
+    const granulation_status made =
+        granulation_balance_init(&b, &def, CELLS, edges, NULL, two ? CELLS : 0, two ? edges : NULL, NULL);
+    FUZZ_HOLDS(
+        made == GRANULATION_OK || (made == GRANULATION_NO_MEMORY && memory.has_failed) ||
+        ((made == GRANULATION_BAD_ARGUMENT || made == GRANULATION_BAD_DEF) && (of.odd >= 0 || two || !def.breakage)) ||
+        made == GRANULATION_KERNEL);
     memory.fail_at = -1;
     for (int calls = 3 + fuzz_one_of(d, 8); calls > 0 && made == GRANULATION_OK; calls--) {
         const call c = draw_call(d, 3);
@@ -253,20 +273,21 @@ static uint64_t monte_carlo(fuzz_draws *d) {
     uint64_t hash = 0xcbf29ce484222325u;
     const call of = draw_call(d, 1);
     for (int k = 0; k < SAMPLE; k++)
-        sample[k].s = decade(&of, k % NUMBERS, 1e-13, 1e-11), sample[k].l = 0.3 * sample[k].s, sample[k].a = 0.1 * sample[k].s;
+        sample[k].s = decade(&of, k % NUMBERS, 1e-13, 1e-11), sample[k].l = 0.3 * sample[k].s,
+        sample[k].a = 0.1 * sample[k].s;
     data.rate = 1e-13, data.a = data.b = data.speed = 1.0;
     failing_init(&memory);
     if (fuzz_one_of(d, 8) == 0) memory.fail_at = fuzz_one_of(d, 3), memory.fail_count = 1;
-    const granulation_status made =
-        granulation_montecarlo_init(&mc, sample, SAMPLE, decade(&of, 4, 1e-12, 1e-9), kernel_of(of.pick), &data, 7, &hook);
+    const granulation_status made = granulation_montecarlo_init(&mc, sample, SAMPLE, decade(&of, 4, 1e-12, 1e-9),
+                                                                kernel_of(of.pick), &data, 7, &hook);
     FUZZ_HOLDS(made == GRANULATION_OK || made == GRANULATION_BAD_ARGUMENT || made == GRANULATION_KERNEL ||
                (made == GRANULATION_NO_MEMORY && memory.has_failed));
     memory.fail_at = -1;
     if (made == GRANULATION_OK) {
         const double pairs = 0.5 * SAMPLE * SAMPLE * mc.bound / mc.volume,
                      time = pairs > 0.0 ? 2e3 / pairs : 1.0; /* a few thousand draws */
-        const granulation_status status =
-            granulation_montecarlo_run(&mc, of.odd == 5 && !(of.value < 1e6 && of.value > 0.0) ? of.value : number(&of, 6, 0.0, time));
+        const granulation_status status = granulation_montecarlo_run(
+            &mc, of.odd == 5 && !(of.value < 1e6 && of.value > 0.0) ? of.value : number(&of, 6, 0.0, time));
         FUZZ_HOLDS(status == GRANULATION_OK || status == GRANULATION_BAD_ARGUMENT || status == GRANULATION_KERNEL ||
                    status == GRANULATION_STEP);
         fuzz_mix_number(&hash, granulation_montecarlo_moment(&mc, 1.0)), fuzz_mix_number(&hash, mc.time);

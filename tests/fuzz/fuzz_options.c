@@ -1,4 +1,5 @@
-/* The command line: any words give values within what the table allows, or one line; the input is cut into words at newlines. */
+/* The command line: any words give values within what the table allows, or one line; the input is cut into words
+   at newlines. */
 #include "fuzz.h"
 
 #include <math.h>
@@ -35,7 +36,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     int status = options_parse(&self, options, 7, argc, argv, message, (int)sizeof message);
     FUZZ_ASSERT(status >= 0 && status <= 2);
     FUZZ_ASSERT((status == 2) == (message[0] != '\0') && !strchr(message, '\n') && strlen(message) < sizeof message);
-    FUZZ_ASSERT(run >= 1 && run <= 15 && time > 0.0 && time <= 1e4 && fabs(angle) <= 90.0 && law >= 0 && law <= 1 && *path && *self.out);
+    FUZZ_ASSERT(run >= 1 && run <= 15 && time > 0.0 && time <= 1e4 && fabs(angle) <= 90.0 && law >= 0 && law <= 1 &&
+                *path && *self.out);
     FUZZ_ASSERT(self.threads >= 1 && self.threads <= 4096);
     return 0;
 }

@@ -1,5 +1,5 @@
-/* Any scene: what is skipped, how many threads there are and a save in between change no bit of it. Scenes are drawn from the bytes:
-   walls of every kind in every motion, periodic axes, sizes, loads, links, and changes between runs. */
+/* Any scene: what is skipped, how many threads there are and a save in between change no bit of it. Scenes are drawn
+   from the bytes: walls of every kind in every motion, periodic axes, sizes, loads, links, and changes between runs. */
 #include "fuzz.h"
 
 #include "dem_scenes.h"
@@ -72,7 +72,8 @@ static dem_status draw_spheres(dem_world *w, scene_random *r, int count) {
     dem_feed feed = dem_default_feed();
     const double largest = scene_between(r, 3e-3, 9e-3);
     feed.region = dem_box_region(dem_vec3(-HALF, -HALF, -HALF), dem_vec3(HALF, HALF, HALF));
-    feed.sizes = one_of(r, 2) ? dem_one_size(largest) : dem_uniform_sizes(scene_between(r, 0.15, 0.9) * largest, largest, 0);
+    feed.sizes =
+        one_of(r, 2) ? dem_one_size(largest) : dem_uniform_sizes(scene_between(r, 0.15, 0.9) * largest, largest, 0);
     feed.material = one_of(r, 2);
     feed.scatter = dem_vec3(1.0, 1.0, 1.0);
     feed.velocity = scene_vector(r, 1.0);
@@ -154,7 +155,8 @@ static void reload(dem_world *w) {
     dem_free(w);
     *w = copy;
     for (int k = 0; k < w->walls; k++) {
-        if (w->wall[k].asked.drive == DEM_PRESCRIBED) FUZZ_ASSERT(dem_prescribe(w, k, w->wall[k].asked.spin_centre, swing, NULL) == DEM_OK);
+        if (w->wall[k].asked.drive == DEM_PRESCRIBED)
+            FUZZ_ASSERT(dem_prescribe(w, k, w->wall[k].asked.spin_centre, swing, NULL) == DEM_OK);
     }
     if (w->engine->links.interval > 0.0)
         FUZZ_ASSERT(dem_set_links(w, &spring_kernel, w->engine->links.interval, w->engine->links.near) == DEM_OK);
@@ -172,8 +174,8 @@ static int hashes_of(uint64_t seed, int skip, int threads, int saves, uint64_t *
     if (draw_scene(&w, &r, skip, threads) == DEM_OK) {
         if (one_of(&r, 3) == 0) draw_links(&w, &r, one_of(&r, 2) ? 0.0 : 2e-7);
         for (; k < RUNS; k++) {
-            const dem_status status =
-                dem_run(&w, scene_between(&r, 0.0, w.count - w.engine->bodies.dropped > 1000 ? 0.001 : 0.015), features);
+            const dem_status status = dem_run(
+                &w, scene_between(&r, 0.0, w.count - w.engine->bodies.dropped > 1000 ? 0.001 : 0.015), features);
             hash[k] = status == DEM_OK ? dem_hash(&w) : (uint64_t)status;
             if (status != DEM_OK) break;
             draw_change(&w, &r, &features);
@@ -187,7 +189,9 @@ static int hashes_of(uint64_t seed, int skip, int threads, int saves, uint64_t *
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     uint64_t seed = size, hash[2][RUNS + 1];
     for (size_t k = 0; k < size; k++) seed = (seed ^ bytes[k]) * 0x100000001b3u;
-    static const struct { int skip, threads, saves; } other[] = {{0, 1, 0}, {DEM_SKIP_SPACE, 2, 0}, {DEM_SKIP_ALL, 3, 1}};
+    static const struct {
+        int skip, threads, saves;
+    } other[] = {{0, 1, 0}, {DEM_SKIP_SPACE, 2, 0}, {DEM_SKIP_ALL, 3, 1}};
     const int runs = hashes_of(seed, DEM_SKIP_ALL, 1, 0, hash[0]);
     for (size_t k = 0; k < sizeof other / sizeof *other; k++) {
         FUZZ_ASSERT(hashes_of(seed, other[k].skip, other[k].threads, other[k].saves, hash[1]) == runs);

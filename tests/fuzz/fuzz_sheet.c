@@ -22,7 +22,8 @@ static void check_curve(const uint8_t *bytes, size_t size, const char *const *na
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     static const char *const names[4] = {"feed", "coarse", "fine", "feed_sd"};
-    sheet_column c[3] = {sheet_want("time", 'T', true), sheet_want("volume", 'V', true), sheet_want("share", '%', false)};
+    sheet_column c[3] = {sheet_want("time", 'T', true), sheet_want("volume", 'V', true),
+                         sheet_want("share", '%', false)};
     char message[160] = "";
     sheet s;
     check_curve(bytes, size, NULL, 1);

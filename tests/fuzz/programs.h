@@ -1,13 +1,14 @@
-/* programs.h: random programs of a header's public calls. A target draws its calls from bytes (libFuzzer, AFL, a file) or from a seed, and
-   asserts what must hold whatever they are. It defines
+/* programs.h: random programs of a header's public calls. A target draws its calls from bytes (libFuzzer, AFL, a file)
+   or from a seed, and asserts what must hold whatever they are. It defines
 
        static uint64_t run_program(fuzz_draws *draws);      // a number that depends on every bit of the results
 
-   and ends with FUZZ_PROGRAMS(count, other, seeds...); other: the first seed of another kind of programs, and half the first of a third one,
-   or 0; seeds: of programs that have found something, which is mended. As a plain program:
+   and ends with FUZZ_PROGRAMS(count, other, seeds...); other: the first seed of another kind of programs, and half the
+   first of a third one, or 0; seeds: of programs that have found something, which is mended. As a plain program:
 
        fuzz_dem                 `count` seeds of each kind, and `seeds`: the regression test
-       fuzz_dem FIRST COUNT     seeds FIRST .. FIRST + COUNT - 1; prints one hash of all, the same with gcc and clang and on every machine
+       fuzz_dem FIRST COUNT     seeds FIRST .. FIRST + COUNT - 1; prints one hash of all, the same with gcc and clang
+                                and on every machine
        fuzz_dem FILE...         the programs that these bytes spell
 
    With FUZZ_HASHES set it prints the hash of each program, with FUZZ_TRACE each call and what it answered.
@@ -43,9 +44,12 @@ static double fuzz_uniform(fuzz_draws *d) { return (double)(fuzz_bits(d) >> 11) 
 static int fuzz_one_of(fuzz_draws *d, int n) { return (int)(fuzz_uniform(d) * n); }
 
 /* Numbers that callers get wrong. */
-static const double fuzz_hostile[] = {NAN,     INFINITY, -INFINITY, DBL_MAX, -DBL_MAX, 1e200,  -1e200, 1e80, -1e30, 1e30, 1e10,
-                                      DBL_MIN, 5e-324,   -5e-324,   1e-200,  1e-30,    1e-300, -1.0,   0.0,  1.0,   -0.0, 2147483648.0};
-static double fuzz_hostile_number(fuzz_draws *d) { return fuzz_hostile[fuzz_one_of(d, (int)(sizeof fuzz_hostile / sizeof *fuzz_hostile))]; }
+static const double fuzz_hostile[] = {NAN,    INFINITY, -INFINITY, DBL_MAX, -DBL_MAX, 1e200,       -1e200, 1e80,
+                                      -1e30,  1e30,     1e10,      DBL_MIN, 5e-324,   -5e-324,     1e-200, 1e-30,
+                                      1e-300, -1.0,     0.0,       1.0,     -0.0,     2147483648.0};
+static double fuzz_hostile_number(fuzz_draws *d) {
+    return fuzz_hostile[fuzz_one_of(d, (int)(sizeof fuzz_hostile / sizeof *fuzz_hostile))];
+}
 
 /* FNV-1a over the bits of a number; NaN is one number. */
 static void fuzz_mix_bits(uint64_t *hash, uint64_t bits) {
@@ -73,12 +77,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
     return 0;
 }
 
-#define FUZZ_HOLDS(condition)                                                                                                              \
-    do {                                                                                                                                   \
-        if (!(condition)) {                                                                                                                \
-            fprintf(stderr, "%s:%d: seed %llu: %s\n", __FILE__, __LINE__, (unsigned long long)fuzz_seed, #condition);                      \
-            abort();                                                                                                                       \
-        }                                                                                                                                  \
+#define FUZZ_HOLDS(condition)                                                                                          \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            fprintf(stderr, "%s:%d: seed %llu: %s\n", __FILE__, __LINE__, (unsigned long long)fuzz_seed, #condition);  \
+            abort();                                                                                                   \
+        }                                                                                                              \
     } while (0)
 
 #ifdef FUZZ_LIBRARY
@@ -96,16 +100,17 @@ static int fuzz_programs_main(int argc, char **argv, const uint64_t *seeds, size
         fuzz_mix_bits(&hash, of);
         if (tells) printf("%llu %016llx\n", (unsigned long long)k, (unsigned long long)of);
     }
-    for (uint64_t k = 0; argc < 2 && seeds[1] > 0 && k < 2 * count; k++) fuzz_run_seed((1 + k / count) * seeds[1] + k % count);
+    for (uint64_t k = 0; argc < 2 && seeds[1] > 0 && k < 2 * count; k++)
+        fuzz_run_seed((1 + k / count) * seeds[1] + k % count);
     for (size_t k = 2; argc < 2 && k < n; k++) fuzz_run_seed(seeds[k]);
-    printf("%llu programs from seed %llu: hash %016llx\n[  PASSED  ] 1 test(s).\n", (unsigned long long)count, (unsigned long long)first,
-           (unsigned long long)hash);
+    printf("%llu programs from seed %llu: hash %016llx\n[  PASSED  ] 1 test(s).\n", (unsigned long long)count,
+           (unsigned long long)first, (unsigned long long)hash);
     return 0;
 }
-#define FUZZ_PROGRAMS(...)                                                                                                                 \
-    int main(int argc, char **argv) {                                                                                                      \
-        static const uint64_t seeds[] = {__VA_ARGS__};                                                                                     \
-        return fuzz_programs_main(argc, argv, seeds, sizeof seeds / sizeof *seeds);                                                        \
+#define FUZZ_PROGRAMS(...)                                                                                             \
+    int main(int argc, char **argv) {                                                                                  \
+        static const uint64_t seeds[] = {__VA_ARGS__};                                                                 \
+        return fuzz_programs_main(argc, argv, seeds, sizeof seeds / sizeof *seeds);                                    \
     }
 #endif
 

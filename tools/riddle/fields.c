@@ -90,7 +90,11 @@ static const char *names_of(unit_kind kind, char *text, size_t size) {
     for (int u = 0; u < UNITS; u++) n += units[u].kind == kind && units[u].name[0];
     for (int u = 0; u < UNITS; u++)
         if (units[u].kind == kind && units[u].name[0] && used < size) {
-            used += (size_t)snprintf(text + used, size - used, "%s%s", k == 0 ? "" : k == n - 1 ? " or " : ", ", units[u].name);
+            used += (size_t)snprintf(text + used, size - used, "%s%s",
+                                     k == 0       ? ""
+                                     : k == n - 1 ? " or "
+                                                  : ", ",
+                                     units[u].name);
             k++;
         }
     return text;
@@ -120,14 +124,16 @@ static int distance(const char *a, const char *b) {
 }
 
 /* The nearest of the allowed words if it is near at all, and all of them. */
-int fields_refuse_word(tree_file *file, const tree *at, const char *what, const char *word, const char *const *allowed, int n) {
+int fields_refuse_word(tree_file *file, const tree *at, const char *what, const char *word, const char *const *allowed,
+                       int n) {
     char list[260] = "";
     int best = -1, nearest = 0;
     for (int k = 0; k < n; k++) {
         const int d = distance(word, allowed[k]);
         const size_t used = strlen(list);
         if (best < 0 || d < best) best = d, nearest = k;
-        if (used + strlen(allowed[k]) + 3 < sizeof list) snprintf(list + used, sizeof list - used, "%s%s", k ? ", " : "", allowed[k]);
+        if (used + strlen(allowed[k]) + 3 < sizeof list)
+            snprintf(list + used, sizeof list - used, "%s%s", k ? ", " : "", allowed[k]);
     }
     if (best >= 0 && best <= 1 + (int)strlen(word) / 3)
         return tree_fail(file, at, "%.60s: unknown %s; the nearest is %s (%s)", word, what, allowed[nearest], list);
@@ -150,9 +156,12 @@ static const char *range_of(const scene_field *f, char *text, size_t size) {
     const bool bounded = f->high < 1e29; /* a bound that only keeps infinity out is none */
     for (int u = UNITS - 1; u >= 0; u--)
         if (units[u].kind == f->unit) si = units[u].name;
-    if (f->low > -HUGE_VAL && bounded && !f->above) snprintf(text, size, "%s to %s%s%s", low, high, si[0] ? " " : "", si);
-    else if (f->low > -HUGE_VAL && bounded) snprintf(text, size, "above %s, at most %s%s%s", low, high, si[0] ? " " : "", si);
-    else if (f->low > -HUGE_VAL) snprintf(text, size, "%s %s%s%s", f->above ? "above" : "at least", low, si[0] ? " " : "", si);
+    if (f->low > -HUGE_VAL && bounded && !f->above)
+        snprintf(text, size, "%s to %s%s%s", low, high, si[0] ? " " : "", si);
+    else if (f->low > -HUGE_VAL && bounded)
+        snprintf(text, size, "above %s, at most %s%s%s", low, high, si[0] ? " " : "", si);
+    else if (f->low > -HUGE_VAL)
+        snprintf(text, size, "%s %s%s%s", f->above ? "above" : "at least", low, si[0] ? " " : "", si);
     else snprintf(text, size, "any finite number");
     return text;
 }
@@ -163,7 +172,8 @@ static const char *kind_text[] = {"a text", "a list", "a map"};
 
 /* A unit as it may be written, as the table has it: "µm" um, "°" deg, "kg/m³" and "kg/m^3" kg/m3, "N·m" N m. */
 static void plain_unit(const char *written, char *plain, size_t size) {
-    static const char *const as[][2] = {{"\302\265", "u"}, {"\316\274", "u"}, {"\302\260", "deg"}, {"\302\262", "2"}, {"\302\263", "3"}, {"\302\267", " "}, {"*", " "}, {"^", ""}};
+    static const char *const as[][2] = {{"\302\265", "u"}, {"\316\274", "u"}, {"\302\260", "deg"}, {"\302\262", "2"},
+                                        {"\302\263", "3"}, {"\302\267", " "}, {"*", " "},          {"^", ""}};
     size_t n = 0;
     while (*written && n + 4 < size) {
         size_t k = 0;
@@ -182,7 +192,8 @@ static int same_letters(const char *a, const char *b) {
     return !*a && !*b;
 }
 
-/* The unit's place in the table, or -1. Letters may be of any case where no prefix can be mistaken for another: not "MPa s" for "mPa s". */
+/* The unit's place in the table, or -1. Letters may be of any case where no prefix can be mistaken for another: not
+   "MPa s" for "mPa s". */
 static int unit_of(unit_kind kind, const char *written) {
     char plain[40];
     plain_unit(written, plain, sizeof plain);
@@ -200,15 +211,19 @@ static int read_number(tree_file *file, const tree *v, const char *name, const s
     const char *text = v->text;
     double value = strtod(text, &end); /* which knows more than a table of numbers should: "0x1p3", "infinity", "nan" */
     if (end == text || (int)strspn(text, "+-.0123456789eE") < end - text || strcspn(text, "0123456789") > 2) {
-        if (f->unit == UNIT_NONE || f->unit == UNIT_SHARE) return tree_fail(file, v, "%s: '%.60s' is no number", name, text);
-        return tree_fail(file, v, "%s: '%.60s' is no number (unit: %s)", name, text, names_of(f->unit, names, sizeof names));
+        if (f->unit == UNIT_NONE || f->unit == UNIT_SHARE)
+            return tree_fail(file, v, "%s: '%.60s' is no number", name, text);
+        return tree_fail(file, v, "%s: '%.60s' is no number (unit: %s)", name, text,
+                         names_of(f->unit, names, sizeof names));
     }
     if (*end == ',' && end[1] >= '0' && end[1] <= '9')
-        return tree_fail(file, v, "%s: '%.60s': a decimal point is wanted: %.*s.%.40s", name, text, least_of((int)(end - text), 30), text, end + 1);
+        return tree_fail(file, v, "%s: '%.60s': a decimal point is wanted: %.*s.%.40s", name, text,
+                         least_of((int)(end - text), 30), text, end + 1);
     while (*end == ' ') end++;
     if (*end == '\0') {
         if (must_name_unit(f->unit, value))
-            return tree_fail(file, v, "%s: %.60s of what? It must name its unit: %s", name, text, names_of(f->unit, names, sizeof names));
+            return tree_fail(file, v, "%s: %.60s of what? It must name its unit: %s", name, text,
+                             names_of(f->unit, names, sizeof names));
     } else {
         const int found = unit_of(f->unit, end);
         if (found < 0 && !names_of(f->unit, names, sizeof names)[0])
@@ -219,7 +234,8 @@ static int read_number(tree_file *file, const tree *v, const char *name, const s
     if (value > f->high && f->high >= 1e29) return tree_fail(file, v, "%s: %.60s: too large", name, text);
     if (!(value >= f->low && value <= f->high) || (f->above && value == f->low) || !isfinite(value))
         return tree_fail(file, v, "%s: %.60s: allowed is %s", name, text, range_of(f, range, sizeof range));
-    if (f->kind == FIELD_WHOLE && value != floor(value)) return tree_fail(file, v, "%s: %.60s: a whole number is wanted", name, text);
+    if (f->kind == FIELD_WHOLE && value != floor(value))
+        return tree_fail(file, v, "%s: %.60s: a whole number is wanted", name, text);
     *number = value;
     return 0;
 }
@@ -260,7 +276,8 @@ static int read_vector(tree_file *file, const tree *v, const scene_field *f, dou
     char name[80];
     if (v->kind != TREE_LIST || v->n != 3) return tree_fail(file, v, "%s: three numbers are wanted: [x, y, z]", f->key);
     scene_field number = *f;
-    number.kind = FIELD_NUMBER, number.low = -HUGE_VAL, number.high = HUGE_VAL; /* the range of a list is that of its length */
+    /* the range of a list is that of its length */
+    number.kind = FIELD_NUMBER, number.low = -HUGE_VAL, number.high = HUGE_VAL;
     for (int c = 0; c < 3; c++) {
         snprintf(name, sizeof name, "%s, %c", f->key, "xyz"[c]);
         if (read_number(file, v->item[c], name, &number, &xyz[c])) return -1;
@@ -270,7 +287,8 @@ static int read_vector(tree_file *file, const tree *v, const scene_field *f, dou
 
 static int read_points(tree_file *file, const tree *v, const scene_field *f, scene_list *list) {
     if (v->kind != TREE_LIST) return tree_fail(file, v, "%s: a list of points is wanted, each [x, y, z]", f->key);
-    if (v->n < f->low || v->n > f->high) return tree_fail(file, v, "%s: %d of them; allowed is %g to %g", f->key, v->n, f->low, f->high);
+    if (v->n < f->low || v->n > f->high)
+        return tree_fail(file, v, "%s: %d of them; allowed is %g to %g", f->key, v->n, f->low, f->high);
     double *item = tree_memory(file, 3 * sizeof *item * (size_t)(v->n ? v->n : 1));
     if (!item) return -1;
     list->n = v->n, list->item = item;
@@ -325,7 +343,8 @@ static int read_two(tree_file *file, const tree *v, const scene_field *f, const 
 /* Names stand in columns of CSV files. */
 static int check_name(tree_file *file, const tree *key) {
     const size_t length = strlen(key->text);
-    if (length >= 1 && length <= 40 && strspn(key->text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.") == length)
+    if (length >= 1 && length <= 40 &&
+        strspn(key->text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.") == length)
         return 0;
     return tree_fail(file, key, "%.60s: a name has 1 to 40 letters, digits, '_', '-' or '.'", key->text);
 }
@@ -333,10 +352,12 @@ static int check_name(tree_file *file, const tree *key) {
 static int read_list(tree_file *file, const tree *v, const scene_field *f, scene_list *list) {
     const tree_kind wanted = f->kind == FIELD_NAMED ? TREE_MAP : TREE_LIST;
     if (v->kind != wanted)
-        return tree_fail(
-            file, v, wanted == TREE_MAP ? "%s: names are wanted, each with its keys" : "%s: a list is wanted, each line beginning with '-'",
-            f->key);
-    if (v->n < f->low || v->n > f->high) return tree_fail(file, v, "%s: %d of them; allowed is %g to %g", f->key, v->n, f->low, f->high);
+        return tree_fail(file, v,
+                         wanted == TREE_MAP ? "%s: names are wanted, each with its keys"
+                                            : "%s: a list is wanted, each line beginning with '-'",
+                         f->key);
+    if (v->n < f->low || v->n > f->high)
+        return tree_fail(file, v, "%s: %d of them; allowed is %g to %g", f->key, v->n, f->low, f->high);
     char *item = tree_memory(file, f->section->size * (size_t)(v->n ? v->n : 1));
     if (!item) return -1;
     list->n = v->n, list->item = item;
@@ -380,7 +401,9 @@ static int set_default(tree_file *file, const scene_field *f, void *into) {
     tree text = {TREE_TEXT, 0, 0, f->fallback, 0, 0, 0, 0, NULL, NULL};
     if (f->kind != FIELD_VECTOR) return read_value(file, &text, f, into);
     double *xyz = at; /* "[0, 0, 1]": only bare numbers */
-    return sscanf(f->fallback, "[%lf, %lf, %lf]", &xyz[0], &xyz[1], &xyz[2]) == 3 ? 0 : tree_fail(file, NULL, "%s: bad default", f->key);
+    return sscanf(f->fallback, "[%lf, %lf, %lf]", &xyz[0], &xyz[1], &xyz[2]) == 3
+               ? 0
+               : tree_fail(file, NULL, "%s: bad default", f->key);
 }
 
 static const scene_field *field_of(const scene_table *s, const char *key) {
@@ -400,7 +423,8 @@ static int check_groups(tree_file *file, const tree *map, const scene_table *s) 
             if (f->group != group) continue;
             const size_t used = strlen(list);
             there = 1, given += tree_find(map, f->key) != NULL;
-            if (used + strlen(f->key) + 3 < sizeof list) snprintf(list + used, sizeof list - used, "%s%s", used ? ", " : "", f->key);
+            if (used + strlen(f->key) + 3 < sizeof list)
+                snprintf(list + used, sizeof list - used, "%s%s", used ? ", " : "", f->key);
         }
         if (there && given != 1) return tree_fail(file, map, "%s: exactly one is wanted of %s", s->title, list);
     }
@@ -408,7 +432,8 @@ static int check_groups(tree_file *file, const tree *map, const scene_table *s) 
 }
 
 int fields_read(tree_file *file, const tree *map, const scene_table *s, void *into) {
-    if (map->kind != TREE_MAP) return tree_fail(file, map, "%s: keys with values are wanted, not %s", s->title, kind_text[map->kind]);
+    if (map->kind != TREE_MAP)
+        return tree_fail(file, map, "%s: keys with values are wanted, not %s", s->title, kind_text[map->kind]);
     memset(into, 0, s->size);
     ((scene_part *)into)->where = map;
     for (int k = 0; k < s->n; k++)
@@ -437,8 +462,8 @@ static const char *type_text(const scene_field *f, char *text, size_t size) {
     switch (f->kind) {
     case FIELD_NUMBER:
     case FIELD_WHOLE:
-        snprintf(text, size, "%s%s%s; %s", f->kind == FIELD_WHOLE ? "whole number" : "number", allowed[0] ? ", " : "", allowed,
-                 range_of(f, range, sizeof range));
+        snprintf(text, size, "%s%s%s; %s", f->kind == FIELD_WHOLE ? "whole number" : "number", allowed[0] ? ", " : "",
+                 allowed, range_of(f, range, sizeof range));
         break;
     case FIELD_YES: snprintf(text, size, "yes, no"); break;
     case FIELD_TEXT:
@@ -455,7 +480,8 @@ static const char *type_text(const scene_field *f, char *text, size_t size) {
     }
     case FIELD_VECTOR: snprintf(text, size, "[x, y, z]%s%s", allowed[0] ? ", each " : "", allowed); break;
     case FIELD_POINTS:
-        snprintf(text, size, "list of [x, y, z]%s%s; %g to %g of them", allowed[0] ? ", each " : "", allowed, f->low, f->high);
+        snprintf(text, size, "list of [x, y, z]%s%s; %g to %g of them", allowed[0] ? ", each " : "", allowed, f->low,
+                 f->high);
         break;
     case FIELD_NUMBERS:
         snprintf(text, size, "list of numbers%s%s; %g to %g of them", allowed[0] ? ", each " : "", allowed, f->low,

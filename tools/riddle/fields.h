@@ -1,5 +1,5 @@
-/* fields.h: a part of a scene as a table of its keys. The table reads the values, refuses what is not allowed, gives the
-   defaults, and is the reference in docs/scene_files.md. */
+/* fields.h: a part of a scene as a table of its keys. The table reads the values, refuses what is not allowed, gives
+   the defaults, and is the reference in docs/scene_files.md. */
 #ifndef RIDDLE_FIELDS_H
 #define RIDDLE_FIELDS_H
 
@@ -86,7 +86,8 @@ int fields_read(tree_file *file, const tree *map, const scene_table *s, void *in
 /* The place of a key within a part, or of the part itself. */
 const tree *fields_where(const scene_part *p, const char *key);
 /* Refuses a word with the nearest of the allowed ones; -1. what: "key". */
-int fields_refuse_word(tree_file *file, const tree *at, const char *what, const char *word, const char *const *allowed, int n);
+int fields_refuse_word(tree_file *file, const tree *at, const char *what, const char *word, const char *const *allowed,
+                       int n);
 /* All keys as Markdown, the given section and those below it, on stdout. */
 void fields_describe(const scene_table *root);
 

@@ -10,7 +10,8 @@ typedef struct load {
     double push;  /* time integral of the normal force [N s] */
     double slide; /* integral of normal force x sliding speed [J]: Archard's wear is proportional to it */
     double rub;   /* work of friction [J] */
-    double hit;   /* integral of normal force x closing speed [J]: what a contact has stored comes back, what hits lose stays */
+    double hit;   /* integral of normal force x closing speed [J]: what a contact has stored comes back, what
+                     hits lose stays */
 } load;
 
 typedef struct load_map {
@@ -28,19 +29,25 @@ struct load_maps {
 
 static dem_vec less(dem_vec a, dem_vec b) { return dem_vec3(a.x - b.x, a.y - b.y, a.z - b.z); }
 static double times(dem_vec a, dem_vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-static dem_vec across(dem_vec a, dem_vec b) { return dem_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x); }
+static dem_vec across(dem_vec a, dem_vec b) {
+    return dem_vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
 static dem_vec plus(dem_vec a, double t, dem_vec b) { return dem_vec3(a.x + t * b.x, a.y + t * b.y, a.z + t * b.z); }
 
-static const dem_wall *wall_of(const load_maps *m, int map) { return &m->s->world.wall[m->s->wall_of[m->map[map].wall]]; }
-static dem_vec corner_of(const dem_wall *w, int triangle, int corner) { return w->tree->vertex[w->tree->corner[3 * triangle + corner]]; }
+static const dem_wall *wall_of(const load_maps *m, int map) {
+    return &m->s->world.wall[m->s->wall_of[m->map[map].wall]];
+}
+static dem_vec corner_of(const dem_wall *w, int triangle, int corner) {
+    return w->tree->vertex[w->tree->corner[3 * triangle + corner]];
+}
 
 static int open_map(load_maps *m, const wall_def *def, int wall) {
     load_map *map = &m->map[m->maps];
     map->wall = wall;
     const dem_wall *w = wall_of(m, m->maps);
     if (w->kind != DEM_MESH)
-        return tree_fail(m->s->file, fields_where(&def->part, "load_map"), "load_map: wall %.60s has no triangles: only box, lifters and mesh have",
-                         def->part.name);
+        return tree_fail(m->s->file, fields_where(&def->part, "load_map"),
+                         "load_map: wall %.60s has no triangles: only box, lifters and mesh have", def->part.name);
     const size_t n = (size_t)w->tree->triangles;
     map->load = tree_memory(m->s->file, n * sizeof *map->load);
     map->low = tree_memory(m->s->file, n * sizeof *map->low);
@@ -78,7 +85,8 @@ static double from_edge(dem_vec x, dem_vec p, dem_vec q) {
 }
 static double from_triangle(dem_vec x, dem_vec a, dem_vec b, dem_vec c) {
     const dem_vec n = across(less(b, a), less(c, a)), d = less(x, a);
-    const double inside[3] = {times(across(less(b, a), d), n), times(across(less(c, b), less(x, b)), n), times(across(less(a, c), less(x, c)), n)};
+    const double inside[3] = {times(across(less(b, a), d), n), times(across(less(c, b), less(x, b)), n),
+                              times(across(less(a, c), less(x, c)), n)};
     if (inside[0] >= 0.0 && inside[1] >= 0.0 && inside[2] >= 0.0) return times(d, n) * times(d, n) / times(n, n);
     return fmin(from_edge(x, a, b), fmin(from_edge(x, b, c), from_edge(x, c, a)));
 }
@@ -92,7 +100,8 @@ static double from_box(dem_vec x, dem_vec low, dem_vec high) {
 }
 
 static int nearest(const load_map *map, const dem_wall *w, dem_vec place) {
-    const dem_vec d = less(place, w->position), x = dem_vec3(times(d, w->axis[0]), times(d, w->axis[1]), times(d, w->axis[2]));
+    const dem_vec d = less(place, w->position),
+                  x = dem_vec3(times(d, w->axis[0]), times(d, w->axis[1]), times(d, w->axis[2]));
     double least = HUGE_VAL;
     int found = 0;
     for (int k = 0; k < w->tree->triangles; k++) {
@@ -106,9 +115,11 @@ static int nearest(const load_map *map, const dem_wall *w, dem_vec place) {
 /* Velocity of the particle's surface over the wall's, at the place of the contact. */
 static dem_vec relative(const load_maps *m, const dem_wall *w, const dem_contact_info *c) {
     const dem_world *world = &m->s->world;
-    const dem_vec spin = dem_vec3(w->spin * w->spin_axis.x, w->spin * w->spin_axis.y, w->spin * w->spin_axis.z), belt = w->asked.belt;
-    dem_vec v = less(plus(dem_velocity(world, c->i), 1.0, across(dem_spin(world, c->i), less(c->point, dem_position(world, c->i)))),
-                     plus(w->velocity, 1.0, across(spin, less(c->point, w->position))));
+    const dem_vec spin = dem_vec3(w->spin * w->spin_axis.x, w->spin * w->spin_axis.y, w->spin * w->spin_axis.z),
+                  belt = w->asked.belt;
+    dem_vec v = less(
+        plus(dem_velocity(world, c->i), 1.0, across(dem_spin(world, c->i), less(c->point, dem_position(world, c->i)))),
+        plus(w->velocity, 1.0, across(spin, less(c->point, w->position))));
     return less(v, plus(belt, 1.0, across(w->asked.belt_turn, c->normal)));
 }
 
@@ -123,7 +134,8 @@ void load_maps_add(load_maps *m, double time) {
         if (map == m->maps) continue;
         const dem_wall *w = wall_of(m, map);
         const double normal = times(c.force, c.normal);
-        const dem_vec v = relative(m, w, &c), slip = plus(v, -times(v, c.normal), c.normal), friction = plus(c.force, -normal, c.normal);
+        const dem_vec v = relative(m, w, &c), slip = plus(v, -times(v, c.normal), c.normal),
+                      friction = plus(c.force, -normal, c.normal);
         load *l = &m->map[map].load[nearest(&m->map[map], w, c.point)];
         l->push += normal * time;
         l->slide += fmax(normal, 0.0) * sqrt(times(slip, slip)) * time;
@@ -132,7 +144,8 @@ void load_maps_add(load_maps *m, double time) {
     }
 }
 
-static void write_map(const load_maps *m, int number, const char *folder, void (*wrote)(void *user, const char *name), void *user) {
+static void write_map(const load_maps *m, int number, const char *folder, void (*wrote)(void *user, const char *name),
+                      void *user) {
     const load_map *map = &m->map[number];
     const dem_wall *w = wall_of(m, number);
     const int n = w->tree->triangles;
@@ -148,7 +161,8 @@ static void write_map(const load_maps *m, int number, const char *folder, void (
     for (int a = 0; a < 5; a++) value[a] = room + 3 * (size_t)n * (size_t)(3 + a);
     snprintf(name, sizeof name, "loads_%.60s.csv", wall);
     riddle_io_file *file = riddle_io_open(folder, name);
-    riddle_io_print(file, "x_m,y_m,z_m,area_m2,normal_force_N,pressure_Pa,normal_force_x_sliding_J_m2,friction_J_m2,hits_J_m2\n");
+    riddle_io_print(
+        file, "x_m,y_m,z_m,area_m2,normal_force_N,pressure_Pa,normal_force_x_sliding_J_m2,friction_J_m2,hits_J_m2\n");
     for (int k = 0; k < n; k++) {
         dem_vec x[3], middle = dem_vec3(0.0, 0.0, 0.0);
         for (int c = 0; c < 3; c++) {
@@ -157,8 +171,17 @@ static void write_map(const load_maps *m, int number, const char *folder, void (
             middle = plus(middle, 1.0 / 3.0, x[c]);
         }
         const dem_vec normal = across(less(x[1], x[0]), less(x[2], x[0]));
-        const double area = 0.5 * sqrt(times(normal, normal)), force = m->time > 0.0 ? map->load[k].push / m->time : 0.0;
-        const double row[9] = {middle.x, middle.y, middle.z, area, force, force / area, map->load[k].slide / area, map->load[k].rub / area, map->load[k].hit / area};
+        const double area = 0.5 * sqrt(times(normal, normal)),
+                     force = m->time > 0.0 ? map->load[k].push / m->time : 0.0;
+        const double row[9] = {middle.x,
+                               middle.y,
+                               middle.z,
+                               area,
+                               force,
+                               force / area,
+                               map->load[k].slide / area,
+                               map->load[k].rub / area,
+                               map->load[k].hit / area};
         riddle_io_row(file, row, 9);
         for (int c = 0; c < 3; c++) {
             const int at = 3 * k + c;
@@ -169,11 +192,13 @@ static void write_map(const load_maps *m, int number, const char *folder, void (
         ends[k] = 3 * (k + 1);
     }
     if (riddle_io_close(file) == RIDDLE_IO_OK) wrote(user, name);
-    const riddle_io_array arrays[5] = {riddle_io_scalar("normal_force_N", value[0]), riddle_io_scalar("pressure_Pa", value[1]),
-                                       riddle_io_scalar("normal_force_x_sliding_J_m2", value[2]), riddle_io_scalar("friction_J_m2", value[3]),
-                                       riddle_io_scalar("hits_J_m2", value[4])};
+    const riddle_io_array arrays[5] = {
+        riddle_io_scalar("normal_force_N", value[0]), riddle_io_scalar("pressure_Pa", value[1]),
+        riddle_io_scalar("normal_force_x_sliding_J_m2", value[2]), riddle_io_scalar("friction_J_m2", value[3]),
+        riddle_io_scalar("hits_J_m2", value[4])};
     snprintf(name, sizeof name, "loads_%.60s.vtp", wall);
-    if (riddle_io_polygons(folder, name, 3 * n, riddle_io_vector("position", xyz), n, ends, corners, arrays, 5) == RIDDLE_IO_OK)
+    if (riddle_io_polygons(folder, name, 3 * n, riddle_io_vector("position", xyz), n, ends, corners, arrays, 5) ==
+        RIDDLE_IO_OK)
         wrote(user, name);
     free(room), free(ends);
 }

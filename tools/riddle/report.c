@@ -75,10 +75,12 @@ static int check_curves(report *r) {
         if (!found) return refuse_column(r, fields_where(&o->part, "curves"), word);
     }
     for (const char *c = o->curves; c && *c; c++) panels += *c == ';';
-    return panels <= 6 ? 0 : tree_fail(r->s->file, fields_where(&o->part, "curves"), "curves: %d panels; allowed are at most 6", panels);
+    return panels <= 6 ? 0
+                       : tree_fail(r->s->file, fields_where(&o->part, "curves"),
+                                   "curves: %d panels; allowed are at most 6", panels);
 }
 
-report *report_open(scene *s, const char *folder) {
+report *report_open(scene *s, const char *folder, const int size[2]) {
     const scene_def *def = s->def;
     report *r = tree_memory(s->file, sizeof *r);
     if (!r) return NULL;
@@ -86,6 +88,7 @@ report *report_open(scene *s, const char *folder) {
     r->loads = load_maps_open(s);
     if (!r->loads || rows_open(&r->rows, s) || check_stops(r) || check_curves(r)) return NULL;
     r->look.speed = def->output.colour == 1 ? def->output.top_speed : 0.0;
+    memcpy(r->look.size, size, sizeof r->look.size);
     memcpy(r->look.direction, def->output.view, sizeof r->look.direction);
     for (int g = 0; g < s->groups && g < 8; g++) r->look.names[r->look.n_names++] = s->group[g].name;
     return r;
@@ -122,7 +125,8 @@ static const stop_def *stopped(const report *r) {
 static int open_series(report *r) {
     if (!r->series.particles) {
         r->series = dem_io_open(r->folder, "scene");
-        if (r->frames && scene_has_polyhedra(r->s)) r->series.polyhedra = riddle_io_series_open(r->folder, "scene_polyhedra");
+        if (r->frames && scene_has_polyhedra(r->s))
+            r->series.polyhedra = riddle_io_series_open(r->folder, "scene_polyhedra");
         for (int k = 0; k < r->frames && r->series.particles; k++) {
             riddle_io_series_name(r->series.particles, r->frame[k]);
             riddle_io_series_name(r->series.walls, r->frame[k]);
@@ -132,7 +136,9 @@ static int open_series(report *r) {
     return r->series.particles ? 0 : common_fail("%s: the series could not be begun", r->folder);
 }
 
-static void draw_picture(report *r) { r->pictured = draw_world(&r->s->world, &r->look, r->folder, "scene.png") == 0, r->drawn = 1; }
+static void draw_picture(report *r) {
+    r->pictured = draw_world(&r->s->world, &r->look, r->folder, "scene.png") == 0, r->drawn = 1;
+}
 
 /* All particles, a row each, spheres of bodies too; other programs read it as a start. */
 static void write_table(const report *r, double number) {
@@ -140,13 +146,17 @@ static void write_table(const report *r, double number) {
     char name[40];
     snprintf(name, sizeof name, "particles_%04.0f.csv", number);
     riddle_io_file *file = riddle_io_open(r->folder, name);
-    riddle_io_print(file, "# time %.9g s\nid,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,omega_x_rad_s,omega_y_rad_s,omega_z_rad_s,diameter_m,mass_kg,group,contacts\n",
+    riddle_io_print(file,
+                    "# time %.9g "
+                    "s\nid,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,omega_x_rad_s,omega_y_rad_s,omega_z_rad_s,diameter_m,mass_"
+                    "kg,group,contacts\n",
                     scene_time(r->s));
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i]) continue;
         const dem_vec x = dem_position(w, i), v = dem_velocity(w, i), s = dem_spin(w, i);
-        const double row[14] = {(double)w->id[i], x.x, x.y, x.z, v.x, v.y, v.z, s.x, s.y, s.z, 2.0 * dem_radius(w, i), dem_mass(w, i),
-                                w->group[i], w->touching[i]};
+        const double row[14] = {
+            (double)w->id[i], x.x,         x.y,           x.z, v.x, v.y, v.z, s.x, s.y, s.z, 2.0 * dem_radius(w, i),
+            dem_mass(w, i),   w->group[i], w->touching[i]};
         riddle_io_row(file, row, 14);
     }
     riddle_io_close(file);
@@ -155,7 +165,8 @@ static void write_table(const report *r, double number) {
 /* A multiple of the time between tables lies within the last tick, or at its end. */
 static void add_table(report *r) {
     const double every = r->s->def->output.tables, now = scene_time(r->s), soon = now + 1e-9 * r->s->tick;
-    const double number = floor(soon / every), before = now > 0.0 ? floor((soon - (r->s->beyond > 0.0 ? r->s->beyond : r->s->tick)) / every) : -1.0;
+    const double number = floor(soon / every),
+                 before = now > 0.0 ? floor((soon - (r->s->beyond > 0.0 ? r->s->beyond : r->s->tick)) / every) : -1.0;
     if (every > 0.0 && number > before) write_table(r, number);
 }
 
@@ -203,8 +214,10 @@ static const char *said(const char *name, char *text, size_t size) {
     for (const char *c = name; *c && n + 5 < size; c++) {
         const int after_digit = c > name && c[-1] >= '0' && c[-1] <= '9';
         if (*c == '_') text[n++] = ' ';
-        else if (*c == '-' && after_digit && c[1] >= '0' && c[1] <= '9') n += (size_t)snprintf(text + n, size - n, " to ");
-        else if (strncmp(c, "mm", 2) == 0 && after_digit && (!c[2] || c[2] == '_')) n += (size_t)snprintf(text + n, size - n, " m");
+        else if (*c == '-' && after_digit && c[1] >= '0' && c[1] <= '9')
+            n += (size_t)snprintf(text + n, size - n, " to ");
+        else if (strncmp(c, "mm", 2) == 0 && after_digit && (!c[2] || c[2] == '_'))
+            n += (size_t)snprintf(text + n, size - n, " m");
         else text[n++] = *c;
     }
     text[n] = '\0';
@@ -238,7 +251,8 @@ static void draw_chosen(const report *r, riddle_plot *p, const double *x, double
         const char *unit = NULL, *only = NULL;
         int n = 0;
         for (int c = 1; c < r->rows.columns; c++)
-            for (const char *w = at; (word_end = next_word(w, word, sizeof word)) != NULL && (!end || word_end <= end); w = word_end)
+            for (const char *w = at; (word_end = next_word(w, word, sizeof word)) != NULL && (!end || word_end <= end);
+                 w = word_end)
                 if (means(word, r->rows.column[c].name)) {
                     unit = !unit || strcmp(unit, unit_of(r->rows.column[c].name)) == 0 ? unit_of(r->rows.column[c].name)
                                                                                        : "units as named";
@@ -249,7 +263,8 @@ static void draw_chosen(const report *r, riddle_plot *p, const double *x, double
         snprintf(label, sizeof label, "%s%s[%s]", n == 1 ? only : "", n == 1 ? " " : "", unit ? unit : "-");
         riddle_plot_panel(p, 0, panel, "time [s]", label);
         for (int c = 1; c < r->rows.columns; c++)
-            for (const char *w = at; (word_end = next_word(w, word, sizeof word)) != NULL && (!end || word_end <= end); w = word_end)
+            for (const char *w = at; (word_end = next_word(w, word, sizeof word)) != NULL && (!end || word_end <= end);
+                 w = word_end)
                 if (means(word, r->rows.column[c].name)) {
                     draw_column(r, p, c, r->rows.column[c].name, x, y);
                     break;
@@ -321,7 +336,8 @@ static steady_mean mean_of(const report *r, int column, int flow, double *room) 
 }
 
 /* Visits the columns that have a mean: all but the time, and exits also as a flow. */
-static void each_mean(const report *r, void (*visit)(void *user, const char *name, const steady_mean *mean), void *user) {
+static void each_mean(const report *r, void (*visit)(void *user, const char *name, const steady_mean *mean),
+                      void *user) {
     double *room = malloc(((size_t)r->rows.n + 1) * sizeof *room);
     for (int c = 1; room && c < r->rows.columns; c++) {
         char name[NAME + 8];
@@ -338,7 +354,8 @@ static void each_mean(const report *r, void (*visit)(void *user, const char *nam
 static const double STUDENT = 2.365; /* 95 %, 7 degrees of freedom */
 
 static void write_mean(void *user, const char *name, const steady_mean *m) {
-    riddle_io_print(user, "%s,%.9g,%.9g,%.9g,%.9g,%d\n", name, m->mean, m->error, STUDENT * m->error, m->drift, m->is_steady);
+    riddle_io_print(user, "%s,%.9g,%.9g,%.9g,%.9g,%d\n", name, m->mean, m->error, STUDENT * m->error, m->drift,
+                    m->is_steady);
 }
 static void json_mean(void *user, const char *name, const steady_mean *m) {
     json_object_begin(user, name);

@@ -7,7 +7,7 @@
 typedef struct report report;
 
 /* NULL with the message in the file: a stop condition names no column. */
-report *report_open(scene *s, const char *folder);
+report *report_open(scene *s, const char *folder, const int size[2]); /* of pictures [pixels] */
 /* To be called between two ticks: measures, writes frames. The condition that ends the run, or NULL. */
 const stop_def *report_look(report *r);
 double report_overlap(const report *r); /* the largest of all rows, over a diameter */

@@ -1,7 +1,8 @@
 /* riddle - a scene from a file, without C: riddle run scene.yaml
 
-   The file (YAML, or JSON, which is a part of it) says what there is: materials, walls and how they move, shapes, feeds, liquid, what is
-   measured, when to stop. docs/scene_files.md lists every key. `riddle run --template screen` writes one to begin with. */
+   The file (YAML, or JSON, which is a part of it) says what there is: materials, walls and how they move, shapes,
+   feeds, liquid, what is measured, when to stop. docs/scene_files.md lists every key. `riddle run --template screen`
+   writes one to begin with. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@
 #include "scene_check.h"
 #include "scene_materials.h"
 #include "scene_same.h"
+#include "scene_shapes.h"
 #include "templates.h"
 
 enum { SCENE_MB = 16 }; /* at most */
@@ -25,11 +27,12 @@ typedef struct job {
     const char *file;
     program self;
     bool again, check;
-    char **set; /* [sets] "key=value" */
+    int size[2]; /* of pictures [pixels] */
+    char **set;  /* [sets] "key=value" */
     int sets;
-    bool halfway; /* stopped while feeds looked for places, or failed: not a state to go on from */
-    double saved; /* time of the save that this run has written last [s]; NaN: none */
-    double save_at; /* time of the last save, or of the beginning [s] */
+    bool halfway;         /* stopped while feeds looked for places, or failed: not a state to go on from */
+    double saved;         /* time of the save that this run has written last [s]; NaN: none */
+    double save_at;       /* time of the last save, or of the beginning [s] */
     const stop_def *stop; /* what has ended the run, or NULL */
     tree_file tree;
     scene_def def;
@@ -76,7 +79,9 @@ static int set_value(job *j, const char *words) {
     char path[200], message[200];
     const char *equals = strchr(words, '=');
     if (!equals || equals == words || (size_t)(equals - words) >= sizeof path) {
-        snprintf(message, sizeof message, "--set %.100s: allowed: KEY=VALUE, such as materials.glass.density=2600, or @FILE of such lines", words);
+        snprintf(message, sizeof message,
+                 "--set %.100s: allowed: KEY=VALUE, such as materials.glass.density=2600, or @FILE of such lines",
+                 words);
         return refuse(message);
     }
     snprintf(path, sizeof path, "%.*s", (int)(equals - words), words);
@@ -106,13 +111,14 @@ static int read_scene(job *j, bool seed_given) {
     if (!text) return refuse(message);
     int failed = tree_read(&j->tree, j->file, text, size);
     free(text);
-    for (int k = 0; k < j->sets && !failed; k++) failed = j->set[k][0] == '@' ? set_values_of(j, j->set[k] + 1) : set_value(j, j->set[k]);
+    for (int k = 0; k < j->sets && !failed; k++)
+        failed = j->set[k][0] == '@' ? set_values_of(j, j->set[k] + 1) : set_value(j, j->set[k]);
     if (failed == 2) return 2;
     if (failed || scene_read(&j->tree, &j->def)) return refuse(j->tree.message);
     if (j->self.quick) j->def.duration *= 0.1;
     if (scene_make(&j->s, &j->def, &j->tree, seed_given ? j->self.seed : (uint64_t)j->def.seed, j->self.threads))
         return refuse(j->tree.message);
-    j->r = report_open(&j->s, j->self.out);
+    j->r = report_open(&j->s, j->self.out, j->size);
     j->keys = scene_keys(&j->s);
     return j->r && j->keys ? 0 : refuse(j->tree.message);
 }
@@ -275,13 +281,21 @@ static int hold_folder(const job *j) {
     return refuse(message);
 }
 
+static void tell_fits(job *j) {
+    char line[300];
+    for (int k = 0; k < j->s.def->shapes.n; k++)
+        if (scene_say_fit(&j->s, k, line, sizeof line)) common_print("%s\n", line);
+}
+
 /* What --check says: sizes, what is allowed and yet may be a mistake; 2 where a pair has no contact. */
 static int tell_check(job *j) {
     char line[300];
     const scene_size size = scene_estimate(&j->s);
-    common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources, j->s.world.def.dt);
+    common_print("%s: walls: %d, feeds: %d, time step: %.3g s\n", j->file, j->s.world.walls, j->s.sources,
+                 j->s.world.def.dt);
     scene_say_size(&size, line, sizeof line);
     common_print("%s\n%s", line, j->tree.notes);
+    tell_fits(j);
     if (!scene_lacks_contact(&j->s, line, sizeof line)) return 0;
     return tree_fail(&j->tree, NULL, "%s", line), refuse(j->tree.message);
 }
@@ -292,6 +306,7 @@ static void tell_begin(job *j) {
     const scene_size size = scene_estimate(&j->s);
     scene_say_size(&size, line, sizeof line);
     if (size.seconds > 60.0) common_print("%s\n", line);
+    tell_fits(j);
     if (scene_lacks_contact(&j->s, line, sizeof line)) common_print("%s: %s\n", j->file, line);
 }
 
@@ -322,7 +337,7 @@ static bool word_given(int argc, char **argv, const char *name) {
 
 /* The place of the scene's file among the words behind "run", before or after the options; 0: there is none. */
 static int place_of_file(int argc, char **argv) {
-    static const char *const valued[] = {"--out", "--threads", "--seed", "--json", "--template", "--set"};
+    static const char *const valued[] = {"--out", "--threads", "--seed", "--json", "--template", "--set", "--size"};
     for (int k = 2; k < argc; k++) {
         bool takes = false;
         for (size_t v = 0; v < sizeof valued / sizeof *valued; v++) takes |= strcmp(argv[k], valued[v]) == 0;
@@ -337,7 +352,8 @@ static int rest_of(job *j, int argc, char **argv, int place, char *out, size_t s
     int n = 0;
     rest[n++] = argv[0];
     if (place && !word_given(argc, argv, "--out")) {
-        const char *file = argv[place], *slash = strrchr(file, '/'), *stem = slash ? slash + 1 : file, *dot = strrchr(stem, '.');
+        const char *file = argv[place], *slash = strrchr(file, '/'), *stem = slash ? slash + 1 : file,
+                   *dot = strrchr(stem, '.');
         snprintf(out, size, "out/%.*s", dot && dot > stem ? (int)(dot - stem) : (int)strlen(stem), stem);
         rest[n++] = (char *)"--out";
         rest[n++] = out;
@@ -354,6 +370,7 @@ static int rest_of(job *j, int argc, char **argv, int place, char *out, size_t s
 
 int main(int argc, char **argv) {
     static job j;
+    j.size[0] = 960, j.size[1] = 640;
     j.saved = (double)NAN;
     char out[600];
     const char *pattern = NULL, *set = NULL;
@@ -362,8 +379,12 @@ int main(int argc, char **argv) {
         option_flag("continue", &j.again,
                     "go on from the save in --out, with the same bits as if it had never stopped"),
         option_flag("check", &j.check, "read the file and build the scene, but do not run"),
-        option_string("set", "KEY=VALUE", &set, "another value than the file's: materials.glass.density=2600, feeds[1].rate='2 t/h', contacts.glass-steel.friction=0.4; may be given often; @FILE: of each line of a file"),
-        option_string("template", "NAME", &pattern, "write NAME.yaml, to begin with: hopper, screen, drum, box or shapes"),
+        option_string("set", "KEY=VALUE", &set,
+                      "another value than the file's: materials.glass.density=2600, feeds[1].rate='2 t/h', "
+                      "contacts.glass-steel.friction=0.4; may be given often; @FILE: of each line of a file"),
+        option_size("size", j.size, "of scene.png and the movie [pixels]"),
+        option_string("template", "NAME", &pattern,
+                      "write NAME.yaml, to begin with: hopper, screen, drum, box or shapes"),
     };
     if (argc == 2 && strcmp(argv[1], "keys") == 0) {
         common_open_standard_streams();
@@ -379,7 +400,8 @@ int main(int argc, char **argv) {
     if (!help && (argc < 2 || strcmp(argv[1], "run") != 0)) return refuse(usage);
     const int place = help ? 0 : place_of_file(argc, argv);
     j.file = place ? argv[place] : NULL;
-    if (!j.file && argc == 4 && strcmp(argv[2], "--template") == 0) return write_template(argv[3]); /* without a folder for output */
+    /* Without a folder for output. */
+    if (!j.file && argc == 4 && strcmp(argv[2], "--template") == 0) return write_template(argv[3]);
     char **rest = malloc(2 * ((size_t)argc + 4) * sizeof *rest);
     if (!rest) return 1;
     j.set = rest + argc + 4;
@@ -395,7 +417,8 @@ int main(int argc, char **argv) {
                            "       riddle run --template hopper|screen|drum|box|shapes\n"
                            "       riddle keys; riddle materials",
                            options, sizeof options / sizeof *options, n, help ? argv : rest);
-    const int status = pattern ? refuse("--template NAME stands alone") : run_scene(&j, word_given(argc, argv, "--seed"));
+    const int status =
+        pattern ? refuse("--template NAME stands alone") : run_scene(&j, word_given(argc, argv, "--seed"));
     free(rest);
     return status;
 }

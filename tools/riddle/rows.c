@@ -247,8 +247,8 @@ static double diameter_of(const dem_world *world, ptrdiff_t i) {
     return dem_shape_of(world, i) >= 0 ? dem_get_body(world, i).diameter : 2.0 * dem_radius(world, i);
 }
 
-/* Of all contacts that are there now, over the smaller particle's diameter; of a clump that of its spheres, of a polyhedron that of the
-   sphere of its volume. */
+/* Of all contacts that are there now, over the smaller particle's diameter; of a clump that of its spheres, of a
+   polyhedron that of the sphere of its volume. */
 static double largest_overlap(const dem_world *world) {
     double largest = 0.0;
     for (ptrdiff_t k = 0; k < dem_contact_count(world); k++) {

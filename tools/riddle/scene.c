@@ -75,8 +75,9 @@ static int define(scene *s, dem_def *def) {
     return dem_check_def(def, &bad) == DEM_OK ? 0 : tree_fail(s->file, s->file->root, "%s is outside its range", bad);
 }
 
-/* The step for the smallest particle that may come, against its like and against a wall of every material: asked of a world of such. A face
-   of a polyhedron has down to a quarter of its mass on four springs, and its contacts begin and end uncorrected (docs/dem_convex.md). */
+/* The step for the smallest particle that may come, against its like and against a wall of every material: asked of a
+   world of such. A face of a polyhedron has down to a quarter of its mass on four springs, and its contacts begin and
+   end uncorrected (docs/dem_convex.md). */
 static int choose_step(scene *s, dem_def def, double *dt) {
     dem_world trial;
     *dt = s->def->time_step;
@@ -126,7 +127,8 @@ static double smallest_of(const scene *s) {
     return smallest;
 }
 
-/* No longer than feeds allow, and than STEPS steps, so that Ctrl-C is heard. The duration has no part in it: a longer one has the same bits. */
+/* No longer than feeds allow, and than STEPS steps, so that Ctrl-C is heard. The duration has no part in it: a longer
+   one has the same bits. */
 static int choose_tick(scene *s) {
     const wall_def *w = s->def->walls.item;
     int mapped = 0;

@@ -1,5 +1,6 @@
-/* scene.h: the world that a scene file describes, its feeds and its liquid, in time. It runs in ticks of equal length: whatever is fed,
-   switched, measured or saved is so between two ticks. What a tick does depends only on what scene_exchange() saves. */
+/* scene.h: the world that a scene file describes, its feeds and its liquid, in time. It runs in ticks of equal length:
+   whatever is fed, switched, measured or saved is so between two ticks. What a tick does depends only on what
+   scene_exchange() saves. */
 #ifndef RIDDLE_SCENE_H
 #define RIDDLE_SCENE_H
 
@@ -15,7 +16,8 @@ typedef struct body_shape {
     const shape_def *def;
     dem_clump clump; /* no spheres: a polyhedron */
     dem_convex polyhedron;
-    double diameter; /* of the sphere of its volume [m] */
+    dem_clump_fit fit; /* of a clump that is made from a mesh */
+    double diameter;   /* of the sphere of its volume [m] */
     double reach;    /* its farthest point from the centre, over half that diameter [-] */
 } body_shape;
 
@@ -87,7 +89,8 @@ typedef struct scene {
     struct contact_laws *laws; /* NULL: a law of dem.h alone */
 } scene;
 
-/* The world with its walls, before the first feed. 0, or -1 with the message in the file. Free with scene_free in both cases. */
+/* The world with its walls, before the first feed. 0, or -1 with the message in the file. Free with scene_free
+   in both cases. */
 int scene_make(scene *s, const scene_def *def, tree_file *file, uint64_t seed, int threads);
 void scene_free(scene *s);
 double scene_time(const scene *s); /* [s] */

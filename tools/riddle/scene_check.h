@@ -1,5 +1,5 @@
-/* scene_check.h: what can be said of a scene before it runs: pairs of materials without a contact, its size in particles, steps, time and
-   memory. */
+/* scene_check.h: what can be said of a scene before it runs: pairs of materials without a contact, its size in
+   particles, steps, time and memory. */
 #ifndef RIDDLE_SCENE_CHECK_H
 #define RIDDLE_SCENE_CHECK_H
 

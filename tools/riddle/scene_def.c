@@ -1,4 +1,5 @@
-/* scene_def.c: the keys of a scene file. This table is the reader, the checks, the defaults and the reference (docs/scene_files.md). */
+/* scene_def.c: the keys of a scene file. This table is the reader, the checks, the defaults and the reference
+   (docs/scene_files.md). */
 #include "scene_def.h"
 
 #include <math.h>
@@ -11,24 +12,24 @@
 #define AT_LEAST_0 0.0, 1e30, false
 #define MUST NULL
 #define NO_WORDS NULL, NULL
-#define SECTION(name, type, title, help)                                                                                                   \
-    static const scene_table name##_section = {title, help, name##_fields, (int)(sizeof name##_fields / sizeof *name##_fields),            \
-                                               sizeof(type)}
-#define NUMBER(type, member, unit, range, fallback, help)                                                                                  \
+#define SECTION(name, type, title, help)                                                                               \
+    static const scene_table name##_section = {title, help, name##_fields,                                             \
+                                               (int)(sizeof name##_fields / sizeof *name##_fields), sizeof(type)}
+#define NUMBER(type, member, unit, range, fallback, help)                                                              \
     { #member, FIELD_NUMBER, unit, offsetof(type, member), range, fallback, 0, NO_WORDS, help }
-#define ONE_NUMBER(type, member, kind, unit, range, group, help)                                                                           \
+#define ONE_NUMBER(type, member, kind, unit, range, group, help)                                                       \
     { #member, kind, unit, offsetof(type, member), range, "", group, NO_WORDS, help }
-#define VECTOR(type, member, unit, fallback, help)                                                                                         \
+#define VECTOR(type, member, unit, fallback, help)                                                                     \
     { #member, FIELD_VECTOR, unit, offsetof(type, member), ANY, fallback, 0, NO_WORDS, help }
-#define TEXT(type, member, fallback, help)                                                                                                 \
+#define TEXT(type, member, fallback, help)                                                                             \
     { #member, FIELD_TEXT, UNIT_NONE, offsetof(type, member), ANY, fallback, 0, NO_WORDS, help }
-#define FILE_NAME(type, member, help)                                                                                                      \
+#define FILE_NAME(type, member, help)                                                                                  \
     { #member, FIELD_FILE, UNIT_NONE, offsetof(type, member), ANY, MUST, 0, NO_WORDS, help }
-#define CHOICE(type, member, words, fallback, help)                                                                                        \
+#define CHOICE(type, member, words, fallback, help)                                                                    \
     { #member, FIELD_CHOICE, UNIT_NONE, offsetof(type, member), ANY, fallback, 0, words, NULL, help }
-#define PART(type, member, below, fallback, group, help)                                                                                   \
+#define PART(type, member, below, fallback, group, help)                                                               \
     { #member, FIELD_PART, UNIT_NONE, offsetof(type, member), ANY, fallback, group, NULL, &below##_section, help }
-#define LIST(type, member, kind, below, most, fallback, help)                                                                              \
+#define LIST(type, member, kind, below, most, fallback, help)                                                          \
     { #member, kind, UNIT_NONE, offsetof(type, member), 1, most, false, fallback, 0, NULL, &below##_section, help }
 
 /* ---- materials ---- */
@@ -46,30 +47,35 @@ static const scene_field material_fields[] = {
 SECTION(material, material_def, "material", "A material of particles or walls. At most 8.");
 
 static const scene_field bond_fields[] = {
-    NUMBER(bond_def, modulus, UNIT_STRESS, POSITIVE, MUST, "Young's modulus of the bond, a round beam between the centres"),
+    NUMBER(bond_def, modulus, UNIT_STRESS, POSITIVE, MUST,
+           "Young's modulus of the bond, a round beam between the centres"),
     NUMBER(bond_def, shear_ratio, UNIT_NONE, AT_LEAST_0, "0.4", "its shear stiffness over the normal one"),
     NUMBER(bond_def, radius, UNIT_NONE, POSITIVE, "1", "its radius over the smaller sphere's"),
     NUMBER(bond_def, damping, UNIT_NONE, AT_LEAST_0, "0.1", "share of the critical damping of its stretching"),
     NUMBER(bond_def, tensile, UNIT_STRESS, POSITIVE, MUST, "strength against pull and bending"),
     NUMBER(bond_def, shear, UNIT_STRESS, POSITIVE, MUST, "strength against shear and twisting"),
 };
-SECTION(bond, bond_def, "bond", "A bond that breaks, of two spheres or a sphere and a wall; once broken, an ordinary contact.");
+SECTION(bond, bond_def, "bond",
+        "A bond that breaks, of two spheres or a sphere and a wall; once broken, an ordinary contact.");
 
 static const scene_field contact_fields[] = {
-    {"between", FIELD_TWO, UNIT_NONE, offsetof(contact_def, between), ANY, MUST, 0, NO_WORDS, "names of two materials, or of one twice"},
+    {"between", FIELD_TWO, UNIT_NONE, offsetof(contact_def, between), ANY, MUST, 0, NO_WORDS,
+     "names of two materials, or of one twice"},
     NUMBER(contact_def, stiffness, UNIT_STIFFNESS, POSITIVE, "1e5",
            "normal; `law: linear` only. Overlaps (column `largest_overlap`) should stay below 1 % of a diameter"),
-    {"tangential_ratio", FIELD_NUMBER, UNIT_NONE, offsetof(contact_def, tangential_ratio), 0.0, 1.0, false, "0.2857142857142857", 0,
-     NO_WORDS, "tangential over normal stiffness; `law: linear` only"},
+    {"tangential_ratio", FIELD_NUMBER, UNIT_NONE, offsetof(contact_def, tangential_ratio), 0.0, 1.0, false,
+     "0.2857142857142857", 0, NO_WORDS, "tangential over normal stiffness; `law: linear` only"},
     {"restitution", FIELD_NUMBER, UNIT_NONE, offsetof(contact_def, restitution), 0.0, 1.0, true, "0.8", 0, NO_WORDS,
      "coefficient of restitution"},
     NUMBER(contact_def, friction, UNIT_NONE, AT_LEAST_0, "0.3", "Coulomb's coefficient"),
     NUMBER(contact_def, rolling, UNIT_LENGTH, AT_LEAST_0, "0",
-           "lever arm of rolling resistance; on a slope below this limit a ball creeps at 5 g sin(slope) dt: `law: epsd` holds it"),
+           "lever arm of rolling resistance; on a slope below this limit a ball creeps at 5 g sin(slope) dt: `law: "
+           "epsd` holds it"),
     NUMBER(contact_def, tangential_damping, UNIT_NONE, AT_LEAST_0, "0", "tangential dashpot over the normal one"),
     CHOICE(contact_def, dashpot, "clipped|naive", "clipped", "clipped: it never pulls; `law: linear` only"),
     NUMBER(contact_def, rolling_coefficient, UNIT_NONE, AT_LEAST_0, "0",
-           "the greatest rolling torque over normal force and R* = R_i R_j/(R_i + R_j), the tangent of the slope on which a ball begins "
+           "the greatest rolling torque over normal force and R* = R_i R_j/(R_i + R_j), the tangent of the slope on "
+           "which a ball begins "
            "to roll; `law: epsd, epsd_hertz`"),
     NUMBER(contact_def, rolling_damping, UNIT_NONE, AT_LEAST_0, "0.3",
            "share of the critical damping of the rolling spring; `law: epsd, epsd_hertz`"),
@@ -103,7 +109,8 @@ static const scene_field cylinder_fields[] = {
     NUMBER(cylinder_shape, radius, UNIT_LENGTH, POSITIVE, MUST, "of the surface"),
     CHOICE(cylinder_shape, side, "outside|inside", "inside", "where the particles are"),
 };
-SECTION(cylinder, cylinder_shape, "cylinder", "An endless cylinder. For a tube that ends, take `cone` with equal radii.");
+SECTION(cylinder, cylinder_shape, "cylinder",
+        "An endless cylinder. For a tube that ends, take `cone` with equal radii.");
 static const scene_field cone_fields[] = {
     VECTOR(cone_shape, low, UNIT_LENGTH, MUST, "centre of one end"),
     VECTOR(cone_shape, high, UNIT_LENGTH, MUST, "centre of the other end"),
@@ -130,7 +137,8 @@ static const scene_field screen_fields[] = {
     ONE_NUMBER(screen_shape, radius, FIELD_NUMBER, UNIT_LENGTH, POSITIVE, 1, "of a round screen"),
     ONE_NUMBER(screen_shape, length, FIELD_NUMBER, UNIT_LENGTH, POSITIVE, 1,
                "of a rectangular one, along `direction`. A whole odd number of pitches puts a wire on both edges"),
-    NUMBER(screen_shape, width, UNIT_LENGTH, POSITIVE, "", "of a rectangular one, across; as `length` if it is not given"),
+    NUMBER(screen_shape, width, UNIT_LENGTH, POSITIVE, "",
+           "of a rectangular one, across; as `length` if it is not given"),
     VECTOR(screen_shape, centre, UNIT_LENGTH, "[0, 0, 0]", "in the plane of the wires, the centre of an aperture"),
     VECTOR(screen_shape, normal, UNIT_NONE, "[0, 0, 1]", "up; an inclined deck has an inclined one"),
     VECTOR(screen_shape, direction, UNIT_NONE, "[1, 0, 0]", "along one family of wires"),
@@ -139,7 +147,8 @@ static const scene_field screen_fields[] = {
 SECTION(screen, screen_shape, "screen", "A woven wire screen with square apertures.");
 static const scene_field mesh_fields[] = {
     FILE_NAME(mesh_shape, file,
-              "an STL file, text or binary; its name is relative to the scene's folder. Refused if triangles are missing; `--check` counts "
+              "an STL file, text or binary; its name is relative to the scene's folder. Refused if triangles are "
+              "missing; `--check` counts "
               "open edges"),
     NUMBER(mesh_shape, unit, UNIT_LENGTH, POSITIVE, "1e-3", "length of one unit of the file; 1 mm as CAD writes it"),
     NUMBER(mesh_shape, weld, UNIT_LENGTH, AT_LEAST_0, "0", "corners nearer than this become one"),
@@ -149,7 +158,8 @@ static const scene_field mesh_fields[] = {
 };
 SECTION(mesh, mesh_shape, "mesh", "Triangles from a file: thin sheets, touched from both sides.");
 static const scene_field lifters_fields[] = {
-    {"count", FIELD_WHOLE, UNIT_NONE, offsetof(lifters_shape, count), 1.0, 1000.0, false, MUST, 0, NO_WORDS, "evenly around"},
+    {"count", FIELD_WHOLE, UNIT_NONE, offsetof(lifters_shape, count), 1.0, 1000.0, false, MUST, 0, NO_WORDS,
+     "evenly around"},
     NUMBER(lifters_shape, radius, UNIT_LENGTH, POSITIVE, MUST, "of the drum: where they stand"),
     NUMBER(lifters_shape, height, UNIT_LENGTH, POSITIVE, MUST, "inwards"),
     NUMBER(lifters_shape, thickness, UNIT_LENGTH, POSITIVE, MUST, "around"),
@@ -217,15 +227,16 @@ static const scene_field wall_fields[] = {
     PART(wall_def, piston, piston, "", 0, "moved by a force"),
     PART(wall_def, rotor, rotor, "", 0, "turned by a torque"),
     {"load_map", FIELD_YES, UNIT_NONE, offsetof(wall_def, load_map), ANY, "no", 0, NO_WORDS,
-     "of box, lifters and mesh: `loads_<wall>.vtp` and `.csv`, of each triangle the mean normal force and pressure, normal force x sliding "
-     "(Archard's wear is proportional to it), work of friction, and energy that hits lose along the normal, over its area; from the contacts after every "
+     "of box, lifters and mesh: `loads_<wall>.vtp` and `.csv`, of each triangle the mean normal force and pressure, "
+     "normal force x sliding "
+     "(Archard's wear is proportional to it), work of friction, and energy that hits lose along the normal, over its "
+     "area; from the contacts after every "
      "fifth step, so of one hit that energy is known to a third, of a hundred to a twentieth"},
     {"timetable", FIELD_PAIRS, UNIT_NONE, offsetof(wall_def, timetable), 1, 1000, false, "", 0, NO_WORDS,
      "[[0 s, 0], [2 s, 1]]: factors of the speed of `rotate`, `move` and `belt` and of the amplitude of `vibrate`; "
      "even between two times, "
      "constant before the first and after the last"},
-    NUMBER(wall_def, from, UNIT_TIME, AT_LEAST_0, "0",
-           "the wall exists from this time on; it moves all the time"),
+    NUMBER(wall_def, from, UNIT_TIME, AT_LEAST_0, "0", "the wall exists from this time on; it moves all the time"),
     NUMBER(wall_def, until, UNIT_TIME, AT_LEAST_0, "", "and until this time, after `from`: a gate"),
 };
 SECTION(wall, wall_def, "wall", "One shape, and how it moves. At most 32 walls; an exit counts.");
@@ -236,18 +247,22 @@ static const scene_field shape_sphere_fields[] = {
     VECTOR(shape_sphere, centre, UNIT_LENGTH, MUST, "in a frame of the shape's own, with its origin anywhere"),
     NUMBER(shape_sphere, diameter, UNIT_DIAMETER, POSITIVE, MUST, "of the sphere"),
 };
-SECTION(shape_sphere, shape_sphere, "sphere of a shape", "Spheres may overlap: the body is their union, of one density.");
+SECTION(shape_sphere, shape_sphere, "sphere of a shape",
+        "Spheres may overlap: the body is their union, of one density.");
 static const scene_field shape_mesh_fields[] = {
     FILE_NAME(shape_mesh, file, "an STL file; its name is relative to the scene's folder"),
     NUMBER(shape_mesh, unit, UNIT_LENGTH, POSITIVE, "1e-3", "length of one unit of the file; 1 mm as CAD writes it"),
     NUMBER(shape_mesh, weld, UNIT_LENGTH, AT_LEAST_0, "0", "corners nearer than this become one"),
-    CHOICE(shape_mesh, hull, "no|yes", "no", "no: a surface that is not closed and convex is refused; yes: its convex hull, for a scan"),
+    CHOICE(shape_mesh, hull, "no|yes", "no",
+           "no: a surface that is not closed and convex is refused; yes: its convex hull, for a scan"),
     {"tolerance", FIELD_NUMBER, UNIT_NONE, offsetof(shape_mesh, tolerance), 0.0, 0.2, false, "0", 0, NO_WORDS,
      "of the hull: as few corners as keep the surface as near, over the diameter; 0: as near as 32 corners can be"},
     {"spheres", FIELD_WHOLE, UNIT_NONE, offsetof(shape_mesh, spheres), 0.0, SHAPE_SPHERES_MAX, false, "0", 0, NO_WORDS,
-     "above 0: a clump of at most so many spheres inside the closed surface, which may be concave, with its mass and moments"},
+     "above 0: a clump of at most so many spheres inside the closed surface, which may be concave, with its mass and "
+     "moments"},
 };
-SECTION(shape_mesh, shape_mesh, "mesh of a shape", "A convex body of any number of corners, of which contacts see at most 32, or a clump.");
+SECTION(shape_mesh, shape_mesh, "mesh of a shape",
+        "A convex body of any number of corners, of which contacts see at most 32, or a clump.");
 static const scene_field shape_tablet_fields[] = {
     NUMBER(shape_tablet, diameter, UNIT_LENGTH, POSITIVE, MUST, "of the round tablet"),
     NUMBER(shape_tablet, height, UNIT_LENGTH, POSITIVE, MUST, "over all"),
@@ -266,14 +281,15 @@ static const scene_field shape_gravel_fields[] = {
      "middle over longest axis"},
     {"flatness", FIELD_NUMBER, UNIT_NONE, offsetof(shape_gravel, flatness), 0.1, 1.0, false, "0.8", 0, NO_WORDS,
      "shortest over middle axis"},
-    {"corners", FIELD_WHOLE, UNIT_NONE, offsetof(shape_gravel, corners), 6.0, 300.0, false, "12", 0, NO_WORDS, "of the grain"},
+    {"corners", FIELD_WHOLE, UNIT_NONE, offsetof(shape_gravel, corners), 6.0, 300.0, false, "12", 0, NO_WORDS,
+     "of the grain"},
     {"seed", FIELD_WHOLE, UNIT_NONE, offsetof(shape_gravel, seed), 0.0, 9007199254740992.0, false, "1", 0, NO_WORDS,
      "another number, another grain"},
 };
 SECTION(shape_gravel, shape_gravel, "gravel", "A grain with corners on an ellipsoid.");
 static const scene_field shape_fields[] = {
-    {"spheres", FIELD_LIST, UNIT_NONE, offsetof(shape_def, spheres), 1, SHAPE_SPHERES_MAX, false, "", 1, NULL, &shape_sphere_section,
-     "a clump: spheres that move as one body"},
+    {"spheres", FIELD_LIST, UNIT_NONE, offsetof(shape_def, spheres), 1, SHAPE_SPHERES_MAX, false, "", 1, NULL,
+     &shape_sphere_section, "a clump: spheres that move as one body"},
     {"box", FIELD_VECTOR, UNIT_LENGTH, offsetof(shape_def, box), ANY, "", 1, NO_WORDS, "a brick: its three lengths"},
     {"corners", FIELD_POINTS, UNIT_LENGTH, offsetof(shape_def, corners), 4, SHAPE_CORNERS_MAX, false, "", 1, NO_WORDS,
      "a convex polyhedron, in any order; its origin is anywhere"},
@@ -284,7 +300,8 @@ static const scene_field shape_fields[] = {
     {"rounding", FIELD_NUMBER, UNIT_NONE, offsetof(shape_def, rounding), 0.001, 0.4, false, "0.03", 0, NO_WORDS,
      "radius of edges and corners of a polyhedron, over its smallest width"},
 };
-SECTION(shape, shape_def, "shape", "Shape of the particles of a feed that are not spheres. They are oriented at random.");
+SECTION(shape, shape_def, "shape",
+        "Shape of the particles of a feed that are not spheres. They are oriented at random.");
 
 /* ---- feed ---- */
 
@@ -314,7 +331,8 @@ SECTION(region, region_def, "region", "A part of space.");
 
 static const scene_field class_fields[] = {
     NUMBER(size_class, diameter, UNIT_DIAMETER, POSITIVE, MUST, "of all particles of the class"),
-    {"share", FIELD_NUMBER, UNIT_SHARE, offsetof(size_class, share), 0.0, 1e30, false, "1", 0, NO_WORDS, "of any sum; see `shares`"},
+    {"share", FIELD_NUMBER, UNIT_SHARE, offsetof(size_class, share), 0.0, 1e30, false, "1", 0, NO_WORDS,
+     "of any sum; see `shares`"},
 };
 SECTION(class, size_class, "class", "Particles of one diameter.");
 static const scene_field even_fields[] = {
@@ -340,9 +358,11 @@ static const scene_field rosin_fields[] = {
 SECTION(rosin, rosin_sizes, "rosin_rammler", "Rosin & Rammler (1933).");
 static const scene_field sizes_fields[] = {
     ONE_NUMBER(sizes_def, diameter, FIELD_NUMBER, UNIT_DIAMETER, POSITIVE, 1, "one size"),
-    {"classes", FIELD_LIST, UNIT_NONE, offsetof(sizes_def, classes), 1, 1000, false, "", 1, NULL, &class_section, "any number of sizes"},
+    {"classes", FIELD_LIST, UNIT_NONE, offsetof(sizes_def, classes), 1, 1000, false, "", 1, NULL, &class_section,
+     "any number of sizes"},
     {"file", FIELD_FILE, UNIT_NONE, offsetof(sizes_def, file), ANY, "", 1, NO_WORDS,
-     "a table of sieves or classes ([forms](tables.md)); in a sieve curve a class between two sieves has uniform sizes, the finest class "
+     "a table of sieves or classes ([forms](tables.md)); in a sieve curve a class between two sieves has uniform "
+     "sizes, the finest class "
      "goes down to half the finest width, and the coarsest sieve passes everything; or `size_mm` and `share`"},
     PART(sizes_def, uniform, even, "", 1, "uniform sizes"),
     PART(sizes_def, lognormal, lognormal, "", 1, "lognormal"),
@@ -350,7 +370,8 @@ static const scene_field sizes_fields[] = {
     CHOICE(sizes_def, shares, "mass|number", "mass", "quantity that shares and distributions refer to"),
 };
 SECTION(sizes, sizes_def, "sizes",
-        "Diameters; for a shape, of the sphere of its volume. Above 1 m they need a unit. Each class is measured separately; its "
+        "Diameters; for a shape, of the sphere of its volume. Above 1 m they need a unit. Each class is measured "
+        "separately; its "
         "column is `left_<size>mm`.");
 
 static const scene_field feed_fields[] = {
@@ -365,7 +386,8 @@ static const scene_field feed_fields[] = {
     VECTOR(feed_def, velocity, UNIT_SPEED, "[0, 0, 0]", "of new particles"),
     VECTOR(feed_def, scatter, UNIT_SPEED, "[0, 0, 0]", "largest deviation from it"),
     NUMBER(feed_def, from, UNIT_TIME, AT_LEAST_0, "0", "beginning"),
-    NUMBER(feed_def, until, UNIT_TIME, AT_LEAST_0, "", "end of a steady feed, with `rate` only; default: that of the run"),
+    NUMBER(feed_def, until, UNIT_TIME, AT_LEAST_0, "",
+           "end of a steady feed, with `rate` only; default: that of the run"),
     {"tries", FIELD_WHOLE, UNIT_NONE, offsetof(feed_def, tries), 1.0, 1e6, false, "2000", 0, NO_WORDS,
      "random places tried for a particle"},
     TEXT(feed_def, label, "", "of its classes in figures and columns, before the size; default for a shape: its name"),
@@ -378,7 +400,8 @@ static const scene_field liquid_fields[] = {
     NUMBER(liquid_def, density, UNIT_DENSITY, POSITIVE, "1000", "of the liquid"),
     NUMBER(liquid_def, surface_tension, UNIT_TENSION, POSITIVE, "0.07275", "water at 20 C"),
     NUMBER(liquid_def, viscosity, UNIT_VISCOSITY, AT_LEAST_0, "1.002e-3", "water at 20 C"),
-    {"angle", FIELD_NUMBER, UNIT_ANGLE, offsetof(liquid_def, angle), 0.0, 1.05, false, "15 deg", 0, NO_WORDS, "contact angle on particles"},
+    {"angle", FIELD_NUMBER, UNIT_ANGLE, offsetof(liquid_def, angle), 0.0, 1.05, false, "15 deg", 0, NO_WORDS,
+     "contact angle on particles"},
     {"deck_angle", FIELD_NUMBER, UNIT_ANGLE, offsetof(liquid_def, deck_angle), 0.0, 1.05, false, "45 deg", 0, NO_WORDS,
      "contact angle on screens"},
     {"wall_angle", FIELD_NUMBER, UNIT_ANGLE, offsetof(liquid_def, wall_angle), 0.0, 1.05, false, "45 deg", 0, NO_WORDS,
@@ -393,7 +416,8 @@ static const scene_field measured_fields[] = {
     PART(measured_region, region, region, MUST, 0, "where"),
 };
 SECTION(measured, measured_region, "measured region",
-        "Columns `<name>_count`, `_mass_kg`, `_solid_fraction`, `_coordination`, `_vx_m_s`, `_vy_m_s`, `_vz_m_s`, `_pressure_Pa`.");
+        "Columns `<name>_count`, `_mass_kg`, `_solid_fraction`, `_coordination`, `_vx_m_s`, `_vy_m_s`, `_vz_m_s`, "
+        "`_pressure_Pa`.");
 static const scene_field mixing_fields[] = {
     PART(mixing_def, box, box_region, MUST, 0, "where"),
     VECTOR(mixing_def, cells, UNIT_NONE, MUST, "how many cells along x, y, z: the samples"),
@@ -403,7 +427,8 @@ static const scene_field mixing_fields[] = {
 SECTION(mixing, mixing_def, "mixing", "Lacey's index by time, column `<name>_lacey`: 0 separated, 1 as by chance.");
 static const scene_field heap_fields[] = {
     VECTOR(heap_def, centre, UNIT_LENGTH, MUST, "of the plate under the heap"),
-    NUMBER(heap_def, radius, UNIT_LENGTH, POSITIVE, MUST, "of the heap's foot; it is divided into 6 rings and 12 sectors"),
+    NUMBER(heap_def, radius, UNIT_LENGTH, POSITIVE, MUST,
+           "of the heap's foot; it is divided into 6 rings and 12 sectors"),
 };
 SECTION(heap, heap_def, "heap",
         "Slope of a heap by time, column `<name>_angle_deg`: that of a line through the means of rings, of the highest "
@@ -477,14 +502,17 @@ static const scene_field output_fields[] = {
      "`passed.csv`: a row for each particle that has passed an exit: time, exit, class, diameter, mass, residence "
      "time"},
 };
-SECTION(output, output_def, "output", "`scene.png` and `curves.svg` are always written.");
+SECTION(output, output_def, "output",
+        "`scene.png` and `curves.svg` are always written; `--size 1920x1280` sets the size of the picture and of the "
+        "movie.");
 static const scene_field stop_fields[] = {
     TEXT(stop_def, column, MUST, "any column of `measured.csv`"),
     ONE_NUMBER(stop_def, below, FIELD_NUMBER, UNIT_NONE, ANY, 1, "stop when it is below this"),
     ONE_NUMBER(stop_def, above, FIELD_NUMBER, UNIT_NONE, ANY, 1, "stop when it is above this"),
     NUMBER(stop_def, after, UNIT_TIME, AT_LEAST_0, "0", "not before this time"),
 };
-SECTION(stop, stop_def, "stop condition", "Checked with each row of `measured.csv`; the first that holds ends the run.");
+SECTION(stop, stop_def, "stop condition",
+        "Checked with each row of `measured.csv`; the first that holds ends the run.");
 
 static const scene_field axis_fields[] = {
     NUMBER(axis_def, low, UNIT_LENGTH, ANY, MUST, "end"),
@@ -492,23 +520,30 @@ static const scene_field axis_fields[] = {
 };
 SECTION(axis, axis_def, "periodic axis", "Longer than 2.2 of the largest diameters.");
 static const scene_field periodic_fields[] = {
-    {"x", FIELD_PART, UNIT_NONE, offsetof(periodic_def, axis) + 0 * sizeof(axis_def), ANY, "", 0, NULL, &axis_section, "along x"},
-    {"y", FIELD_PART, UNIT_NONE, offsetof(periodic_def, axis) + 1 * sizeof(axis_def), ANY, "", 0, NULL, &axis_section, "along y"},
-    {"z", FIELD_PART, UNIT_NONE, offsetof(periodic_def, axis) + 2 * sizeof(axis_def), ANY, "", 0, NULL, &axis_section, "along z"},
+    {"x", FIELD_PART, UNIT_NONE, offsetof(periodic_def, axis) + 0 * sizeof(axis_def), ANY, "", 0, NULL, &axis_section,
+     "along x"},
+    {"y", FIELD_PART, UNIT_NONE, offsetof(periodic_def, axis) + 1 * sizeof(axis_def), ANY, "", 0, NULL, &axis_section,
+     "along y"},
+    {"z", FIELD_PART, UNIT_NONE, offsetof(periodic_def, axis) + 2 * sizeof(axis_def), ANY, "", 0, NULL, &axis_section,
+     "along z"},
 };
 SECTION(periodic, periodic_def, "periodic", "Particles that leave at one end enter at the other.");
 
 static const scene_field scene_fields[] = {
     TEXT(scene_def, title, "Scene", "of figures"),
     NUMBER(scene_def, duration, UNIT_TIME, POSITIVE, MUST, "simulated time"),
-    NUMBER(scene_def, time_step, UNIT_TIME, POSITIVE, "", "default: as `dem_advise` proposes for the smallest particle that may come"),
+    NUMBER(scene_def, time_step, UNIT_TIME, POSITIVE, "",
+           "default: as `dem_advise` proposes for the smallest particle that may come"),
     VECTOR(scene_def, gravity, UNIT_ACCELERATION, "[0, 0, -9.81]", "or inclined, for a machine that is"),
     {"seed", FIELD_WHOLE, UNIT_NONE, offsetof(scene_def, seed), 0.0, 9007199254740992.0, false, "1", 0, NO_WORDS,
      "of random places and sizes; `--seed` overrides it"},
     CHOICE(scene_def, law, "linear|hertz|epsd|epsd_hertz|dmt|jkr|bonds", "linear",
-           "linear, hertz: friction and rolling resistance where a contact has them. epsd, epsd_hertz: these with a rolling "
-           "spring that yields. dmt, jkr: hertz with adhesion, of stiff small and of soft large spheres. bonds: linear, with bonds "
-           "that break. Equations: [contact_laws.md](contact_laws.md). The last five apply to spheres and clumps, bonds to spheres only"),
+           "linear, hertz: friction and rolling resistance where a contact has them. epsd, epsd_hertz: these with a "
+           "rolling "
+           "spring that yields. dmt, jkr: hertz with adhesion, of stiff small and of soft large spheres. bonds: "
+           "linear, with bonds "
+           "that break. Equations: [contact_laws.md](contact_laws.md). The last five apply to spheres and clumps, "
+           "bonds to spheres only"),
     NUMBER(scene_def, bond_at, UNIT_TIME, AT_LEAST_0, "",
            "`law: bonds`: time at which touching particles are bonded, if their contact has `bond`"),
     LIST(scene_def, materials, FIELD_NAMED, material, 8, MUST, "materials with names"),
@@ -522,8 +557,8 @@ static const scene_field scene_fields[] = {
     PART(scene_def, output, output, "", 0, "pictures and files"),
     LIST(scene_def, stop, FIELD_LIST, stop, 100, "", "conditions to end before `duration`"),
 };
-const scene_table scene_section = {"scene", "The whole file.", scene_fields, (int)(sizeof scene_fields / sizeof *scene_fields),
-                                   sizeof(scene_def)};
+const scene_table scene_section = {"scene", "The whole file.", scene_fields,
+                                   (int)(sizeof scene_fields / sizeof *scene_fields), sizeof(scene_def)};
 
 int scene_read(tree_file *file, scene_def *scene) {
     if (fields_read(file, file->root, &scene_section, scene)) return -1;

@@ -82,7 +82,8 @@ static int cut_shares(scene *s, size_shares *list) {
 
 static const double SIEVE_END = 1e-3; /* a curve ends at 1 to this */
 
-/* Shares of single sizes; or a sieve curve, of which two sizes make a class. What passes the finest size is half as large at least. */
+/* Shares of single sizes; or a sieve curve, of which two sizes make a class. What passes the finest size is half as
+   large at least. */
 static int read_file(scene *s, const sizes_def *def, size_shares *list) {
     char path[1000], message[800];
     const tree *at = fields_where(&def->part, "file");

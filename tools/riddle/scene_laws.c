@@ -32,7 +32,8 @@ static int check_keys(const scene *s, const contact_def *c) {
         for (size_t l = 0, used = 0; l < sizeof words / sizeof *words; l++)
             if (known[k].laws >> l & 1)
                 used += (size_t)snprintf(laws + used, sizeof laws - used, "%s%s", used ? " or " : "", words[l]);
-        return tree_fail(s->file, at, "%s: only with law: %s; the scene has law: %s", known[k].key, laws, words[s->def->law]);
+        return tree_fail(s->file, at, "%s: only with law: %s; the scene has law: %s", known[k].key, laws,
+                         words[s->def->law]);
     }
     return 0;
 }
@@ -51,8 +52,9 @@ static int check_shapes(const scene *s) {
     for (int k = 0; k < s->sources; k++) {
         const body_shape *b = s->source[k].shape;
         if (b && (s->def->law == LAW_BONDS || b->clump.spheres == 0))
-            return tree_fail(s->file, fields_where(&s->def->part, "law"), "law: %s: only for %s, and a feed has the shape %.60s",
-                             words[s->def->law], s->def->law == LAW_BONDS ? "spheres" : "spheres and clumps", s->source[k].def->shape);
+            return tree_fail(s->file, fields_where(&s->def->part, "law"),
+                             "law: %s: only for %s, and a feed has the shape %.60s", words[s->def->law],
+                             s->def->law == LAW_BONDS ? "spheres" : "spheres and clumps", s->source[k].def->shape);
     }
     return 0;
 }
@@ -65,7 +67,8 @@ int scene_laws_begin(scene *s) {
     if (bond_at && s->def->law != LAW_BONDS) return tree_fail(s->file, bond_at, "bond_at: only with law: bonds");
     if (!is_named(s->def->law)) return 0;
     if (s->def->law == LAW_BONDS && !bond_at)
-        return tree_fail(s->file, fields_where(&s->def->part, "law"), "law: bonds: bond_at is missing, the time at which what touches becomes a bond");
+        return tree_fail(s->file, fields_where(&s->def->part, "law"),
+                         "law: bonds: bond_at is missing, the time at which what touches becomes a bond");
     if (check_shapes(s)) return -1;
     s->laws = malloc(sizeof *s->laws);
     if (!s->laws) return tree_fail(s->file, NULL, "out of memory");
@@ -86,7 +89,8 @@ void scene_laws_free(scene *s) {
     s->laws = NULL;
 }
 
-/* A twentieth of sqrt(m/k), with k = E pi (bond radius)^2/(2 R) between two of the smallest spheres, which a wall shares. */
+/* A twentieth of sqrt(m/k), with k = E pi (bond radius)^2/(2 R) between two of the smallest spheres, which a
+   wall shares. */
 double scene_laws_step(const scene *s) {
     const contact_def *c = s->def->contacts.item;
     double least = HUGE_VAL;

@@ -4,8 +4,8 @@
 
 #include "scene.h"
 
-/* Refuses keys that the law of the scene does not know; then, for one of these laws, fills s->laws and s->features, before the time step is
-   chosen. 0, or -1 with the message in the file. */
+/* Refuses keys that the law of the scene does not know; then, for one of these laws, fills s->laws and s->features,
+   before the time step is chosen. 0, or -1 with the message in the file. */
 int scene_laws_begin(scene *s);
 void scene_laws_free(scene *s);
 double scene_laws_step(const scene *s); /* the longest step that bonds allow [s]; infinite without */

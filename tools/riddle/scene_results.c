@@ -280,7 +280,8 @@ static heap_slope slope_now(const scene *s, const heap_def *h) {
     return heap_slope_of(&s->world, scene_vec(h->centre), dem_vec3(-g.x / pull, -g.y / pull, -g.z / pull), h->radius,
                          HUGE_VAL);
 }
-/* A heap is at rest while nothing in it is faster than a fall through a thousandth of its spheres' mean diameter gives. */
+/* A heap is at rest while nothing in it is faster than a fall through a thousandth of its spheres' mean
+   diameter gives. */
 static const char *heap_state(const heap_slope *slope) {
     return slope->rings < 4      ? "too few rings are filled"
            : slope->speed > 0.01 ? "the heap still moves"

@@ -1,4 +1,5 @@
-/* scene_results.h: the numbers that one simulates for, at the end of a run: results.csv, separation.csv, partition.svg, JSON. */
+/* scene_results.h: the numbers that one simulates for, at the end of a run: results.csv, separation.csv,
+   partition.svg, JSON. */
 #ifndef RIDDLE_SCENE_RESULTS_H
 #define RIDDLE_SCENE_RESULTS_H
 

@@ -75,7 +75,8 @@ static void put_part(writing *w, const char *path, const scene_table *table, con
 static void put_list(writing *w, const char *path, const scene_field *f, const scene_list *list) {
     char below[300];
     for (int k = 0; k < list->n; k++) {
-        const scene_part *item = (const scene_part *)(const void *)((const char *)list->item + (size_t)k * f->section->size);
+        const scene_part *item =
+            (const scene_part *)(const void *)((const char *)list->item + (size_t)k * f->section->size);
         if (item->name) snprintf(below, sizeof below, "%.200s.%.60s", path, item->name);
         else snprintf(below, sizeof below, "%.200s[%d]", path, k + 1);
         put_part(w, below, f->section, item);
@@ -165,11 +166,14 @@ char *scene_keys(const scene *s) {
         const scene_field *f = &scene_section.field[k];
         const void *at = (const char *)s->def + f->at;
         int skipped = 0;
-        for (size_t n = 0; n < sizeof may_change / sizeof *may_change; n++) skipped |= strcmp(may_change[n], f->key) == 0;
+        for (size_t n = 0; n < sizeof may_change / sizeof *may_change; n++)
+            skipped |= strcmp(may_change[n], f->key) == 0;
         if (skipped) continue;
         if (strcmp(f->key, "seed") == 0) /* an option may have set it */
-            put(&w, '\t', "seed"), put(&w, '\t', "%llu", (unsigned long long)s->seed), put(&w, '\n', "%llu", (unsigned long long)s->seed);
-        else if (strcmp(f->key, "measure") == 0) put_part(&w, f->key, f->section, at); /* `every` counts where it is not given, too */
+            put(&w, '\t', "seed"), put(&w, '\t', "%llu", (unsigned long long)s->seed),
+                put(&w, '\n', "%llu", (unsigned long long)s->seed);
+        /* `every` counts where it is not given, too */
+        else if (strcmp(f->key, "measure") == 0) put_part(&w, f->key, f->section, at);
         else put_field(&w, f->key, &s->def->part, f);
     }
     return w.failed ? NULL : w.text;
@@ -207,7 +211,8 @@ static const tree *place_of(const tree *at, const char *path) {
     while (*path) {
         char word[100];
         const tree *below = NULL;
-        for (size_t length = strcspn(path, ".["); !below; length += 1 + strcspn(path + length + 1, ".[")) { /* a name may have points */
+        /* a name may have points */
+        for (size_t length = strcspn(path, ".["); !below; length += 1 + strcspn(path + length + 1, ".[")) {
             if (length >= sizeof word) return at;
             memcpy(word, path, length);
             word[length] = '\0';
@@ -239,12 +244,15 @@ int scene_same(scene *s, const char *keys, const char *saved) {
         }
         const tree *at = place_of(s->file->root, next_key ? now.key : before.key);
         if (same_key)
-            return tree_fail(s->file, at, "--continue: %s is %.80s, in the save %.80s: %s", now.key, now.said, before.said, allowed);
+            return tree_fail(s->file, at, "--continue: %s is %.80s, in the save %.80s: %s", now.key, now.said,
+                             before.said, allowed);
         if (next_key && !has_key(saved, now.key))
-            return tree_fail(s->file, at, "--continue: %s is %.80s, in the save it is not given: %s", now.key, now.said, allowed);
+            return tree_fail(s->file, at, "--continue: %s is %.80s, in the save it is not given: %s", now.key, now.said,
+                             allowed);
         at = place_of(s->file->root, before.key);
         if (next_saved && !has_key(keys, before.key))
-            return tree_fail(s->file, at, "--continue: %s is not given, in the save it is %.80s: %s", before.key, before.said, allowed);
+            return tree_fail(s->file, at, "--continue: %s is not given, in the save it is %.80s: %s", before.key,
+                             before.said, allowed);
         return tree_fail(s->file, at, "--continue: %s stands at another place in the save: %s", now.key, allowed);
     }
 }

@@ -2,6 +2,7 @@
 #include "scene_shapes.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "scene_walls.h"
@@ -21,18 +22,30 @@ double scene_widest(const body_shape *shape) {
 
 static double diameter_of(double volume) { return 2.0 * riddle_cbrt(volume / (4.0 / 3.0 * RIDDLE_PI)); }
 
+static int is_filled(const shape_def *d) { return d->mesh.part.where && d->mesh.spheres > 0.0; }
+
+int scene_say_fit(const scene *s, int shape, char *line, size_t size) {
+    const body_shape *b = &s->shape[shape];
+    if (!is_filled(b->def)) return 0;
+    snprintf(line, size,
+             "shapes.%.60s: %d spheres fill %.1f %% of its volume; moments of what they fill: %.1f %% off, centre: "
+             "%.1f %% of the diameter",
+             b->def->part.name, b->clump.spheres, 100.0 * (1.0 + b->fit.volume), 100.0 * b->fit.moments,
+             100.0 * b->fit.centre);
+    return 1;
+}
+
 /* ---- making ---- */
 
 static dem_status fill_mesh(scene *s, body_shape *b) {
     const shape_mesh *m = &b->def->mesh;
     dem_mesh mesh;
-    if (scene_read_stl(s->file, fields_where(&m->part, "file"), m->file, m->unit, m->weld, &mesh)) return DEM_BAD_ARGUMENT;
-    const dem_status status = dem_make_clump_from_mesh(&mesh, (int)m->spheres, NULL, &b->clump, NULL);
+    if (scene_read_stl(s->file, fields_where(&m->part, "file"), m->file, m->unit, m->weld, &mesh))
+        return DEM_BAD_ARGUMENT;
+    const dem_status status = dem_make_clump_from_mesh(&mesh, (int)m->spheres, NULL, &b->clump, &b->fit);
     dem_free_mesh(&mesh);
     return status;
 }
-
-static int is_filled(const shape_def *d) { return d->mesh.part.where && d->mesh.spheres > 0.0; }
 
 static int make_clump(scene *s, body_shape *b) {
     const shape_sphere *sphere = b->def->spheres.item;
@@ -86,7 +99,8 @@ static int make_polyhedron(scene *s, body_shape *b) {
         status = make_from_mesh(s, b, &reason);
     } else if (t->part.where) {
         key = "tablet";
-        status = dem_make_tablet(to, t->diameter, t->height, isnan(t->band) ? t->height : t->band, d->rounding, &reason);
+        status =
+            dem_make_tablet(to, t->diameter, t->height, isnan(t->band) ? t->height : t->band, d->rounding, &reason);
     } else if (g->part.where) {
         key = "gravel";
         status = dem_make_gravel(to, g->diameter, g->elongation, g->flatness, (int)g->corners, (uint64_t)g->seed,
@@ -104,7 +118,9 @@ int scene_make_shapes(scene *s) {
     if (!s->shape) return -1;
     for (int k = 0; k < s->def->shapes.n; k++) {
         s->shape[k].def = &d[k];
-        if (d[k].spheres.n || d[k].capsule.part.where || is_filled(&d[k]) ? make_clump(s, &s->shape[k]) : make_polyhedron(s, &s->shape[k])) return -1;
+        if (d[k].spheres.n || d[k].capsule.part.where || is_filled(&d[k]) ? make_clump(s, &s->shape[k])
+                                                                          : make_polyhedron(s, &s->shape[k]))
+            return -1;
     }
     return 0;
 }

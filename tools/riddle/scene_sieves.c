@@ -6,7 +6,8 @@
 
 enum { SIEVES_MAX = 400, DECADE = 40 };
 
-/* ISO 565 and ISO 3: rounded numbers of a decade of R40, of which the other series take every 2nd, 3rd, 4th, 6th or 8th. */
+/* ISO 565 and ISO 3: rounded numbers of a decade of R40, of which the other series take every 2nd, 3rd,
+   4th, 6th or 8th. */
 static const double r40[DECADE] = {1.00, 1.06, 1.12, 1.18, 1.25, 1.32, 1.40, 1.50, 1.60, 1.70, 1.80, 1.90, 2.00, 2.12,
                                    2.24, 2.36, 2.50, 2.65, 2.80, 3.00, 3.15, 3.35, 3.55, 3.75, 4.00, 4.25, 4.50, 4.75,
                                    5.00, 5.30, 5.60, 6.00, 6.30, 6.70, 7.10, 7.50, 8.00, 8.50, 9.00, 9.50};

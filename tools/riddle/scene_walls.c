@@ -11,7 +11,8 @@
 dem_vec scene_vec(const double *xyz) { return dem_vec3(xyz[0], xyz[1], xyz[2]); }
 
 /* The number of a material that is named at a key. */
-int scene_material(tree_file *file, const scene_def *def, const scene_part *at, const char *key, const char *name, int *material) {
+int scene_material(tree_file *file, const scene_def *def, const scene_part *at, const char *key, const char *name,
+                   int *material) {
     const material_def *m = def->materials.item;
     char list[200] = "";
     for (int k = 0; k < def->materials.n; k++) {
@@ -20,7 +21,9 @@ int scene_material(tree_file *file, const scene_def *def, const scene_part *at, 
         if (used + strlen(m[k].part.name) + 3 < sizeof list)
             snprintf(list + used, sizeof list - used, "%s%s", k ? ", " : "", m[k].part.name);
     }
-    if (!name) return tree_fail(file, at->where, "%s: its %s is missing; there are %s", at->name ? at->name : "here", key, list);
+    if (!name)
+        return tree_fail(file, at->where, "%s: its %s is missing; there are %s", at->name ? at->name : "here", key,
+                         list);
     return tree_fail(file, fields_where(at, key), "%s: no material %.60s; there are %s", key, name, list);
 }
 
@@ -82,22 +85,27 @@ static int add_box(scene *s, int material, const box_shape *b) {
     if (!(half[0] > 0.0 && half[1] > 0.0 && half[2] > 0.0))
         return tree_fail(s->file, fields_where(&b->part, "size"), "size: all three above 0");
     put_box(&m, low, half, b->open);
-    if (make_turn(b->axis, b->angle, &t)) return tree_fail(s->file, fields_where(&b->part, "axis"), "axis: it has no direction");
+    if (make_turn(b->axis, b->angle, &t))
+        return tree_fail(s->file, fields_where(&b->part, "axis"), "axis: it has no direction");
     for (int k = 0; k < 8; k++) turn_and_shift(&t, b->centre, &vertex[3 * k]);
     return dem_add_mesh(&s->world, material, &m);
 }
 
-/* Each lifter is a box at the drum's right, tilted about its own middle, then turned to its place; the drum's axis is y until the end. */
+/* Each lifter is a box at the drum's right, tilted about its own middle, then turned to its place; the drum's axis is y
+   until the end. */
 static int add_lifters(scene *s, int material, const lifters_shape *l) {
     const double y[3] = {0, 1, 0}, none[3] = {0, 0, 0}, middle[3] = {l->radius - 0.5 * l->height, 0, 0};
-    const double half[3] = {0.5 * l->height, 0.5 * l->length, 0.5 * l->thickness}, low[3] = {-half[0], -half[1], -half[2]};
+    const double half[3] = {0.5 * l->height, 0.5 * l->length, 0.5 * l->thickness},
+                 low[3] = {-half[0], -half[1], -half[2]};
     const double length = sqrt(l->axis[0] * l->axis[0] + l->axis[1] * l->axis[1] + l->axis[2] * l->axis[2]);
     const size_t n = (size_t)l->count;
     turn tilt, place, stand;
     dem_mesh m;
-    if (!(l->height < l->radius)) return tree_fail(s->file, fields_where(&l->part, "height"), "height: below the radius");
+    if (!(l->height < l->radius))
+        return tree_fail(s->file, fields_where(&l->part, "height"), "height: below the radius");
     if (!(length > 0.0)) return tree_fail(s->file, fields_where(&l->part, "axis"), "axis: it has no direction");
-    const double over[3] = {l->axis[2] / length, 0, -l->axis[0] / length}; /* y x axis: the line about which y turns into the axis */
+    /* y x axis: the line about which y turns into the axis */
+    const double over[3] = {l->axis[2] / length, 0, -l->axis[0] / length};
     const double sine = sqrt(over[0] * over[0] + over[2] * over[2]), cosine = l->axis[1] / length, x[3] = {1, 0, 0};
     memset(&m, 0, sizeof m);
     m.vertex = tree_memory(s->file, 24 * n * sizeof *m.vertex);
@@ -119,11 +127,13 @@ static int add_lifters(scene *s, int material, const lifters_shape *l) {
 
 static void box_of(const dem_mesh *m, double *low, double *high) {
     for (int c = 0; c < 3; c++) low[c] = HUGE_VAL, high[c] = -HUGE_VAL;
-    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++) low[k % 3] = fmin(low[k % 3], m->vertex[k]), high[k % 3] = fmax(high[k % 3], m->vertex[k]);
+    for (ptrdiff_t k = 0; k < 3 * m->vertices; k++)
+        low[k % 3] = fmin(low[k % 3], m->vertex[k]), high[k % 3] = fmax(high[k % 3], m->vertex[k]);
 }
 
 /* Holes, or corners that differ by rounding? A reading that makes one of corners near each other tells. */
-static void note_open_edges(tree_file *file, const tree *at, const char *path, double unit, const dem_mesh *mesh, const dem_stl_report *found) {
+static void note_open_edges(tree_file *file, const tree *at, const char *path, double unit, const dem_mesh *mesh,
+                            const dem_stl_report *found) {
     char message[300];
     double low[3], high[3], weld = 0.0;
     size_t size;
@@ -135,8 +145,10 @@ static void note_open_edges(tree_file *file, const tree *at, const char *path, d
     const int read = bytes && dem_read_stl(bytes, size, unit, weld, NULL, &welded, &again) == DEM_OK;
     free(bytes);
     if (read && again.open_edges < found->open_edges)
-        tree_note(file, at, "file: %s: open edges: %.0f; with weld: %.2g mm, which makes one of corners that differ by rounding: %.0f", path,
-                  (double)found->open_edges, 1e3 * weld, (double)again.open_edges);
+        tree_note(
+            file, at,
+            "file: %s: open edges: %.0f; with weld: %.2g mm, which makes one of corners that differ by rounding: %.0f",
+            path, (double)found->open_edges, 1e3 * weld, (double)again.open_edges);
     else tree_note(file, at, "file: %s: open edges: %.0f, the rims of holes", path, (double)found->open_edges);
     if (read) dem_free_mesh(&welded);
 }
@@ -152,21 +164,26 @@ int scene_read_stl(tree_file *file, const tree *at, const char *name, double uni
     free(bytes);
     if (status == DEM_BAD_DATA && dot && strcmp(dot, ".stl") != 0 && strcmp(dot, ".STL") != 0)
         return tree_fail(file, at, "file: %s: no STL, which alone is read: save it as STL", path);
-    if (status != DEM_OK && status != DEM_BAD_DATA) return tree_fail(file, at, "file: %s: %s", path, dem_status_text(status));
+    if (status != DEM_OK && status != DEM_BAD_DATA)
+        return tree_fail(file, at, "file: %s: %s", path, dem_status_text(status));
     if (found.missing > 0 || found.not_finite > 0) {
         dem_free_mesh(mesh);
         return found.missing > 0
-                   ? tree_fail(file, at, "file: %s: cut off or damaged: %.0f of its triangles are there, %.0f or more are not", path,
-                               (double)found.facets, (double)found.missing)
+                   ? tree_fail(file, at,
+                               "file: %s: cut off or damaged: %.0f of its triangles are there, %.0f or more are not",
+                               path, (double)found.facets, (double)found.missing)
                    : tree_fail(file, at, "file: %s: triangles with corners that are no finite numbers: %.0f", path,
                                (double)found.not_finite);
     }
-    if (status == DEM_BAD_DATA) return tree_fail(file, at, "file: %s: no triangle in it: empty, damaged, or no STL", path);
+    if (status == DEM_BAD_DATA)
+        return tree_fail(file, at, "file: %s: no triangle in it: empty, damaged, or no STL", path);
     double low[3], high[3];
     box_of(mesh, low, high);
-    tree_note(file, at, "file: %s: %.0f triangles in a box of %.4g x %.4g x %.4g mm, from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) mm", path,
-              (double)mesh->triangles, 1e3 * (high[0] - low[0]), 1e3 * (high[1] - low[1]), 1e3 * (high[2] - low[2]), 1e3 * low[0], 1e3 * low[1],
-              1e3 * low[2], 1e3 * high[0], 1e3 * high[1], 1e3 * high[2]);
+    tree_note(
+        file, at,
+        "file: %s: %.0f triangles in a box of %.4g x %.4g x %.4g mm, from (%.4g, %.4g, %.4g) to (%.4g, %.4g, %.4g) mm",
+        path, (double)mesh->triangles, 1e3 * (high[0] - low[0]), 1e3 * (high[1] - low[1]), 1e3 * (high[2] - low[2]),
+        1e3 * low[0], 1e3 * low[1], 1e3 * low[2], 1e3 * high[0], 1e3 * high[1], 1e3 * high[2]);
     if (found.open_edges > 0) note_open_edges(file, at, path, unit, mesh, &found);
     return 0;
 }
@@ -176,7 +193,8 @@ static int add_mesh(scene *s, int material, const mesh_shape *shape) {
     turn t;
     if (make_turn(shape->axis, shape->angle, &t))
         return tree_fail(s->file, fields_where(&shape->part, "axis"), "axis: it has no direction");
-    if (scene_read_stl(s->file, fields_where(&shape->part, "file"), shape->file, shape->unit, shape->weld, &m)) return -1;
+    if (scene_read_stl(s->file, fields_where(&shape->part, "file"), shape->file, shape->unit, shape->weld, &m))
+        return -1;
     for (ptrdiff_t k = 0; k < m.vertices; k++) turn_and_shift(&t, shape->centre, &m.vertex[3 * k]);
     const int wall = dem_add_mesh(&s->world, material, &m);
     dem_free_mesh(&m);
@@ -199,7 +217,8 @@ static int add_screen(scene *s, int material, const screen_shape *shape) {
     screen.circular = !isnan(shape->radius);
     screen.half_x = screen.circular ? shape->radius : 0.5 * shape->length;
     screen.half_y = isnan(shape->width) ? screen.half_x : 0.5 * shape->width;
-    screen.centre = scene_vec(shape->centre), screen.normal = scene_vec(shape->normal), screen.direction = scene_vec(shape->direction);
+    screen.centre = scene_vec(shape->centre), screen.normal = scene_vec(shape->normal),
+    screen.direction = scene_vec(shape->direction);
     return dem_add_screen(&s->world, material, &screen);
 }
 
@@ -208,13 +227,15 @@ static int add_screen(scene *s, int material, const screen_shape *shape) {
 /* The wall's index; or minus a dem_status, or a message in the file. */
 static int add_shape(scene *s, const wall_def *w, int material) {
     dem_world *world = &s->world;
-    if (w->plane.part.where) return dem_add_plane(world, material, scene_vec(w->plane.point), scene_vec(w->plane.normal));
+    if (w->plane.part.where)
+        return dem_add_plane(world, material, scene_vec(w->plane.point), scene_vec(w->plane.normal));
     if (w->exit.part.where) return dem_add_exit(world, scene_vec(w->exit.point), scene_vec(w->exit.normal));
     if (w->box.part.where) return add_box(s, material, &w->box);
     if (w->cylinder.part.where)
-        return dem_add_cylinder(world, material, scene_vec(w->cylinder.point), scene_vec(w->cylinder.axis), w->cylinder.radius,
-                                w->cylinder.side);
-    if (w->sphere.part.where) return dem_add_sphere_wall(world, material, scene_vec(w->sphere.centre), w->sphere.radius, w->sphere.side);
+        return dem_add_cylinder(world, material, scene_vec(w->cylinder.point), scene_vec(w->cylinder.axis),
+                                w->cylinder.radius, w->cylinder.side);
+    if (w->sphere.part.where)
+        return dem_add_sphere_wall(world, material, scene_vec(w->sphere.centre), w->sphere.radius, w->sphere.side);
     if (w->disc.part.where) return add_disc(s, material, &w->disc);
     if (w->screen.part.where) return add_screen(s, material, &w->screen);
     if (w->mesh.part.where) return add_mesh(s, material, &w->mesh);
@@ -239,7 +260,8 @@ static int move_wall(scene *s, const wall_def *w, int wall) {
     const int timed = w->timetable.n > 0; /* scene_set_timetables moves it */
     if (w->vibrate.part.where && !timed) {
         at = &w->vibrate.part;
-        status = dem_vibrate(world, wall, scene_vec(w->vibrate.amplitude), scene_vec(w->vibrate.phase), w->vibrate.frequency);
+        status = dem_vibrate(world, wall, scene_vec(w->vibrate.amplitude), scene_vec(w->vibrate.phase),
+                             w->vibrate.frequency);
     }
     if (status == DEM_OK && w->rotate.part.where && !timed) {
         at = &w->rotate.part;
@@ -255,14 +277,16 @@ static int move_wall(scene *s, const wall_def *w, int wall) {
     }
     if (status == DEM_OK && w->piston.part.where) {
         at = &w->piston.part;
-        status = dem_control_force(world, wall, scene_vec(w->piston.axis), w->piston.mass, w->piston.force, w->piston.damping);
+        status = dem_control_force(world, wall, scene_vec(w->piston.axis), w->piston.mass, w->piston.force,
+                                   w->piston.damping);
     }
     if (status == DEM_OK && w->rotor.part.where) {
         at = &w->rotor.part;
-        status = dem_control_torque(world, wall, scene_vec(w->rotor.centre), scene_vec(w->rotor.axis), w->rotor.inertia, w->rotor.torque,
-                                    w->rotor.damping);
+        status = dem_control_torque(world, wall, scene_vec(w->rotor.centre), scene_vec(w->rotor.axis), w->rotor.inertia,
+                                    w->rotor.torque, w->rotor.damping);
     }
-    return status == DEM_OK ? 0 : tree_fail(s->file, at->where, "wall %.60s: %s", w->part.name, dem_status_text(status));
+    return status == DEM_OK ? 0
+                            : tree_fail(s->file, at->where, "wall %.60s: %s", w->part.name, dem_status_text(status));
 }
 
 static int add_wall(scene *s, int number) {
@@ -270,15 +294,18 @@ static int add_wall(scene *s, int number) {
     const int moves = w->vibrate.part.where || w->rotate.part.where || w->move.part.where;
     int material = 0;
     if (!w->exit.part.where && scene_material(s->file, s->def, &w->part, "material", w->material, &material)) return -1;
-    if (w->exit.part.where && w->material) return tree_fail(s->file, fields_where(&w->part, "material"), "material: an exit has none");
+    if (w->exit.part.where && w->material)
+        return tree_fail(s->file, fields_where(&w->part, "material"), "material: an exit has none");
     if ((w->piston.part.where || w->rotor.part.where) && (moves || (w->piston.part.where && w->rotor.part.where)))
-        return tree_fail(s->file, w->part.where, "wall %.60s: what a force or torque moves has no other motion", w->part.name);
-    if (!isnan(w->until) && !(w->until > w->from)) return tree_fail(s->file, fields_where(&w->part, "until"), "until: after from");
+        return tree_fail(s->file, w->part.where, "wall %.60s: what a force or torque moves has no other motion",
+                         w->part.name);
+    if (!isnan(w->until) && !(w->until > w->from))
+        return tree_fail(s->file, fields_where(&w->part, "until"), "until: after from");
     const int wall = add_shape(s, w, material);
     if (s->file->message[0]) return -1;
     if (wall < 0)
-        return tree_fail(s->file, w->part.where, "wall %.60s: %s (a direction of length 0, or a size that cannot be)", w->part.name,
-                         dem_status_text((dem_status)-wall));
+        return tree_fail(s->file, w->part.where, "wall %.60s: %s (a direction of length 0, or a size that cannot be)",
+                         w->part.name, dem_status_text((dem_status)-wall));
     s->wall_of[number] = wall;
     return move_wall(s, w, wall);
 }

@@ -4,7 +4,8 @@
 
 #include "scene.h"
 
-int scene_material(tree_file *file, const scene_def *def, const scene_part *at, const char *key, const char *name, int *material);
+int scene_material(tree_file *file, const scene_def *def, const scene_part *at, const char *key, const char *name,
+                   int *material);
 int scene_add_walls(scene *s);
 /* Sets the speed of a wall's belt to what the file says, times a factor. */
 dem_status scene_set_belt(scene *s, const wall_def *w, int wall, double factor);

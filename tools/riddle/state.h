@@ -1,5 +1,5 @@
-/* state.h: numbers and bytes to and from a save, by the same calls, so that what is written is what is read. Little-endian, with a
-   checksum. */
+/* state.h: numbers and bytes to and from a save, by the same calls, so that what is written is what is read.
+   Little-endian, with a checksum. */
 #ifndef RIDDLE_STATE_H
 #define RIDDLE_STATE_H
 

@@ -1,4 +1,5 @@
-/* templates.h: the scenes that come with the program, in the program itself, so that it serves wherever it is installed. */
+/* templates.h: the scenes that come with the program, in the program itself, so that it serves wherever it
+   is installed. */
 #ifndef TEMPLATES_H
 #define TEMPLATES_H
 

@@ -23,7 +23,8 @@ typedef struct reading {
 
 /* "scene.yaml:3:7: what is said", without control characters. */
 static void say(const tree_file *file, const tree *at, char *line, size_t size, const char *format, va_list arguments) {
-    int used = at ? snprintf(line, size, "%s:%d:%d: ", file->name, at->line, at->column) : snprintf(line, size, "%s: ", file->name);
+    int used = at ? snprintf(line, size, "%s:%d:%d: ", file->name, at->line, at->column)
+                  : snprintf(line, size, "%s: ", file->name);
     if (used < 0 || used >= (int)size) used = (int)size - 1;
     vsnprintf(line + used, size - (size_t)used, format, arguments);
     for (char *c = line; *c; c++)
@@ -46,7 +47,8 @@ void tree_note(tree_file *file, const tree *at, const char *format, ...) {
     va_start(arguments, format);
     say(file, at, line, sizeof line, format, arguments);
     va_end(arguments);
-    if (used + strlen(line) + 2 < sizeof file->notes) snprintf(file->notes + used, sizeof file->notes - used, "%s\n", line);
+    if (used + strlen(line) + 2 < sizeof file->notes)
+        snprintf(file->notes + used, sizeof file->notes - used, "%s\n", line);
 }
 
 void *tree_memory(tree_file *file, size_t size) {
@@ -102,7 +104,9 @@ static int append(reading *r, tree *list, const tree *key, tree *value) {
         tree **item = tree_memory(r->file, (size_t)room * sizeof *item);
         const tree **keys = tree_memory(r->file, (size_t)room * sizeof *keys);
         if (!item || !keys) return -1;
-        if (list->n) memcpy(item, list->item, (size_t)list->n * sizeof *item), memcpy(keys, list->key, (size_t)list->n * sizeof *keys);
+        if (list->n)
+            memcpy(item, list->item, (size_t)list->n * sizeof *item),
+                memcpy(keys, list->key, (size_t)list->n * sizeof *keys);
         list->item = item, list->key = keys, list->room = room;
     }
     list->key[list->n] = key;
@@ -168,7 +172,8 @@ static int read_map(reading *r, tree *map, int depth) {
 }
 
 static tree *read_alias(reading *r, const yaml_event_t *event) {
-    tree at = {TREE_TEXT, (int)event->start_mark.line + 1, (int)event->start_mark.column + 1, NULL, 0, 0, 0, 0, NULL, NULL};
+    tree at = {TREE_TEXT, (int)event->start_mark.line + 1, (int)event->start_mark.column + 1, NULL, 0, 0, 0, 0, NULL,
+               NULL};
     const char *name = (const char *)event->data.alias.anchor;
     for (int k = r->n_anchors - 1; k >= 0; k--) {
         if (strcmp(r->anchors[k].name, name) != 0) continue;
@@ -211,11 +216,12 @@ static int read_document(reading *r) {
     for (;;) {
         if (next(r, &event)) return -1;
         const yaml_event_type_t type = event.type;
-        tree at = {TREE_MAP, (int)event.start_mark.line + 1, (int)event.start_mark.column + 1, NULL, 0, 0, 0, 0, NULL, NULL};
+        tree at = {TREE_MAP, (int)event.start_mark.line + 1, (int)event.start_mark.column + 1, NULL, 0, 0, 0, 0, NULL,
+                   NULL};
         int bad = 0;
         if (type == YAML_DOCUMENT_START_EVENT && r->file->root) bad = tree_fail(r->file, &at, "a second document");
-        else if (type != YAML_STREAM_START_EVENT && type != YAML_DOCUMENT_START_EVENT && type != YAML_DOCUMENT_END_EVENT &&
-                 type != YAML_STREAM_END_EVENT) {
+        else if (type != YAML_STREAM_START_EVENT && type != YAML_DOCUMENT_START_EVENT &&
+                 type != YAML_DOCUMENT_END_EVENT && type != YAML_STREAM_END_EVENT) {
             r->file->root = read_value(r, &event, 0);
             bad = r->file->root ? 0 : -1;
         }
@@ -241,7 +247,8 @@ int tree_read(tree_file *file, const char *name, const char *bytes, size_t size)
 
 /* ---- values from the command line ---- */
 
-/* The next step of a path: ".key" or "[3]" (or "key" at its beginning). Returns what is behind it, or NULL. index: -1 for a key. */
+/* The next step of a path: ".key" or "[3]" (or "key" at its beginning). Returns what is behind it, or NULL. index:
+   -1 for a key. */
 static const char *step_of(const char *path, char *key, size_t size, int *index) {
     char *end;
     *index = -1, key[0] = '\0';
@@ -284,7 +291,9 @@ static int element_between(const tree *list, const char *pair) {
     char forth[200], back[200];
     for (int k = 0; k < list->n; k++) {
         const tree *two = tree_find(list->item[k], "between");
-        if (!two || two->kind != TREE_LIST || two->n != 2 || two->item[0]->kind != TREE_TEXT || two->item[1]->kind != TREE_TEXT) continue;
+        if (!two || two->kind != TREE_LIST || two->n != 2 || two->item[0]->kind != TREE_TEXT ||
+            two->item[1]->kind != TREE_TEXT)
+            continue;
         snprintf(forth, sizeof forth, "%.90s-%.90s", two->item[0]->text, two->item[1]->text);
         snprintf(back, sizeof back, "%.90s-%.90s", two->item[1]->text, two->item[0]->text);
         if (strcmp(pair, forth) == 0 || strcmp(pair, back) == 0) return k;
@@ -307,7 +316,8 @@ int tree_set(tree_file *file, const char *path, const char *value) {
             if (index < 0) return refuse_path(file, path, "no element of this list is between these two materials");
         }
         if (index >= 0) {
-            if (now->kind != TREE_LIST || index >= now->n) return refuse_path(file, path, "there is no such element of a list");
+            if (now->kind != TREE_LIST || index >= now->n)
+                return refuse_path(file, path, "there is no such element of a list");
             place = &now->item[index];
             continue;
         }

@@ -1,7 +1,8 @@
 /* tree.h: a YAML (or JSON) text as a tree of values that know where they stand. By libyaml.
 
-   An alias is the value that it stands for, not a copy. Refused, each with its place: what is no YAML, more than one document, keys that
-   are no plain words, a key twice, an alias within its own anchor, more than 24 levels, more than 20 000 values. */
+   An alias is the value that it stands for, not a copy. Refused, each with its place: what is no YAML, more than one
+   document, keys that are no plain words, a key twice, an alias within its own anchor, more than 24 levels, more
+   than 20 000 values. */
 #ifndef RIDDLE_TREE_H
 #define RIDDLE_TREE_H
 
@@ -31,7 +32,8 @@ typedef struct tree_file {
 /* 0, or -1 with a message. Free with tree_free in both cases. name: kept, not copied. */
 int tree_read(tree_file *file, const char *name, const char *bytes, size_t size);
 void tree_free(tree_file *file);
-/* Sets what stands at a path, "materials.glass.density", "feeds[2].rate", "walls.deck.vibrate.amplitude[3]" (counted from 1), to a value in
+/* Sets what stands at a path, "materials.glass.density", "feeds[2].rate", "walls.deck.vibrate.amplitude[3]" (counted
+   from 1), to a value in
    YAML: in maps the last key may be new. 0, or -1 with a message. */
 int tree_set(tree_file *file, const char *path, const char *value);
 /* The value of a key, or NULL. */

@@ -1,4 +1,5 @@
-/* libc.c: the bodies. Memory: blocks of powers of two, each size with a list of its free ones; the machine gives more by pages of 64 kB. */
+/* libc.c: the bodies. Memory: blocks of powers of two, each size with a list of its free ones; the machine gives more
+   by pages of 64 kB. */
 #include <stdint.h>
 
 #include "math.h"

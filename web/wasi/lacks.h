@@ -1,4 +1,5 @@
-/* lacks.h: what the programs call and a page lacks: other programs, for movies, and links of files. Included before each file. */
+/* lacks.h: what the programs call and a page lacks: other programs, for movies, and links of files. Included
+   before each file. */
 #ifndef RIDDLE_WASI_LACKS_H
 #define RIDDLE_WASI_LACKS_H
 #include <stdio.h>

@@ -1,5 +1,6 @@
-/* format.h - what LAMMPS's installed headers name of the formatting library that it was built with. Debian's liblammps-dev lacks this
-   file. The templates that use these names are never called here, so declarations are enough. */
+/* format.h - what LAMMPS's installed headers name of the formatting library that it was built with. Debian's
+   liblammps-dev lacks this file. The templates that use these names are never called here, so
+   declarations are enough. */
 #ifndef RIDDLE_FMT_FORMAT_H
 #define RIDDLE_FMT_FORMAT_H
 

@@ -1,25 +1,29 @@
 #!/usr/bin/env python3
-"""Writes two_spheres.csv: creeping flow between two spheres that approach each other along their line of centres with equal and opposite
-forces, and a sphere that approaches a wall. Stream function in bispherical coordinates (Stimson and Jeffery 1926; Maude 1961), a system of
-four equations for each term; equal spheres and the wall by Brenner's (1961) series, which the first one must meet.
+"""Writes two_spheres.csv: creeping flow between two spheres that approach each other along their line of centres with
+equal and opposite forces, and a sphere that approaches a wall. Stream function in bispherical coordinates (Stimson and
+Jeffery 1926; Maude 1961), a system of four equations for each term; equal spheres and the wall by Brenner's (1961)
+series, which the first one must meet.
 
-gap: over the radius of the first sphere, the smaller one. speed: of the first sphere, over the speed of approach. force: on either, over 6 pi mu
-(radius of the first) (speed of approach)."""
+gap: over the radius of the first sphere, the smaller one. speed: of the first sphere, over the speed of approach.
+force: on either, over 6 pi mu (radius of the first) (speed of approach)."""
 import math
 import os
 
 
 def brenner(alpha, wall):
-    """Force over Stokes's, of a sphere towards a wall or a mirror; cosh(alpha): distance of the centre over the radius."""
+    """Force over Stokes's, of a sphere towards a wall or a mirror; cosh(alpha): distance of the centre over the
+    radius."""
     total = 0.0
     for n in range(1, 100000):
         m = 2 * n + 1
         if m * alpha > 700:
             break
         if wall:
-            term = (2 * math.sinh(m * alpha) + m * math.sinh(2 * alpha)) / (4 * math.sinh(m * alpha / 2) ** 2 - (m * math.sinh(alpha)) ** 2) - 1
+            term = (2 * math.sinh(m * alpha)
+                    + m * math.sinh(2 * alpha)) / (4 * math.sinh(m * alpha / 2) ** 2 - (m * math.sinh(alpha)) ** 2) - 1
         else:
-            term = (4 * math.cosh(m * alpha / 2) ** 2 + (m * math.sinh(alpha)) ** 2) / (2 * math.sinh(m * alpha) - m * math.sinh(2 * alpha)) - 1
+            term = (4 * math.cosh(m * alpha / 2) ** 2
+                    + (m * math.sinh(alpha)) ** 2) / (2 * math.sinh(m * alpha) - m * math.sinh(2 * alpha)) - 1
         total += n * (n + 1) / ((2 * n - 1) * (2 * n + 3)) * term
     return 4 / 3 * math.sinh(alpha) * total
 
@@ -81,7 +85,8 @@ for gap in (0.01, 0.1, 1.0, 3.0):  # equal spheres: the first series meets the s
     assert abs(speed - 0.5) < 1e-9 and abs(force * factor / (0.5 * brenner(math.acosh(1 + gap / 2), False)) - 1) < 1e-9
 with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "two_spheres.csv"), "w", encoding="utf-8") as file:
     file.write("# two_spheres.py\nradius_ratio,gap,speed,force\n")
-    gaps = [0.00625, 0.0125, 0.025, 0.0375, 0.05, 0.0625, 0.075, 0.1, 0.125, 0.15, 0.175, 0.2, 0.225, 0.25, 0.3, 0.4, 0.5, 0.75, 1.0]
+    gaps = [0.00625, 0.0125, 0.025, 0.0375, 0.05, 0.0625, 0.075, 0.1, 0.125, 0.15, 0.175, 0.2, 0.225, 0.25, 0.3, 0.4,
+            0.5, 0.75, 1.0]
     for ratio in (1, 2, 4):
         for gap in gaps:
             speed, force = approach(ratio, gap)
