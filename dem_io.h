@@ -25,7 +25,7 @@
    Surfaces Walls without an end (planes, cylinders) are cut off at the box that holds particles and finite walls, and
             that is extended to planes beside it, nearer than ten of its diagonals; a plane across a cylinder is drawn
             as its end. Exits are not drawn.
-   Units    SI; axes of sections in mm.
+   Units    SI; sections in mm.
    Memory   from the world's allocator, given back before the call returns; of a surface, by dem_io_free_surface.
    Errors   of files: riddle_io_status, with its line (riddle_io.h); else dem_status.
    Threads  a world is only read. Bits: nothing of the simulation depends on what is written.
@@ -102,8 +102,9 @@ DEM_IO_API riddle_io_status dem_io_close(dem_io_series *series);
 
 /* Draws a section into the chosen panel of a figure: the spheres cut by the plane through `point`, seen against
    `normal` with `right` to the right, as discs of the size at which they are cut, coloured by group (its last three
-   bits: 8 colours), and the walls as lines. Axes in mm. names[n_names] label the groups 0 .. n_names-1 in the legend;
-   NULL: no legend. DEM_BAD_ARGUMENT if normal and right are parallel, or one of the three is not finite. */
+   bits: 8 colours), and the walls as lines, with a scale bar in mm (riddle_plot_scale_bar; with NULL after this call:
+   axes). names[n_names] label the groups 0 .. n_names-1 in the legend; NULL: no legend. DEM_BAD_ARGUMENT if normal and
+   right are parallel, or one of the three is not finite. */
 DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_plot *figure, dem_vec point, dem_vec normal,
                                      dem_vec right, const char *const *names, int n_names);
 
@@ -744,7 +745,7 @@ DEM_IO_API dem_status dem_io_section(const dem_world *world, riddle_plot *figure
     double *x = (double *)a->fn(a->user, NULL, 0, bytes);
     if (!x) return DEM_OUT_OF_MEMORY;
     const int named = names && n_names > 0 ? n_names : 0;
-    riddle_plot_equal(figure);
+    riddle_plot_scale_bar(figure, "mm");
     for (int k = 0; k < named + 8; k++) { /* groups may have any numbers, and be many */
         const int found = dem_io__cut_spheres(world, &v, k, named, x, x + n, x + 2 * n);
         const char *name = k < named ? names[k] : NULL;

@@ -70,6 +70,9 @@ RIDDLE_PLOT_API void riddle_plot_log_y(riddle_plot *p);
 RIDDLE_PLOT_API void riddle_plot_range_x(riddle_plot *p, double low, double high);
 RIDDLE_PLOT_API void riddle_plot_range_y(riddle_plot *p, double low, double high);
 RIDDLE_PLOT_API void riddle_plot_equal(riddle_plot *p);          /* same length for one unit on both axes */
+/* Says that the panel is drawn to scale, as a section of a machine: as riddle_plot_equal, and a bar of a round length
+   in the given unit, such as "mm", instead of axes and their labels. NULL: axes. */
+RIDDLE_PLOT_API void riddle_plot_scale_bar(riddle_plot *p, const char *unit);
 /* right of the panel; default: inside where no data are, else outside */
 RIDDLE_PLOT_API void riddle_plot_legend_outside(riddle_plot *p);
 
@@ -168,7 +171,7 @@ typedef struct {
 
 typedef struct {
     bool used, equal, legend_outside, legend_above;
-    char *title;
+    char *title, *unit; /* unit: of the scale bar; NULL: axes */
     riddle_plot__axis x, y;
     riddle_plot__series *all;
     int n, capacity, next_colour;
@@ -260,6 +263,7 @@ RIDDLE_PLOT_API void riddle_plot_free(riddle_plot *p) {
         for (int k = 0; k < a->n; k++) riddle_plot__free_series(&a->all[k]);
         riddle_io__release(a->all);
         riddle_io__release(a->title);
+        riddle_io__release(a->unit);
         riddle_io__release(a->x.label);
         riddle_io__release(a->y.label);
     }
@@ -321,6 +325,14 @@ RIDDLE_PLOT_API void riddle_plot_range_y(riddle_plot *p, double low, double high
 RIDDLE_PLOT_API void riddle_plot_equal(riddle_plot *p) {
     riddle_plot__panel *a = riddle_plot__current(p);
     if (a) a->equal = true;
+}
+
+RIDDLE_PLOT_API void riddle_plot_scale_bar(riddle_plot *p, const char *unit) {
+    riddle_plot__panel *a = riddle_plot__current(p);
+    if (!a) return;
+    riddle_io__release(a->unit);
+    a->unit = riddle_plot__copy_text(p, unit);
+    a->equal = a->equal || unit;
 }
 
 RIDDLE_PLOT_API void riddle_plot_legend_outside(riddle_plot *p) {
@@ -1270,6 +1282,11 @@ static inline void riddle_plot__lay_out(const riddle_plot *p, riddle_plot__panel
     a->at.top = (a->title ? RIDDLE_PLOT__TITLE_SIZE + 12.0 : 8.0) + (exponent ? 14.0 : 0.0);
     a->at.bottom = 28.0 + (a->x.label ? RIDDLE_PLOT__LABEL_SIZE + 12.0 : 0.0);
     a->at.right = 20.0;
+    if (a->unit) {
+        a->at.left = a->at.right = 8.0;
+        a->at.top -= exponent ? 14.0 : 0.0;
+        a->at.bottom = 34.0;
+    }
     const riddle_plot__series *bars = riddle_plot__first_of(a, RIDDLE_PLOT__BARS),
                               *heat = riddle_plot__first_of(a, RIDDLE_PLOT__HEAT);
     if (bars && riddle_plot__slanted_names(a, bars)) {
@@ -1406,6 +1423,22 @@ static inline void riddle_plot__draw_frame(riddle_io_file *f, const riddle_plot_
     riddle_plot__text_at(f, at->x, at->y - above, "start", "title", a->title);
 }
 
+/* Draws a bar of a round length, at most a quarter of the panel, below its lower left corner. */
+static inline void riddle_plot__draw_scale_bar(riddle_io_file *f, const riddle_plot__panel *a) {
+    const double unit = a->at.width / (a->x.high - a->x.low), most = 0.25 * a->at.width / unit,
+                 power = pow(10.0, floor(log10(most)));
+    const double length = power * (most >= 5.0 * power   ? 5.0
+                                   : most >= 2.0 * power ? 2.0
+                                                         : 1.0),
+                 y = a->at.y + a->at.height + 26.0;
+    char text[60];
+    if (!(length > 0.0 && length < 1e300)) return;
+    snprintf(text, sizeof text, "%.6g %.30s", length, a->unit);
+    riddle_io__use_point(text);
+    riddle_io_print(f, "<path class=\"bar\" d=\"M%.1f %.1fv8m0 -4h%.2fm0 -4v8\"/>\n", a->at.x, y - 4.0, length * unit);
+    riddle_plot__text_at(f, a->at.x + 0.5 * length * unit, y - 7.0, "middle", "tick", text);
+}
+
 static inline void riddle_plot__draw_legend(riddle_io_file *f, const riddle_plot__panel *a) {
     const riddle_plot__layout *at = &a->at;
     double x = at->legend_x + RIDDLE_PLOT__PAD, y = at->legend_y + RIDDLE_PLOT__PAD / 2.0;
@@ -1452,14 +1485,16 @@ static inline void riddle_plot__draw_panel(riddle_io_file *f, const riddle_plot_
     const riddle_plot__series *heat = riddle_plot__first_of(a, RIDDLE_PLOT__HEAT);
     riddle_io_print(f, "<clipPath id=\"c%d\"><rect x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\"/></clipPath>\n",
                     number, a->at.x, a->at.y, a->at.width, a->at.height);
-    if (!heat) riddle_plot__draw_axes(f, a);
+    if (!heat && !a->unit) riddle_plot__draw_axes(f, a);
     /* markers on the edge are drawn whole, what can leave the panel is cut */
     riddle_io_print(f, "<g clip-path=\"url(#c%d)\">\n", number);
     for (int k = 0; k < a->n; k++)
         if (a->all[k].kind != RIDDLE_PLOT__POINTS && a->all[k].kind < RIDDLE_PLOT__TEXT)
             riddle_plot__draw_series(f, a, &a->all[k]);
     riddle_io_print(f, "</g>\n");
-    riddle_plot__draw_frame(f, a);
+    if (!a->unit) riddle_plot__draw_frame(f, a);
+    else riddle_plot__text_at(f, a->at.x, a->at.y - (a->legend_above ? 31.0 : 10.0), "start", "title", a->title);
+    if (a->unit) riddle_plot__draw_scale_bar(f, a);
     for (int k = 0; k < a->n; k++)
         if (a->all[k].kind == RIDDLE_PLOT__POINTS || a->all[k].kind >= RIDDLE_PLOT__TEXT)
             riddle_plot__draw_series(f, a, &a->all[k]);
@@ -1475,9 +1510,8 @@ static inline const char *riddle_plot__style(void) {
            /* Legible on bars. */
            ".note{font-size:14px;paint-order:stroke;stroke:#fff;stroke-width:3px;stroke-linejoin:round}"
            ".up{font-size:10px}.grid path{stroke:#dcdcdc;stroke-width:1}"
-           ".grid "
-           ".minor{stroke:#f1f1f1}.frame{fill:none;stroke:#444;stroke-width:1.2}.mark{stroke:#444;stroke-width:1.2}</"
-           "style>\n";
+           ".grid .minor{stroke:#f1f1f1}.frame{fill:none;stroke:#444;stroke-width:1.2}"
+           ".mark{stroke:#444;stroke-width:1.2}.bar{fill:none;stroke:#222;stroke-width:1.8}</style>\n";
 }
 
 /* Gives every panel its place. Panels of a column are below each other, those of a row beside each other. */

@@ -27,7 +27,7 @@ enum {
     FEATURES = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
 };
 
-static picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}, {960, 640}};
+static picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.2}, {960, 640}};
 
 typedef struct heap {
     /* asked for */
@@ -267,7 +267,7 @@ static void report(const program *self, const heap *all, int n, int heaps, const
                                             {"on_plate", "on the plate", "%.0f"},
                                             {"largest_speed_m_s", "largest speed [mm/s]", "%.2g", 1e3}};
     result_table *t = RESULTS(columns);
-    riddle_plot *figure = riddle_plot_new("Heaps poured through a funnel", 1, 2);
+    riddle_plot *figure = riddle_plot_new("Heaps poured through a funnel", 1, n > 2 ? 2 : 1);
     riddle_plot_panel(figure, 0, 0, "distance from the axis [mm]", "height of the surface's centres [mm]");
     riddle_plot_equal(figure);
     for (int k = 0; k < n; k++) {
@@ -292,12 +292,13 @@ static void report(const program *self, const heap *all, int n, int heaps, const
             "Means of %d heaps each, with other random numbers; heights, numbers and speeds are of the first.\n",
             heaps);
     else common_print("One heap each: how far others would be from it is not known; --heaps tells.\n");
-    riddle_plot_panel(figure, 0, 1, "coefficient of friction [-]", "angle of repose [deg]");
-    riddle_plot_line(figure, "slope of the surface", friction, angle, n);
-    riddle_plot_style(figure, RIDDLE_PLOT_MARKED, 0);
-    if (heaps > 1)
-        riddle_plot_error_bars(figure, "standard error of the mean", friction, angle, error, n),
-            riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
+    if (n > 2) { /* two angles are no curve */
+        riddle_plot_panel(figure, 0, 1, "coefficient of friction [-]", "angle of repose [°]");
+        riddle_plot_line(figure, "slope of the surface", friction, angle, n);
+        riddle_plot_style(figure, RIDDLE_PLOT_MARKED, 0);
+        if (heaps > 1) riddle_plot_error_bars(figure, "standard error of the mean", friction, angle, error, n);
+        if (heaps > 1) riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
+    }
     riddle_plot_write(figure, self->out, "angle_of_repose.svg");
 
     json *j = json_open(self->json);

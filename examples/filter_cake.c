@@ -126,7 +126,7 @@ typedef struct cake {
     double clean_velocity; /* largest filtrate velocity before that [m/s], over the share of the pressure that acts */
     double share;          /* of the pressure that acts after the ramp [-] */
     double limited_time, limited_filtrate; /* until when, and until what filtrate, it was below 1 [s] [m3] */
-    double next_sample;    /* [s] */
+    double next_sample;                    /* [s] */
     int samples;
     double time[MOST_SAMPLES], volume[MOST_SAMPLES], velocity[MOST_SAMPLES]; /* [s] [m3] [m/s] */
     double pressure_noise; /* sum of squared changes of the force on resting spheres [N2] */
@@ -574,6 +574,10 @@ static void draw_curves(const program *self, const run *r, const findings *f) {
     riddle_plot_line(figure, "", ms, c->velocity, c->samples);
     if (c->first_touch >= 0.0) riddle_plot_vertical(figure, "first sphere on the cloth", 1e3 * c->first_touch);
     riddle_plot_write(figure, self->out, "velocity.svg");
+    if (c->first_touch < 0.0) {
+        figure_left_out(self->out, "curve.svg", "no sphere has reached the cloth");
+        return;
+    }
     figure = riddle_plot_new("Filter curve", 1, 1);
     riddle_plot_panel(figure, 0, 0, "filtrate over 20 cm² [mL]", "t / V [s/mL]");
     riddle_plot_line(figure, "simulated", V, ratio, c->samples);
@@ -597,6 +601,10 @@ static void draw_spheres(const program *self, const run *r) {
         const double *v = c->speed + 3 * i;
         height[k][n[k]] = 1e3 * (c->centre[3 * i + 2] - r->d.centre),
         speed[k][n[k]++] = 1e3 * sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    }
+    if (!n[1]) {
+        figure_left_out(self->out, "spheres.svg", "no sphere has reached the cloth");
+        return;
     }
     riddle_plot *figure = riddle_plot_new("Velocity of the spheres", 1, 1);
     riddle_plot_panel(figure, 0, 0, "speed [mm/s]", "height over the cloth [mm]");

@@ -303,16 +303,19 @@ static void predict(const program *self, json *report, const settings *s, const 
     }
     results_csv(course, self->out, "prediction.csv");
     const double *V = results_column(course, "volume_m3", 1e6), *t = results_column(course, "time_s", 1.0);
-    riddle_plot *figure = riddle_plot_new(outside ? "Prediction, outside the readings" : "Prediction", 1, 3);
+    riddle_plot *figure =
+        riddle_plot_new(outside ? "Prediction, outside the readings" : "Prediction", 1, at_pressure ? 2 : 3);
     riddle_plot_panel(figure, 0, 0, "filtrate V [mL]", "time [s]");
     if (at_pressure && isfinite(time.low)) riddle_plot_band(figure, "interval of the fit", V, low, high, CURVE);
     riddle_plot_line(figure, "time", V, t, CURVE);
     if (outside & FILTRATION_OUTSIDE_MORE)
-        riddle_plot_vertical(figure, "as thick a cake as measured", 1e6 * c->largest * o.area / c->area);
+        riddle_plot_vertical(figure, "readings end here", 1e6 * c->largest * o.area / c->area);
     riddle_plot_panel(figure, 0, 1, "time [s]", "filtrate flow [mL/s]");
     riddle_plot_line(figure, "", t, results_column(course, "flow_m3_per_s", 1e6), CURVE);
-    riddle_plot_panel(figure, 0, 2, "time [s]", "pressure difference [Pa]");
-    riddle_plot_line(figure, "", t, results_column(course, "pressure_pa", 1.0), CURVE);
+    if (!at_pressure) {
+        riddle_plot_panel(figure, 0, 2, "time [s]", "pressure difference [Pa]");
+        riddle_plot_line(figure, "", t, results_column(course, "pressure_pa", 1.0), CURVE);
+    }
     riddle_plot_write(figure, self->out, "prediction.svg");
     results_free(course);
 }

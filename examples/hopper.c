@@ -298,6 +298,26 @@ static beverloo fit(const study *st, double k) {
     return b;
 }
 
+/* Rates over the orifice less k, and the law that was fitted. Two orifices fix any law: then it is not drawn. */
+static void draw_law(riddle_plot *figure, const study *st, const beverloo *b, double k, const double *x,
+                     const double *rate, const double *error) {
+    enum { POINTS = 60 };
+    const int n = st->orifices;
+    double fine[POINTS], law[POINTS];
+    char text[80];
+    if (n < 3) return;
+    for (int q = 0; q < POINTS; q++) {
+        fine[q] = exp(log(0.8 * x[0]) + q / 59.0 * log(1.25 * 1.25 * x[n - 1] / x[0]));
+        law[q] = exp(b->answer[LOG_SCALE] + b->answer[EXPONENT] * log(fine[q]));
+    }
+    riddle_plot_panel(figure, 1, 0, "orifice D over sphere d, less k [-]", "rate [kg/s]");
+    riddle_plot_log_x(figure), riddle_plot_log_y(figure);
+    snprintf(text, sizeof text, "exponent %.2f ± %.2f, k = %.3g", b->answer[EXPONENT], b->error[EXPONENT], k);
+    riddle_plot_error_bars(figure, "rate", x, rate, error, n);
+    riddle_plot_line(figure, text, fine, law, POINTS);
+    riddle_plot_error_bars(figure, "higher fills", x + n, rate + n, error + n, st->runs - n);
+}
+
 static void report(study *st, double k) {
     static const result_column columns[] = {{"orifice_m", "orifice [mm]", "%.3g", 1e3},
                                             {"height_m", "fill [mm]", "%.3g", 1e3},
@@ -312,11 +332,12 @@ static void report(study *st, double k) {
                                           "C_of_exponent_2_5"};
     const silo *s = &st->s;
     const int n_orifices = st->orifices;
-    double x[RUNS_MAX] = {0.0}, y[RUNS_MAX] = {0.0}, error[RUNS_MAX], fine[60], law[60];
+    double x[RUNS_MAX] = {0.0}, y[RUNS_MAX] = {0.0}, error[RUNS_MAX];
     json *j = json_open(st->self->json);
     result_table *t = RESULTS(columns), *curves = results_of("orifice_m,height_m,time_s,mass_kg");
-    riddle_plot *figure = riddle_plot_new(
-        s->dosta ? "Silo of Dosta et al." : "Discharge of silos with a fill of constant height", s->dosta ? 1 : 2, 1);
+    riddle_plot *figure =
+        riddle_plot_new(s->dosta ? "Silo of Dosta et al." : "Discharge of silos with a fill of constant height",
+                        s->dosta || n_orifices < 3 ? 1 : 2, 1);
     riddle_plot_panel(figure, 0, 0, "time [s]", s->dosta ? "number left [-]" : "mass passed [kg]");
     for (int r = 0; r < st->runs; r++) {
         const discharge *d = &st->run[r];
@@ -345,18 +366,9 @@ static void report(study *st, double k) {
         const discharge *low = &st->run[st->base], *high = &st->run[st->runs - 1];
         const double ratio = high->rate / low->rate,
                      uncertain = ratio * hypot(high->error / high->rate, low->error / low->rate);
-        for (int q = 0; q < 60; q++) {
-            fine[q] = exp(log(0.8 * x[0]) + q / 59.0 * log(1.25 * 1.25 * x[n_orifices - 1] / x[0]));
-            law[q] = exp(a[LOG_SCALE] + a[EXPONENT] * log(fine[q]));
-        }
         char text[80];
-        riddle_plot_panel(figure, 1, 0, "orifice D over sphere d, less k [-]", "rate [kg/s]");
-        riddle_plot_log_x(figure), riddle_plot_log_y(figure);
-        snprintf(text, sizeof text, "exponent %.2f +- %.2f, k = %.3g", a[EXPONENT], e[EXPONENT], k);
-        riddle_plot_error_bars(figure, "rate", x, y, error, n_orifices);
-        riddle_plot_line(figure, text, fine, law, 60);
-        riddle_plot_error_bars(figure, "higher fills", x + n_orifices, y + n_orifices, error + n_orifices,
-                               st->runs - n_orifices);
+        draw_law(figure, st, &b, k, x, y, error);
+        if (n_orifices < 3) common_print("hopper.svg shows curves only: two orifices fix any law.\n");
         if (isfinite(a[EXPONENT]))
             common_print(
                 "+- are standard errors. Exponent %.3f +- %.3f at k = %.3g; with exponent 2.5: k = %.3f +- %.3f, "

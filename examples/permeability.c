@@ -248,7 +248,7 @@ static void draw_section(const program *self, const filtration_fluid *f, const f
     for (int i = 0; i < rows * columns; i++) speed[i] /= fabs(mean[axis]) > 0.0 ? fabs(mean[axis]) : 1.0;
     snprintf(name, sizeof name, "flow_%c.svg", "xyz"[axis]);
     char x[20], y[20];
-    snprintf(x, sizeof x, "%c [um]", "xyz"[along]), snprintf(y, sizeof y, "%c [um]", "xyz"[across]);
+    snprintf(x, sizeof x, "%c [µm]", "xyz"[along]), snprintf(y, sizeof y, "%c [µm]", "xyz"[across]);
     riddle_plot *figure = riddle_plot_new("Flow in the middle section", 1, 1);
     riddle_plot_panel(figure, 0, 0, x, y);
     riddle_plot_heat(figure, "speed over the mean of the box [-]", speed, columns, rows, 0.0,

@@ -197,9 +197,9 @@ static void draw(const curves *c, const dem_world *world, const drum *d, const c
     riddle_plot_line(figure, "Lacey (1: mixed)", c->time, c->lacey, c->n);
     riddle_plot_line(figure, "unlike contacts (1: mixed)", c->time, c->unlike, c->n);
     riddle_plot_line(figure, "radial segregation", c->time, c->radial, c->n);
-    riddle_plot_panel(figure, 0, 1, "time [s]", "slope of the surface [degrees]");
+    riddle_plot_panel(figure, 0, 1, "time [s]", "slope of the surface [°]");
     if (m->why) snprintf(text, sizeof text, "no mean yet");
-    else snprintf(text, sizeof text, "mean of the second half: %.1f +- %.1f degrees", m->angle.mean, m->angle.error);
+    else snprintf(text, sizeof text, "mean of the second half: %.1f ± %.1f°", m->angle.mean, m->angle.error);
     riddle_plot_line(figure, NULL, c->time, c->angle, c->n);
     riddle_plot_range_y(figure, 0.0, 60.0);
     if (!m->why) riddle_plot_horizontal(figure, NULL, m->angle.mean);
@@ -209,7 +209,7 @@ static void draw(const curves *c, const dem_world *world, const drum *d, const c
         static const char *const names[] = {"upper right", "upper left", "lower left", "lower right"};
         riddle_plot_line(figure, names[q], c->time, c->quadrant[SMALL][q], c->n);
     }
-    riddle_plot_panel(figure, 1, 1, "x [mm]", "z [mm]");
+    riddle_plot_panel(figure, 1, 1, NULL, NULL);
     dem_io_section(world, figure, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), view.names, SPECIES);
     riddle_plot_write(figure, out, "rotating_drum.svg");
 }
@@ -255,8 +255,8 @@ static void check(const drum *d, const program *self, const char *from) {
 /* ---- the run and its results ---- */
 
 /* Turns the drum, whose wall and two ends begin at number `wall`. */
-static dem_status turn(dem_world *world, const drum *d, int wall, const program *self, bool film, progress *bar,
-                       curves *c) {
+static dem_status turn(dem_world *world, const drum *d, int wall, const program *self, bool film, bool page,
+                       progress *bar, curves *c) {
     const double duration = d->turns * 2.0 * RIDDLE_PI / d->speed,
                  sample = fmax(duration / (SAMPLES_MAX - 2), self->quick ? 0.01 : 0.02);
     const int samples = (int)(duration / sample + 0.5);
@@ -265,15 +265,18 @@ static dem_status turn(dem_world *world, const drum *d, int wall, const program 
         status = dem_rotate(world, wall + k, dem_vec3(0, 0, 0), dem_vec3(0, 1, 0), d->speed);
     dem_io_series series = dem_io_open(self->out, "particles");
     world_movie reel = film ? world_movie_open(self->out, "rotating_drum.mp4", &view) : (world_movie){0};
+    world_movie small = page ? world_movie_open(self->out, "rotating_drum_turning.png", &view) : (world_movie){0};
     for (int k = 0; k <= samples && status == DEM_OK && !common_interrupted(); k++) {
         if (k > 0) status = dem_run(world, sample, features(d));
         look(c, world, d, k * sample);
         if (k % (samples / 50 + 1) == 0) dem_io_add(&series, world);
         world_movie_add(&reel, world);
+        if (k % 2 == 0) world_movie_add(&small, world);
         progress_add(bar, 0.8 / (samples + 1));
     }
     dem_io_close(&series);
     world_movie_close(&reel);
+    world_movie_close(&small);
     return status;
 }
 
@@ -332,7 +335,7 @@ static void report(const program *self, const drum *d, const dem_world *world, c
 int main(int argc, char **argv) {
     drum d = {0, 0, {0.003, 0.006}, {2500.0, 2500.0}, {0, 0}, 0.05, 0.02, 4.0, 3.0, 0.4, 300.0, 0.5, 0.5, 0.0};
     const char *from = NULL;
-    bool film = false;
+    bool film = false, page = false;
     particles given = {0};
     double small = 3.0, large = 6.0, radius = 50.0, width = 20.0, scale = 0.1, time = 0.1;
     option options[] = {
@@ -354,6 +357,7 @@ int main(int argc, char **argv) {
         option_positive("scale", "X", &scale, 1.0, "dosta: share of the numbers and of the width [-]"),
         option_positive("time", "S", &time, 1e4, "dosta: time that the drum turns, 5 in the paper [s]"),
         option_flag("movie", &film, "rotating_drum.mp4, by ffmpeg"),
+        option_flag("animation", &page, "rotating_drum_turning.png, an animated PNG; a small one with --size 480x320"),
         option_size("size", view.size, "of the picture and the movie [pixels]"),
         option_string(
             "from", "FILE", &from,
@@ -383,7 +387,7 @@ int main(int argc, char **argv) {
     particles_free(&given);
     if (status == DEM_BAD_ARGUMENT && !from)
         program_refuse(&self, "fill", NULL, "so much that the spheres find a place");
-    if (status == DEM_OK) status = turn(&world, &d, wall, &self, film, &bar, &c);
+    if (status == DEM_OK) status = turn(&world, &d, wall, &self, film, page, &bar, &c);
     progress_end(&bar);
     if (status != DEM_OK) common_fail("%s", dem_status_text(status));
     if (common_exit_status() == 0) report(&self, &d, &world, &c);

@@ -532,9 +532,26 @@ static void draw_reynolds(const program *self, const scene *s, const track *t, c
     riddle_plot_write(figure, self->out, "reynolds.svg");
 }
 
+/* Whether a sphere has come within a number of diameters of the bottom. */
+static bool came_near(const scene *s, const track *t, double diameters) {
+    double gap[LONGEST_TRACK];
+    bool near = false;
+    for (int i = 0; i < t->spheres; i++) {
+        values_of(s, t, i, GAP, gap);
+        for (int k = 0; k < t->n; k++) near = near || gap[k] < diameters;
+    }
+    return near;
+}
+
 static void draw_bottom(const program *self, const scene *s, const track *t, const beside *runs, int n) {
     enum { POINTS = 200 };
     double gap[POINTS], slowed[POINTS];
+    bool near = came_near(s, t, 4.0);
+    for (int i = 0; i < n; i++) near = near || came_near(s, runs[i].t, 4.0);
+    if (!near) {
+        figure_left_out(self->out, "bottom.svg", "no sphere has come within four diameters of the bottom");
+        return;
+    }
     riddle_plot *figure = riddle_plot_new("Approach to the bottom", 1, 1);
     riddle_plot_panel(figure, 0, 0, "gap to the bottom over the diameter, x / d [-]",
                       "velocity over its largest, v / v_t [-]");

@@ -87,10 +87,10 @@ static bridge formed(const bridge_pair *pair, double volume) {
 
 static const char *solids(const bridge_pair_def *def, char *text, size_t size) {
     if (isinf(def->radius_j))
-        snprintf(text, size, "Sphere of %.3g mm on a plate; contact angles %.0f and %.0f degrees", 2e3 * def->radius_i,
+        snprintf(text, size, "Sphere of %.3g mm on a plate; contact angles %.0f° and %.0f°", 2e3 * def->radius_i,
                  def->angle_i / degree, def->angle_j / degree);
     else
-        snprintf(text, size, "Spheres of %.3g and %.3g mm; contact angles %.0f and %.0f degrees", 2e3 * def->radius_i,
+        snprintf(text, size, "Spheres of %.3g and %.3g mm; contact angles %.0f° and %.0f°", 2e3 * def->radius_i,
                  2e3 * def->radius_j, def->angle_i / degree, def->angle_j / degree);
     return text;
 }
@@ -181,7 +181,7 @@ static void draw_curves(const program *self, const scene *s) {
                 few[k] = bridge_young_laplace(&def, volume, 1e-3 * few_mm[k], &shape) == BRIDGE_OK ? 1e3 * shape.force
                                                                                                    : (double)NAN;
             }
-            if (panel) snprintf(text, sizeof text, "both angles %.0f degrees", angles[n]);
+            if (panel) snprintf(text, sizeof text, "both angles %.0f°", angles[n]);
             else snprintf(text, sizeof text, "V = %.2g µl", 1e9 * volume);
             riddle_plot_line(figure, text, mm, force, GAPS);
             riddle_plot_points(figure, NULL, few_mm, few, 12);
@@ -260,7 +260,7 @@ static void draw_restitution(const program *self, const scene *s, progress *bar)
     char text[200];
     riddle_io_file *file = csv_open(self->out, "restitution.csv",
                                     "volume_m3,angle_i_rad,angle_j_rad,speed_m_s,restitution,closed_form,printed_laws");
-    riddle_plot *figure = riddle_plot_new("Wet restitution. Points: simulated. Lines: sqrt(e² - 2 W/(m v²))", 1, 2);
+    riddle_plot *figure = riddle_plot_new("Wet restitution. Points: simulated. Lines: √(e² − 2 W/(m v²))", 1, 2);
     for (int panel = 0; panel < 2; panel++) {
         riddle_plot_panel(figure, 0, panel, "impact speed [m/s]", "coefficient of restitution [-]");
         riddle_plot_log_x(figure);
@@ -279,7 +279,7 @@ static void draw_restitution(const program *self, const scene *s, progress *bar)
                 riddle_io_row(file, row, 7);
                 progress_add(bar, 1.0);
             }
-            if (panel) snprintf(text, sizeof text, "both angles %.0f degrees", angles[n]);
+            if (panel) snprintf(text, sizeof text, "both angles %.0f°", angles[n]);
             else if (volume > 0.0) snprintf(text, sizeof text, "V = %.2g µl", 1e9 * volume);
             else snprintf(text, sizeof text, "dry");
             for (int k = 0; k < FINE; k++) {

@@ -281,6 +281,22 @@ static void test_output_refused(void **state) {
 }
 
 /* /dev/full takes nothing: the failure shows at close at the latest, whatever the size. */
+/* A figure that a run has nothing for takes an older one with it. */
+static void test_a_figure_left_out(void **state) {
+    (void)state;
+    char folder[300], path[400];
+    snprintf(folder, sizeof folder, "%s", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp");
+    snprintf(path, sizeof path, "%s/riddle-left-out.svg", folder);
+    FILE *f = fopen(path, "w");
+    assert_non_null(f);
+    fclose(f);
+    common_set_quiet(true);
+    for (int k = 0; k < 2; k++) figure_left_out(folder, "riddle-left-out.svg", "nothing has happened");
+    common_set_quiet(false);
+    f = fopen(path, "r");
+    assert_null(f);
+}
+
 static void test_output_full_disk(void **state) {
     (void)state;
     if (access("/dev/full", W_OK) != 0) skip();
@@ -802,6 +818,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_output_whole_or_absent, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_output_through_a_link, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_output_refused, make_folder, remove_folder),
+        cmocka_unit_test(test_a_figure_left_out),
         cmocka_unit_test(test_output_full_disk),
         cmocka_unit_test_setup_teardown(test_json, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_json_absent, make_folder, remove_folder),

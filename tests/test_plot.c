@@ -181,6 +181,7 @@ static void test_hostile_data(void **state) {
                 if (kind & 1) riddle_plot_log_x(p);
                 if (kind & 2) riddle_plot_log_y(p);
                 if (kind & 4) riddle_plot_equal(p);
+                if (kind == 6) riddle_plot_scale_bar(p, "m");
                 riddle_plot_line(p, "line", x, y, 4);
                 riddle_plot_style(p, RIDDLE_PLOT_MARKED | RIDDLE_PLOT_DASHED | RIDDLE_PLOT_STEPS, RIDDLE_PLOT_NEXT);
                 riddle_plot_band(p, "band", x, y, x, 4);
@@ -196,6 +197,43 @@ static void test_hostile_data(void **state) {
                 expect_well_formed(text);
                 free(text);
             }
+}
+
+/* A panel to scale has no axes, and a bar that is as long as it says, whatever the shape of the panel; NULL brings the
+   axes back. */
+static void test_scale_bar(void **state) {
+    (void)state;
+    static const double scales[] = {1e-3, 1.0, 37.0, 4e5};
+    for (int k = 0; k < 8; k++) {
+        const double unit = scales[k % 4], x[] = {unit, 3.0 * unit}, y[] = {unit, 1.5 * unit},
+                     r[] = {0.5 * unit, 0.1 * unit};
+        double cx[2], length, shown;
+        riddle_plot *p = riddle_plot_new(NULL, 1, 1);
+        riddle_plot_panel_size(p, k < 4 ? 700.0 : 300.0, k < 4 ? 200.0 : 500.0);
+        riddle_plot_panel(p, 0, 0, "x [mm]", "z [mm]");
+        riddle_plot_scale_bar(p, "m<m");
+        riddle_plot_discs(p, NULL, x, y, r, 2);
+        char *text = drawn(p), *at = text;
+        expect_well_formed(text);
+        assert_true(!strstr(text, "class=\"frame\"") && !strstr(text, "x [mm]") && !strstr(text, "class=\"grid\""));
+        for (int i = 0; i < 2; i++)
+            assert_int_equal(sscanf(at = strstr(at + 1, "<circle"), "<circle cx=\"%lf\"", &cx[i]), 1);
+        assert_non_null(at = strstr(at, "class=\"bar\""));
+        assert_int_equal(sscanf(strchr(at, 'h'), "h%lf", &length), 1);
+        assert_non_null(at = strstr(at, "class=\"tick\">"));
+        assert_int_equal(sscanf(at, "class=\"tick\">%lf m&lt;m<", &shown), 1);
+        assert_true(fabs(length / shown / ((cx[1] - cx[0]) / (2.0 * unit)) - 1.0) < 1e-3);
+        assert_true(length > 0.09 * (k < 4 ? 700.0 : 300.0) && length <= 0.2501 * (k < 4 ? 700.0 : 300.0));
+        free(text);
+    }
+    riddle_plot_scale_bar(NULL, "mm");
+    riddle_plot *p = riddle_plot_new(NULL, 1, 1);
+    riddle_plot_panel(p, 0, 0, "x [mm]", "z [mm]");
+    riddle_plot_scale_bar(p, "mm");
+    riddle_plot_scale_bar(p, NULL);
+    char *text = drawn(p);
+    assert_true(strstr(text, "class=\"frame\"") && strstr(text, "x [mm]") && !strstr(text, "class=\"bar\""));
+    free(text);
 }
 
 static void test_wrong_calls(void **state) {
@@ -376,6 +414,7 @@ int main(void) {
         cmocka_unit_test(test_log_axes),
         cmocka_unit_test(test_small_numbers_share_an_exponent),
         cmocka_unit_test(test_hostile_data),
+        cmocka_unit_test(test_scale_bar),
         cmocka_unit_test(test_wrong_calls),
         cmocka_unit_test(test_classes_and_long_labels),
         cmocka_unit_test(test_legend_keeps_off_the_data),

@@ -130,6 +130,64 @@ static void test_hostile(void **state) {
     assert_int_equal(movie_close(NULL), 0);
 }
 
+static unsigned number_at(const unsigned char *c) {
+    return (unsigned)c[0] << 24 | (unsigned)c[1] << 16 | (unsigned)c[2] << 8 | c[3];
+}
+
+/* An animated PNG: as many frames as were added, numbered in order, every chunk with its check; a frame like the one
+   before takes next to nothing, and one box of what has changed. */
+static void test_animation(void **state) {
+    (void)state;
+    static unsigned char bytes[200000];
+    char folder[300], path[400];
+    double centre[3] = {0, 0, 0}, other[3] = {4, 0, 0};
+    size_t size[4] = {0}, n;
+    unsigned frames = 0, sequence = 0, box[4][4];
+    snprintf(folder, sizeof folder, "%s", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp");
+    snprintf(path, sizeof path, "%s/riddle-animation.png", folder);
+    picture *p = picture_new(W, H);
+    movie *m = movie_open(folder, "riddle-animation.png", 12);
+    for (int k = 0; k < 4 && m; k++) { /* the third as the second */
+        centre[0] = k < 1 ? 0.0 : k < 3 ? 0.3 : 0.4;
+        picture_clear(p);
+        picture_sphere(p, centre, 1.0, red), picture_sphere(p, other, 1.0, green);
+        if (k == 0) picture_look(p, ahead);
+        movie_add(m, p);
+    }
+    picture_free(p);
+    assert_int_equal(movie_close(m), 0);
+    if (!m) skip(); /* built without libpng */
+    FILE *f = fopen(path, "rb");
+    assert_non_null(f);
+    n = fread(bytes, 1, sizeof bytes, f);
+    fclose(f), remove(path);
+    assert_true(n > 8 && n < sizeof bytes && memcmp(bytes + n - 8, "IEND", 4) == 0);
+    for (size_t at = 8; at < n;) {
+        const unsigned char *c = bytes + at;
+        const unsigned length = number_at(c);
+        unsigned long crc = 0xFFFFFFFFul;
+        for (unsigned i = 0; i < length + 4; i++) {
+            crc ^= c[4 + i];
+            for (int k = 0; k < 8; k++) crc = crc >> 1 ^ (crc & 1ul ? 0xEDB88320ul : 0ul);
+        }
+        assert_int_equal(number_at(c + 8 + length), crc ^ 0xFFFFFFFFul);
+        if (memcmp(c + 4, "acTL", 4) == 0) assert_int_equal(number_at(c + 8), 4);
+        if (memcmp(c + 4, "fcTL", 4) == 0 || memcmp(c + 4, "fdAT", 4) == 0)
+            assert_int_equal(number_at(c + 8), sequence++);
+        if (memcmp(c + 4, "fcTL", 4) == 0) {
+            assert_true(frames < 4);
+            for (int k = 0; k < 4; k++) box[frames][k] = number_at(c + 12 + 4 * k);
+            assert_true(c[28] == 0 && c[29] == 1 && c[30] == 0 && c[31] == 12); /* a twelfth of a second */
+            frames++;
+        } else if (memcmp(c + 5, "DAT", 3) == 0) size[frames - 1] += length;
+        at += length + 12;
+    }
+    assert_int_equal(frames, 4);
+    assert_true(box[0][0] == W && box[0][1] == H && box[2][0] == 1 && box[2][1] == 1);
+    for (int k = 1; k < 4; k += 2) assert_true(box[k][0] < W / 2 && box[k][2] + box[k][0] < W / 2 + 20);
+    assert_true(size[2] < 40 && size[1] < size[0]);
+}
+
 /* ---- letters ---- */
 
 enum { PAPER = 300 };
@@ -220,6 +278,7 @@ int main(void) {
         cmocka_unit_test(test_near_and_far),
         cmocka_unit_test(test_glass),
         cmocka_unit_test(test_hostile),
+        cmocka_unit_test(test_animation),
         cmocka_unit_test(test_letters_have_their_size),
         cmocka_unit_test(test_letters_of_the_signs),
         cmocka_unit_test(test_file),

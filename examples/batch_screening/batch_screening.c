@@ -89,6 +89,13 @@ static void draw(const study *st, const averages *a) {
         if (n) riddle_plot_points(figure, "paper, near-mesh", at, near_mesh, n), riddle_plot_style(figure, 0, 1);
     }
     riddle_plot_write(figure, st->self->out, "retained.svg");
+    double sitting = 0.0, least = 1.0;
+    for (int k = 0; k < st->samples; k++)
+        sitting = fmax(sitting, a->mean[OCCUPIED][k]), least = fmin(least, a->mean[FREE][k]);
+    if (sitting < 0.02 && least > 0.98) {
+        figure_left_out(st->self->out, "apertures.svg", "fewer than one aperture in fifty is taken at any time");
+        return;
+    }
     figure = riddle_plot_new("Apertures of the screen", 1, 1);
     riddle_plot_panel(figure, 0, 0, "time [s]", "share of apertures [-]");
     riddle_plot_range_y(figure, 0.0, 1.02);

@@ -100,3 +100,9 @@ int csv_line(riddle_io_file *c, const char *format, ...) {
 }
 
 void table_end(riddle_io_table *t) { riddle_io_table_end(t, common_quiet() ? NULL : stdout); }
+
+void figure_left_out(const char *folder, const char *name, const char *why) {
+    char path[4096];
+    common_print("%s is left out: %s\n", name, why);
+    remove(riddle_io_path(path, sizeof path, folder, name));
+}

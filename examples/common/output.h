@@ -25,6 +25,10 @@ int output_hold_folder(const char *folder);
 riddle_io_file *csv_open(const char *folder, const char *name, const char *header);
 int csv_line(riddle_io_file *c, const char *format, ...) COMMON_PRINTF(2, 3); /* a row by hand, without the newline */
 
+/* Says that a figure shows nothing of this run, and why: "spheres.svg is left out: no sphere has reached the cloth".
+   Removes one that an earlier run has left in the folder. */
+void figure_left_out(const char *folder, const char *name, const char *why);
+
 void table_end(riddle_io_table *t); /* on stdout; nothing when --quiet */
 
 #endif

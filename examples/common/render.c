@@ -15,6 +15,11 @@
 
 #include "letters.h"
 #include "output.h"
+#ifdef RIDDLE_PNG
+#include "apng.h"
+#else
+typedef struct apng apng;
+#endif
 
 enum { FINE = 2, SHADOW = 2048, CORNER_SAMPLES = 12, LEGEND = 8, NAME = 64 }; /* FINE: points a pixel along each axis */
 /* Tangent of half the angle that the picture's width spans. */
@@ -679,12 +684,48 @@ int picture_write(picture *s, const char *folder, const char *name) {
 
 struct movie {
     FILE *pipe;
+    apng *frames;                    /* of an animated PNG; NULL: the pipe to ffmpeg */
     char temporary[1000], path[900]; /* a folder that program_start has accepted, and a name */
     int rate, width, height;
     bool failed;
 };
 
+static movie *open_png(const char *folder, const char *name, int frames_per_second) {
+#ifdef RIDDLE_PNG
+    movie *m = calloc(1, sizeof *m);
+    if (m) m->frames = calloc(1, sizeof *m->frames);
+    if (!m || !m->frames) {
+        free(m);
+        return NULL;
+    }
+    m->frames->rate = frames_per_second;
+    snprintf(m->temporary, sizeof m->temporary, "%s", folder);
+    snprintf(m->path, sizeof m->path, "%s", name);
+    return m;
+#else
+    (void)folder, (void)frames_per_second;
+    common_print("%s is left out: built without libpng (Debian: libpng-dev)\n", name);
+    return NULL;
+#endif
+}
+
+static int close_png(movie *m) {
+    int status = -1;
+#ifdef RIDDLE_PNG
+    const bool empty = !m->failed && !m->frames->frames;
+    if (m->failed) m->frames->body.failed = 1;
+    status = apng_write(m->frames, m->temporary, m->path);
+    if (empty) status = 0;
+    free(m->frames);
+#endif
+    if (status) common_fail("%s: the animation could not be written", m->path);
+    free(m);
+    return status;
+}
+
 movie *movie_open(const char *folder, const char *name, int frames_per_second) {
+    const size_t length = strlen(name);
+    if (length > 4 && strcmp(name + length - 4, ".png") == 0) return open_png(folder, name, frames_per_second);
     if (system("command -v ffmpeg >/dev/null 2>&1") != 0) {
         common_print("%s is left out: ffmpeg is not installed\n", name);
         return NULL;
@@ -710,8 +751,22 @@ static void quoted(const char *text, char *to, size_t size) {
     to[n] = '\0';
 }
 
+static void add_png(movie *m, picture *s) {
+#ifdef RIDDLE_PNG
+    unsigned char *rgb = malloc(3 * (size_t)s->width * (size_t)s->height);
+    m->failed = !rgb || picture_draw(s, rgb) != 0 || apng_frame(m->frames, rgb, s->width, s->height) != 0;
+    free(rgb);
+#else
+    (void)m, (void)s;
+#endif
+}
+
 void movie_add(movie *m, picture *s) {
     if (!m || !s || m->failed) return;
+    if (m->frames) {
+        add_png(m, s);
+        return;
+    }
     if (!m->pipe) {
         char file[4000], command[4400];
         quoted(m->temporary, file, sizeof file);
@@ -730,6 +785,7 @@ void movie_add(movie *m, picture *s) {
 
 int movie_close(movie *m) {
     if (!m) return 0;
+    if (m->frames) return close_png(m);
     int status = 0;
     if (m->pipe && (pclose(m->pipe) != 0 || m->failed || rename(m->temporary, m->path) != 0))
         status = common_fail("%s: the movie could not be written", m->path);

@@ -12,8 +12,9 @@
        picture_free(s);
 
    A movie: movie *m = movie_open(folder, "drum.mp4", 25); then for each frame picture_clear(s), spheres and triangles
-   again, movie_add(m, s); and movie_close(m). By ffmpeg; without it the movie is left out, and that is said. Functions
-   take the NULL that others return. */
+   again, movie_add(m, s); and movie_close(m). By ffmpeg; without it the movie is left out, and that is said. A name
+   that ends in .png makes an animated PNG instead, by libpng, of 255 colours: for a page. Functions take the NULL that
+   others return. */
 #ifndef RIDDLE_RENDER_H
 #define RIDDLE_RENDER_H
 
@@ -41,7 +42,7 @@ picture_colour picture_glass(void);         /* of walls that one looks through *
 
 /* The camera stands where all is seen when one looks into that direction. */
 void picture_look(picture *s, const double direction[3]);
-void picture_title(picture *s, const char *text);         /* at the upper left; UTF-8, the letters of letters.h */
+void picture_title(picture *s, const char *text); /* at the upper left; UTF-8, the letters of letters.h */
 void picture_legend(picture *s, const char *text, picture_colour colour); /* one more row, at most 8 */
 /* a scale of colours from 0 to high instead, such as "speed [m/s]" */
 void picture_bar(picture *s, const char *text, double high);

@@ -13,6 +13,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 typedef struct picture_def {
     const char *names[8]; /* of the groups, for the legend */
@@ -111,7 +112,9 @@ typedef struct world_movie {
 } world_movie;
 
 static inline world_movie world_movie_open(const char *folder, const char *name, const picture_def *look) {
-    world_movie m = {movie_open(folder, name, 25), NULL, look};
+    const size_t length = strlen(name);
+    const int animation = length > 4 && strcmp(name + length - 4, ".png") == 0; /* for a page: fewer frames */
+    world_movie m = {movie_open(folder, name, animation ? 12 : 25), NULL, look};
     if (m.film) m.s = world_scene(look);
     return m;
 }

@@ -55,7 +55,7 @@ int main(void) {
     }
     dem_io_close(&series);
     riddle_plot *picture = riddle_plot_new("My drum", 1, 2);
-    riddle_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
+    riddle_plot_panel(picture, 0, 0, NULL, NULL);
     dem_io_section(&world, picture, dem_vec3(0, 0, 0), dem_vec3(0, -1, 0), dem_vec3(1, 0, 0), names, 2);
     riddle_plot_panel(picture, 0, 1, "time [s]", "unlike contacts, 1: mixed [-]");
     riddle_plot_line(picture, NULL, time, unlike, status == DEM_OK && written == RIDDLE_IO_OK ? FRAMES : 0);

@@ -52,7 +52,7 @@ int main(void) {
     dem_io_series series = dem_io_open("out/my_hopper", "hopper");
     riddle_io_status written = RIDDLE_IO_OK;
     riddle_plot *picture = riddle_plot_new("My hopper", 1, 2);
-    riddle_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
+    riddle_plot_panel(picture, 0, 0, NULL, NULL);
     double time[FRAMES], out[FRAMES];
     for (int f = 0; f < FRAMES && status == DEM_OK && written == RIDDLE_IO_OK; f++) {
         status = dem_run(&world, duration / FRAMES, FEATURES);

@@ -47,7 +47,7 @@ int main(void) {
     dem_io_series series = dem_io_open("out/my_screen", "screen");
     riddle_io_status written = RIDDLE_IO_OK;
     riddle_plot *picture = riddle_plot_new("My screen", 1, 2);
-    riddle_plot_panel(picture, 0, 0, "x [mm]", "z [mm]");
+    riddle_plot_panel(picture, 0, 0, NULL, NULL);
     for (int f = 0; f < FRAMES && status == DEM_OK && written == RIDDLE_IO_OK; f++) {
         status = dem_run(&world, duration / FRAMES, FEATURES);
         written = dem_io_add(&series, &world);

@@ -94,67 +94,64 @@ static void write_frame(const deck_run *r, const char *folder, riddle_io_series 
 
 static const char *const grain_name[5] = {"under half the aperture", "0.5 to 0.8", "near-mesh, 0.8 to 1", "1 to 1.5",
                                           "over 1.5 times the aperture"};
-static const char *const grain_colour[5] = {"#e8c468", "#d98a3d", "#b0352c", "#5b86a8", "#2d4a66"};
+static const int grain_colour[5] = {5, 0, 1, 2, 6};
 static int grain_kind(double share) {
     return share < 0.5 ? 0 : share < 0.8 ? 1 : share < 1.0 ? 2 : share < 1.5 ? 3 : 4;
 }
 
-typedef struct view {
-    riddle_io_file *file;
-    double scale, x0, z0; /* [1/m]; place of the left upper corner [m] */
-} view;
-
-static void draw_disc(const view *v, dem_vec at, double radius, const char *colour) {
-    riddle_io_print(v->file, "<circle cx='%.1f' cy='%.1f' r='%.2f' fill='%s'/>\n", (at.x - v->x0) * v->scale,
-                    (v->z0 - at.z) * v->scale, radius * v->scale, colour);
+/* Wires of a deck, or bars of slots across, in section: x, z, radius [mm] of the first `most`. Returns their number. */
+static int wires_of(const deck_run *r, int level, double *x, double *z, double *radius, int most) {
+    const deck_def *d = &r->def;
+    const dem_wall *wall = &r->deck.world.wall[level];
+    const double pitch = d->mesh == DECK_SLOTS_ALONG ? d->slot_length + d->wire[level] : deck_pitch(d, level);
+    int n = 0;
+    if (d->mesh == DECK_SLOTS_ALONG && d->slot_length <= 0.0) return 0;
+    for (double along = 0.0; along <= d->length + 0.5 * pitch && n < most; along += pitch) {
+        const dem_vec at =
+            level_of(d, dem_vec3(along + wall->position.x - wall->asked.origin.x, 0.0, wall->position.z));
+        x[n] = 1e3 * at.x, z[n] = 1e3 * at.z, radius[n++] = 0.5e3 * d->wire[level];
+    }
+    return n;
 }
 
 /* A slice as thick as one and a half of the largest grains, as it is at the end of the run; wires or
    bars in section. */
 static void draw_machine(const study *st, const deck_run *r, const char *name) {
+    enum { WIRES = 4000 };
     const deck_def *d = &r->def;
     const dem_world *world = &r->deck.world;
     const double slice = 1.5 * deck_largest(&d->sizes), c = cos(d->inclination), s = sin(d->inclination);
-    const double above = r->deck.feed.region.high.z + 0.01, below = deck_height(d, d->decks - 1) - 0.04,
-                 width = d->length * c + (above - below) * s;
-    const double height = above * c - below * c + d->length * s;
-    const view v = {riddle_io_open(st->self->out, name), 1000.0 / width, below * s, above * c};
-    riddle_io_print(
-        v.file,
-        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 1000 %.0f' font-family='sans-serif' font-size='13'>\n",
-        height * v.scale + 30.0);
-    riddle_io_print(v.file, "<rect width='100%%' height='100%%' fill='white'/>\n");
-    for (ptrdiff_t i = 0; i < world->count; i++) {
-        const dem_vec at = dem_position(world, i);
-        if (!world->alive[i] || !(at.y >= 0.0 && at.y < slice)) continue;
-        const double radius = dem_radius(world, i);
-        draw_disc(&v, level_of(d, at), radius, grain_colour[grain_kind(2.0 * radius / d->aperture[0])]);
+    const double above = r->deck.feed.region.high.z + 0.01, below = deck_height(d, d->decks - 1) - 0.04;
+    const double width = d->length * c + (above - below) * s, height = (above - below) * c + d->length * s;
+    const int room = (int)world->count > WIRES ? (int)world->count : WIRES;
+    double *x = malloc((size_t)room * 3 * sizeof *x), *z = x + room, *radius = z + room;
+    if (!x) {
+        common_fail("out of memory for %s", name);
+        return;
+    }
+    riddle_plot *figure = riddle_plot_new("From the side, at the end of the run", 1, 1);
+    riddle_plot_panel_size(figure, 1000.0, fmin(1000.0 * height / width, 2000.0));
+    riddle_plot_scale_bar(figure, "mm");
+    riddle_plot_range_x(figure, 1e3 * below * s, 1e3 * (below * s + width));
+    riddle_plot_range_y(figure, 1e3 * (above * c - height), 1e3 * above * c);
+    for (int q = 0; q < 5; q++) {
+        int n = 0;
+        for (ptrdiff_t i = 0; i < world->count; i++) {
+            const dem_vec place = dem_position(world, i), at = level_of(d, place);
+            const double own = dem_radius(world, i);
+            if (!world->alive[i] || !(place.y >= 0.0 && place.y < slice) || grain_kind(2.0 * own / d->aperture[0]) != q)
+                continue;
+            x[n] = 1e3 * at.x, z[n] = 1e3 * at.z, radius[n++] = 1e3 * own;
+        }
+        riddle_plot_discs(figure, grain_name[q], x, z, radius, n);
+        riddle_plot_style(figure, 0, grain_colour[q]);
     }
     for (int k = 0; k < d->decks; k++) {
-        const double pitch = d->mesh == DECK_SLOTS_ALONG ? d->slot_length + d->wire[k] : deck_pitch(d, k);
-        const dem_wall *wall = &world->wall[k];
-        for (double x = 0.0; x <= d->length + 0.5 * pitch && !(d->mesh == DECK_SLOTS_ALONG && d->slot_length <= 0.0);
-             x += pitch)
-            draw_disc(&v, level_of(d, dem_vec3(x + wall->position.x - wall->asked.origin.x, 0.0, wall->position.z)),
-                      0.5 * d->wire[k], "black");
+        riddle_plot_discs(figure, NULL, x, z, radius, wires_of(r, k, x, z, radius, WIRES));
+        riddle_plot_style(figure, 0, RIDDLE_PLOT_BLACK);
     }
-    const double most = 150.0 / v.scale, power = pow(10.0, floor(log10(most))); /* of the scale bar */
-    const double bar = power * (most >= 5.0 * power   ? 5.0
-                                : most >= 2.0 * power ? 2.0
-                                                      : 1.0),
-                 low = height * v.scale + 18.0;
-    riddle_io_print(
-        v.file,
-        "<path d='M%.1f %.0fv8v-4H985v-4v8' fill='none' stroke='black'/><text x='%.1f' y='%.0f'>%.3g mm</text>\n",
-        985.0 - bar * v.scale, low - 4.0, 965.0 - 0.5 * bar * v.scale, low - 7.0, 1e3 * bar);
-    double at = 20.0;
-    for (int q = 0; q < 5; q++) {
-        riddle_io_print(v.file, "<circle cx='%.0f' cy='%.0f' r='6' fill='%s'/><text x='%.0f' y='%.0f'>%s</text>\n", at,
-                        height * v.scale + 14.0, grain_colour[q], at + 11.0, height * v.scale + 19.0, grain_name[q]);
-        at += 40.0 + 7.2 * (double)strlen(grain_name[q]);
-    }
-    riddle_io_print(v.file, "</svg>\n");
-    riddle_io_close(v.file);
+    free(x);
+    riddle_plot_write(figure, st->self->out, name);
 }
 
 /* ---- figures ---- */
@@ -210,7 +207,11 @@ static void draw_along(const study *st) {
     static const char *const label[4] = {"load [kg/m\xc2\xb2]", "velocity along the deck [m/s]", "bed depth [mm]",
                                          "blocked holes [%]"};
     char text[80];
-    for (int q = 0; q < 4; q++) {
+    double blocked = 0.0;
+    for (int k = 0; k < st->runs; k++)
+        for (int z = 0; z < DECK_ZONES; z++) blocked = fmax(blocked, st->run[k].answer[0].held[z].value);
+    if (!(blocked > 0.0)) common_print("No hole of the first deck was blocked: along.svg has no panel for that.\n");
+    for (int q = 0; q < (blocked > 0.0 ? 4 : 3); q++) {
         riddle_plot_panel(figure, q / 2, q % 2, "length [m]", label[q]);
         for (int k = 0; k < st->runs; k++) {
             const deck_run *r = &st->run[k];

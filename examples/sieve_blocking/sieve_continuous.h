@@ -13,8 +13,8 @@
 
 enum { WAYS = 3, COUNTS = 12, WAY_SEEDS = 20 };
 static const char *const way_name[WAYS] = {"intermittent", "inclined", "continuous"};
-static const char *const way_label[WAYS] = {"a batch, level (intermittent test)", "a batch, inclined by 15 degrees",
-                                            "fed steadily, inclined by 15 degrees"};
+static const char *const way_label[WAYS] = {"a batch, level (intermittent test)", "a batch, inclined by 15°",
+                                            "fed steadily, inclined by 15°"};
 
 typedef struct way_jobs {
     sieve_patch_def def;
