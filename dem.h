@@ -16698,7 +16698,7 @@ static inline double dem__wedge(double b, double c) {
     if (c < 0.0) return dem__cap(b) - dem__wedge(b, -c);
     if (!(b * b + c * c < 1.0)) return 0.0;
     const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c),
-                 half = dem__root(1.0 - b * b - c * c);              /* half length of the edge inside */
+                 half = dem__root(1.0 - b * b - c * c); /* half length of the edge inside */
     /* half the angles of the arcs on the two circles */
     const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc);
     const double sphere = 2.0 * (RIDDLE_PI - b * at_b - c * at_c - dem__acos(-b * c / (rb * rc)));
@@ -16849,8 +16849,7 @@ static inline double dem__polyhedron_in(const dem_region *r, const dem_wall *ins
     if (r->kind == DEM_REGION_BOX) return dem__share_in_box(s, centre, turn, r->low, r->high);
     for (int a = 0; a < 3; a++) {
         double high = low[a] = s->corner[0][a];
-        for (int k = 1; k < s->corners; k++)
-            low[a] = fmin(low[a], s->corner[k][a]), high = fmax(high, s->corner[k][a]);
+        for (int k = 1; k < s->corners; k++) low[a] = fmin(low[a], s->corner[k][a]), high = fmax(high, s->corner[k][a]);
         low[a] -= s->radius, wide[a] = high + s->radius - low[a];
     }
     for (int tries = 0; tries < 1 << 16 && all < 4096; tries++) {
