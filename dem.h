@@ -3564,6 +3564,12 @@ DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, doubl
     return w->engine->bodies.calls->pose(w, r, tau);
 }
 
+/* Returns the orientation of a polyhedron's own axes, tau after its origin step [s]: those of its body may have another
+   order. */
+static inline dem_quaternion dem__turn_of_polyhedron(const dem_world *w, const dem__rigid *r, double tau) {
+    return dem__turns(dem__pose_at(w, r, tau).turn, dem__opposite_turn(r->frame));
+}
+
 /* Return position and velocity of a particle of a rigid body, tau after its origin step [s]. */
 static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
     const dem__pose p = dem__pose_at(w, r, tau);
@@ -13056,6 +13062,70 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
     return DEM_OK;
 }
 
+/* -------------------------------------------------------------------------------------------------- >>base/sharp.h */
+/* Polyhedra given by their planes: areas of faces and the volume. Pure functions. */
+
+enum { DEM__PLANES_MAX = DEM_FACES_MAX + 6 }; /* of a polyhedron cut by a box */
+
+/* Returns a unit vector across u. */
+static inline dem_vec dem__one_across(dem_vec u) {
+    const dem_vec a = dem__cross(u, fabs(u.x) < 0.6 ? dem_vec3(1.0, 0.0, 0.0) : dem_vec3(0.0, 1.0, 0.0));
+    return dem__scale(1.0 / dem__length(a), a);
+}
+
+/* Copies the planes of a shape without its rounding: a radius in front of those of its core. */
+static inline void dem__sharp_planes(const dem_convex *s, double (*plane)[4]) {
+    memcpy(plane, s->plane, (size_t)s->faces * sizeof *plane);
+    for (int k = 0; k < s->faces; k++) plane[k][3] += s->radius;
+}
+
+/* Cuts from a polygon what is in front of a plane. Returns its number of corners. */
+static inline int dem__cut_polygon(dem_vec *corner, int n, const double *plane) {
+    dem_vec kept[DEM__PLANES_MAX + 4];
+    int m = 0;
+    for (int k = 0; k < n; k++) {
+        const dem_vec a = corner[k], b = corner[(k + 1) % n];
+        const double from = dem__dot(dem__point(plane), a) - plane[3], to = dem__dot(dem__point(plane), b) - plane[3];
+        if (m > DEM__PLANES_MAX + 2) return 0; /* only by rounding */
+        if (from <= 0.0) kept[m++] = a;
+        if ((from < 0.0 && to > 0.0) || (from > 0.0 && to < 0.0))
+            kept[m++] = dem__plus(a, from / (from - to), dem__sub(b, a));
+    }
+    memcpy(corner, kept, (size_t)m * sizeof *kept);
+    return m;
+}
+
+static inline int dem__same_plane(const double *p, const double *q, double reach) {
+    return dem__dot(dem__point(p), dem__point(q)) > 1.0 - 1e-12 && fabs(p[3] - q[3]) <= 1e-12 * reach;
+}
+
+/* Returns the area in which one of n planes bounds the space behind all of them. reach: no corner is 50 times as far
+   from the origin. Of equal planes the first one counts. */
+static inline double dem__face_area(const double (*plane)[4], int n, int face, double reach) {
+    dem_vec corner[DEM__PLANES_MAX + 4];
+    const dem_vec normal = dem__point(plane[face]), middle = dem__scale(plane[face][3], normal),
+                  u = dem__scale(100.0 * reach, dem__one_across(normal)), v = dem__cross(normal, u);
+    int m = 4;
+    double area = 0.0;
+    corner[0] = dem__add(middle, u), corner[1] = dem__add(middle, v);
+    corner[2] = dem__sub(middle, u), corner[3] = dem__sub(middle, v);
+    for (int k = 0; k < n && m > 0; k++) {
+        if (k == face) continue;
+        if (!dem__same_plane(plane[k], plane[face], reach)) m = dem__cut_polygon(corner, m, plane[k]);
+        else if (k < face) return 0.0;
+    }
+    for (int k = 2; k < m; k++)
+        area += 0.5 * dem__dot(normal, dem__cross(dem__sub(corner[k - 1], corner[0]), dem__sub(corner[k], corner[0])));
+    return area > 0.0 ? area : 0.0;
+}
+
+/* Returns the volume behind n planes. */
+static inline double dem__volume_behind(const double (*plane)[4], int n, double reach) {
+    double volume = 0.0;
+    for (int k = 0; k < n; k++) volume += plane[k][3] * dem__face_area(plane, n, k, reach) / 3.0;
+    return volume > 0.0 ? volume : 0.0;
+}
+
 /* ------------------------------------------------------------------------------------------------ >>bodies/union.h */
 /* Volume and moments of a union of balls, from its surface (Gauss's theorem): pure functions. Each ball's surface is
    cut along latitudes about z. On a latitude other balls cover arcs. Between the arcs, the integrals of products of the
@@ -13339,9 +13409,9 @@ static inline void dem__add_union(dem__content *c, int n, const dem_vec *centre,
 }
 
 /* ---------------------------------------------------------------------------------------------------- >>gas/view.h */
-/* What a flow sees of a body: its surface, its area along the flow, and its mean area across it, for the sphericities of
-   Hoelzer & Sommerfeld 2008. Reads shapes and bodies; writes the views of a field, one for each shape. Polyhedra: closed
-   forms. Clumps: a table of directions, from closed forms of the union's outline. */
+/* What a flow sees of a body: its surface, its area along the flow, and its mean area across it, for the
+   sphericities of Hoelzer & Sommerfeld 2008. Reads shapes and bodies; writes the views of a field, one for each shape.
+   Polyhedra: closed forms. Clumps: a table of directions, from closed forms of the union's outline. */
 
 /* Directions of a table: a grid of squares on three sides of a cube; opposite directions look alike. */
 enum {
@@ -13370,51 +13440,14 @@ typedef struct dem__outline {
 
 /* ---- polyhedra ---- */
 
-/* Returns a unit vector across u. */
-static inline dem_vec dem__one_across(dem_vec u) {
-    const dem_vec a = dem__cross(u, fabs(u.x) < 0.6 ? dem_vec3(1.0, 0.0, 0.0) : dem_vec3(0.0, 1.0, 0.0));
-    return dem__scale(1.0 / dem__length(a), a);
-}
-
-/* Cuts from a polygon what is in front of a plane. Returns its number of corners. */
-static inline int dem__cut_polygon(dem_vec *corner, int n, const double *plane, double offset) {
-    dem_vec kept[DEM_FACES_MAX + 4];
-    int m = 0;
-    for (int k = 0; k < n; k++) {
-        const dem_vec a = corner[k], b = corner[(k + 1) % n];
-        const double from = dem__dot(dem__point(plane), a) - offset, to = dem__dot(dem__point(plane), b) - offset;
-        if (from <= 0.0) kept[m++] = a;
-        if ((from < 0.0 && to > 0.0) || (from > 0.0 && to < 0.0))
-            kept[m++] = dem__plus(a, from / (from - to), dem__sub(b, a));
-        if (m > DEM_FACES_MAX + 2) return 0;
-    }
-    memcpy(corner, kept, (size_t)m * sizeof *kept);
-    return m;
-}
-
-/* Returns the area of a face of a polyhedron without its rounding: its planes lie a radius in front of those of the
-   core. */
-static inline double dem__sharp_area(const dem_convex *s, int face) {
-    dem_vec corner[DEM_FACES_MAX + 4], n = dem__point(s->plane[face]);
-    const dem_vec u = dem__scale(100.0 * s->reach, dem__one_across(n)), v = dem__cross(n, u),
-                  middle = dem__scale(s->plane[face][3] + s->radius, n);
-    int m = 4;
-    double area = 0.0;
-    corner[0] = dem__add(middle, u), corner[1] = dem__add(middle, v);
-    corner[2] = dem__sub(middle, u), corner[3] = dem__sub(middle, v);
-    for (int k = 0; k < s->faces && m > 0; k++)
-        if (k != face) m = dem__cut_polygon(corner, m, s->plane[k], s->plane[k][3] + s->radius);
-    for (int k = 2; k < m; k++)
-        area += 0.5 * dem__dot(n, dem__cross(dem__sub(corner[k - 1], corner[0]), dem__sub(corner[k], corner[0])));
-    return area > 0.0 ? area : 0.0;
-}
-
 static inline void dem__view_polyhedron(dem__view *view, const dem_convex *s) {
-    double volume = 0.0;
+    double plane[DEM_FACES_MAX][4], volume = 0.0;
+    dem__sharp_planes(s, plane);
     view->faces = s->faces, view->surface = 0.0;
     for (int k = 0; k < s->faces; k++) {
-        view->normal[k] = dem__point(s->plane[k]), view->area[k] = dem__sharp_area(s, k);
-        volume += (s->plane[k][3] + s->radius) * view->area[k] / 3.0;
+        view->normal[k] = dem__point(plane[k]);
+        view->area[k] = dem__face_area((const double(*)[4])plane, s->faces, k, s->reach);
+        volume += plane[k][3] * view->area[k] / 3.0;
     }
     const double x = riddle_cbrt(6.0 / RIDDLE_PI * volume), circle = 0.25 * RIDDLE_PI * x * x;
     for (int k = 0; k < s->faces; k++) view->area[k] /= circle, view->surface += view->area[k];
@@ -13519,22 +13552,24 @@ static inline void dem__read_view(const dem__view *view, dem_vec u, double *seen
         seen[k] = (1.0 - p) * ((1.0 - q) * low[0][k] + q * low[1][k]) + p * ((1.0 - q) * high[0][k] + q * high[1][k]);
 }
 
+/* Returns direction k of the table. */
+static inline dem_vec dem__view_direction(int k) {
+    const int side = k / DEM__VIEW_SIDE, place = k % DEM__VIEW_SIDE;
+    double v[3];
+    v[side] = 1.0;
+    v[(side + 1) % 3] = 2.0 * (place / DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
+    v[(side + 2) % 3] = 2.0 * (place % DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
+    return dem__scale(1.0 / dem__length(dem__point(v)), dem__point(v));
+}
+
 static inline void dem__view_clump(dem__view *view, const dem__outline *c) {
-    dem_vec direction[3 * DEM__VIEW_SIDE];
-    for (int k = 0; k < 3 * DEM__VIEW_SIDE; k++) {
-        const int side = k / DEM__VIEW_SIDE, place = k % DEM__VIEW_SIDE;
-        double v[3];
-        v[side] = 1.0;
-        v[(side + 1) % 3] = 2.0 * (place / DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
-        v[(side + 2) % 3] = 2.0 * (place % DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
-        direction[k] = dem__scale(1.0 / dem__length(dem__point(v)), dem__point(v));
-        view->seen[k][0] = dem__seen_along(c, direction[k]), view->seen[k][1] = 0.0;
-    }
+    for (int k = 0; k < 3 * DEM__VIEW_SIDE; k++)
+        view->seen[k][0] = dem__seen_along(c, dem__view_direction(k)), view->seen[k][1] = 0.0;
     for (int k = 0; k < 3 * DEM__VIEW_SIDE; k++) {
         double sum = 0.0;
         for (int q = 0; q < DEM__VIEW_CIRCLE; q++) {
             double seen[2];
-            dem__read_view(view, dem__across(direction[k], q), seen);
+            dem__read_view(view, dem__across(dem__view_direction(k), q), seen);
             sum += seen[0];
         }
         view->seen[k][1] = sum / DEM__VIEW_CIRCLE;
@@ -13574,13 +13609,13 @@ static DEM__NOINLINE void dem__find_seen_body(const dem__seen *s, dem_vec flow, 
     const dem__field *field = &w->engine->field;
     const dem__rigid *r = dem__rigid_of(w, s->first);
     const dem__view *view = &field->view[field->view_of[s->first] - 1];
-    const dem_vec u = dem__to_body(dem__pose_at(w, r, s->tau).turn, dem__flow_direction(flow));
+    const dem_vec v = dem__flow_direction(flow);
     double seen[2];
     if (view->faces > 0) {
-        dem__see_faces(view, u, psi);
+        dem__see_faces(view, dem__to_body(dem__turn_of_polyhedron(w, r, s->tau), v), psi);
         return;
     }
-    dem__read_view(view, u, seen);
+    dem__read_view(view, dem__to_body(dem__pose_at(w, r, s->tau).turn, v), seen);
     dem__sphericities_of(view->surface, seen[0], seen[1], psi);
 }
 
@@ -13659,12 +13694,13 @@ DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, de
     double surface, across = 0.0;
     psi[0] = psi[1] = psi[2] = 1.0;
     if (!r || (!s && r->pieces == 1)) return DEM_OK;
-    const dem_vec u = dem__to_body(dem__pose_at(w, r, dem__now(w, r->first)).turn, dem__flow_direction(flow));
+    const double tau = dem__now(w, r->first);
     if (s) {
         dem__view_polyhedron(&view, s);
-        dem__see_faces(&view, u, psi);
+        dem__see_faces(&view, dem__to_body(dem__turn_of_polyhedron(w, r, tau), dem__flow_direction(flow)), psi);
         return DEM_OK;
     }
+    const dem_vec u = dem__to_body(dem__pose_at(w, r, tau).turn, dem__flow_direction(flow));
     dem__find_outline(w, r, &outline, &surface);
     for (int k = 0; k < DEM__VIEW_CIRCLE; k++)
         across += dem__seen_along(&outline, dem__across(u, k)) / DEM__VIEW_CIRCLE;
@@ -16662,7 +16698,7 @@ static inline double dem__wedge(double b, double c) {
     if (c < 0.0) return dem__cap(b) - dem__wedge(b, -c);
     if (!(b * b + c * c < 1.0)) return 0.0;
     const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c),
-                 half = dem__root(1.0 - b * b - c * c);              /* half length of the edge inside */
+                 half = dem__root(1.0 - b * b - c * c); /* half length of the edge inside */
     /* half the angles of the arcs on the two circles */
     const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc);
     const double sphere = 2.0 * (RIDDLE_PI - b * at_b - c * at_c - dem__acos(-b * c / (rb * rc)));
@@ -16782,6 +16818,51 @@ static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, d
     return sum * radius * (to - from) / slices;
 }
 
+/* Returns the share of a polyhedron without its rounding that lies in a box; closed form. */
+static inline double dem__share_in_box(const dem_convex *s, dem_vec centre, dem_quaternion turn, dem_vec low,
+                                       dem_vec high) {
+    double plane[DEM__PLANES_MAX][4];
+    dem__sharp_planes(s, plane);
+    const double whole = dem__volume_behind((const double(*)[4])plane, s->faces, s->reach);
+    for (int k = 0; k < 6; k++) {
+        const int a = k / 2;
+        const double side = k % 2 ? 1.0 : -1.0;
+        const dem_vec n = dem__to_body(turn, dem_vec3(a == 0 ? side : 0.0, a == 1 ? side : 0.0, a == 2 ? side : 0.0));
+        double *p = plane[s->faces + k];
+        p[0] = n.x, p[1] = n.y, p[2] = n.z;
+        p[3] = side * (dem_axis(k % 2 ? high : low, a) - dem_axis(centre, a));
+    }
+    return dem__volume_behind((const double(*)[4])plane, s->faces + 6, s->reach) / whole;
+}
+
+/* Returns the share of a polyhedron that lies in a region. Where the region's surface cuts the sphere around it, and is
+   no box, counts those of 4096 points in the polyhedron (Roberts's sequence) that are in the region. */
+static inline double dem__polyhedron_in(const dem_region *r, const dem_wall *inside, const dem_convex *s,
+                                        dem_vec centre, dem_quaternion turn) {
+    static const double next[3] = {0.81917251339616443, 0.67104360670378920, 0.54970047790197026};
+    const double ball = 4.0 / 3.0 * RIDDLE_PI * s->reach * s->reach * s->reach,
+                 part = dem__ball_in(r, inside, centre, s->reach) / ball;
+    double low[3], wide[3], u[3] = {0.5, 0.5, 0.5};
+    int all = 0, in = 0;
+    if (!(part > 0.0)) return 0.0;
+    if (part >= 1.0 - 1e-12) return 1.0;
+    if (r->kind == DEM_REGION_BOX) return dem__share_in_box(s, centre, turn, r->low, r->high);
+    for (int a = 0; a < 3; a++) {
+        double high = low[a] = s->corner[0][a];
+        for (int k = 1; k < s->corners; k++) low[a] = fmin(low[a], s->corner[k][a]), high = fmax(high, s->corner[k][a]);
+        low[a] -= s->radius, wide[a] = high + s->radius - low[a];
+    }
+    for (int tries = 0; tries < 1 << 16 && all < 4096; tries++) {
+        int f = 0;
+        for (int a = 0; a < 3; a++) u[a] += next[a] - (u[a] + next[a] >= 1.0 ? 1.0 : 0.0);
+        const dem_vec x = dem_vec3(low[0] + u[0] * wide[0], low[1] + u[1] * wide[1], low[2] + u[2] * wide[2]);
+        while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] + s->radius) f++;
+        if (f < s->faces) continue;
+        all++, in += dem__holds(r, inside, dem__add(centre, dem__to_lab(turn, x)));
+    }
+    return all > 0 ? (double)in / all : part;
+}
+
 /* Returns the share of the line from a to b that lies in a region. */
 static inline double dem__share_in(const dem_region *r, const dem_wall *inside, dem_vec a, dem_vec b) {
     if (r->kind == DEM_REGION_MESH) return dem__share_in_mesh(inside, a, b);
@@ -16872,6 +16953,16 @@ typedef struct dem__measured {
     double share; /* 1 / volume [1/m3] */
 } dem__measured;
 
+/* Returns the volume of particle i at x that is in the region; for a polyhedron, over its share of the sphere around
+   it. */
+static inline double dem__volume_in(const dem_world *w, const dem__measured *q, ptrdiff_t i, dem_vec x) {
+    const dem_convex *s = dem__shape_of(w, i);
+    const double r = w->particle[i].radius;
+    if (!s) return dem__ball_in(q->region, &q->inside, x, r);
+    const dem_quaternion turn = dem__turn_of_polyhedron(w, dem__rigid_of(w, i), dem__now(w, i));
+    return dem__polyhedron_in(q->region, &q->inside, s, x, turn) * (4.0 / 3.0 * RIDDLE_PI * r * r * r);
+}
+
 /* Adds the volume of particle i and its images in the region, as a share of the region. */
 static inline void dem__add_solid(const dem_world *w, const dem__measured *q, ptrdiff_t i, dem_measure *m) {
     const dem_vec at = dem_position(w, i), low = q->low, high = q->high;
@@ -16880,7 +16971,7 @@ static inline void dem__add_solid(const dem_world *w, const dem__measured *q, pt
         const dem_vec x = dem__add(at, q->shift[image]);
         if (x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z &&
             x.z - r <= high.z)
-            m->solid_fraction += dem__ball_in(q->region, &q->inside, x, r) * filled;
+            m->solid_fraction += dem__volume_in(w, q, i, x) * filled;
     }
 }
 

@@ -27,7 +27,7 @@ enum {
     FEATURES = DEM_LINEAR | DEM_FRICTION | DEM_ROLLING
 };
 
-static picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.35}, {960, 640}};
+static picture_def view = {{NULL}, 0, 0.0, {0.25, 1.0, -0.2}, {960, 640}};
 
 typedef struct heap {
     /* asked for */

@@ -690,8 +690,8 @@ static duty completed(const program *self, const typed *t) {
     return d;
 }
 
-/* Options of the set-up that are given with a checkpoint of another one are not ignored. first: what they are where
-   they are not given. */
+/* Refuses options of the set-up that differ from those of the checkpoint. first: the defaults, which count as not
+   given. */
 static void check_resumed(const program *self, const typed *t, const typed *first, const duty *d) {
     const struct {
         const char *name;
@@ -757,7 +757,7 @@ int main(int argc, char **argv) {
         option_string("checkpoint", "FILE", &t.checkpoint,
                       "write the state there with every frame, at the end, and after Ctrl-C"),
         option_string("resume", "FILE", &t.resume,
-                      "go on from there; others of the set-up than those of the first run are refused"),
+                      "go on from there; options that change the set-up of the first run are refused"),
         option_string("sizes", "FILE", &t.sizes,
                       "own particles: CSV with diameter_um and number_share, volume_share or q3 (cumulative by volume, "
                       "% or 0 to 1)"),

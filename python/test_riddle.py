@@ -247,7 +247,8 @@ class Values(unittest.TestCase):
         self.assertAlmostEqual(ell.volume, 5e-6, 15)
         self.assertLessEqual(ell.spheres, 40)
         np.testing.assert_allclose([ell.origin.x, ell.origin.y, ell.origin.z], [0.011, 0.011, 0.005], rtol=1e-9)
-        spheres = dem.make_clump([[c.x, c.y, c.z] for c in ell.centre[:ell.spheres]], 2.0 * np.array(ell.radius)[:ell.spheres])
+        centres = [[c.x, c.y, c.z] for c in ell.centre[: ell.spheres]]
+        spheres = dem.make_clump(centres, 2.0 * np.array(ell.radius)[: ell.spheres])
         self.assertAlmostEqual(spheres.volume / ell.volume - 1.0, fit.volume, 8)
         self.assertTrue(-0.4 < fit.volume < 0.0 and 0.0 < fit.moments < 0.5 and 0.0 < fit.centre < 0.1, fit)
         world = bed(0)

@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "failing_allocator.h"
 #include "near.h"
 
 enum { ROUND = 48, TUBE = 24 };
@@ -132,22 +133,18 @@ static void test_torus(void **state) {
     assert_int_equal(dem_make_clump_from_mesh(&m, 4, NULL, &c, NULL), DEM_BAD_ARGUMENT);
 }
 
-static void *refuse(void *left, void *old, size_t old_size, size_t new_size) {
-    (void)old_size;
-    if (new_size > 0 && (*(int *)left)-- <= 0) return NULL;
-    if (new_size == 0) return free(old), NULL;
-    return realloc(old, new_size);
-}
 static void test_memory(void **state) {
     (void)state;
     dem_mesh m = prism(4, 3);
     dem_allocator a;
     dem_clump c;
-    int failures = 0, left;
-    memset(&a, 0, sizeof a), a.fn = refuse, a.user = &left;
+    int failures = 0;
     for (;; failures++) {
-        left = failures;
+        failing_allocator memory;
+        failing_init_at(&memory, failures);
+        memset(&a, 0, sizeof a), a.fn = failing_fn, a.user = &memory;
         const dem_status status = dem_make_clump_from_mesh(&m, 2, &a, &c, NULL);
+        assert_int_equal(failing_live(&memory), 0);
         if (status == DEM_OK) break;
         assert_int_equal(status, DEM_OUT_OF_MEMORY);
     }

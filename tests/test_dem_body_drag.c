@@ -93,6 +93,32 @@ static void disc_and_needle(void **state) {
     dem_free(&w);
 }
 
+/* Bricks whose edges have any order, turned or not: each face shows its area. */
+static void bricks(void **state) {
+    (void)state;
+    static const int order[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
+    const double edge[3] = {1e-3, 2e-3, 3.5e-3}, circle = RIDDLE_PI / 4.0 * pow(6.0 / RIDDLE_PI * 7e-9, 2.0 / 3.0);
+    const double turn[4] = {sqrt(0.5), 0, 0, sqrt(0.5)}; /* x to y, y to -x */
+    for (int trial = 0; trial < 12; trial++) {
+        const int *o = order[trial / 2];
+        const double a[3] = {edge[o[0]], edge[o[1]], edge[o[2]]}, s = a[0] * a[1] + a[1] * a[2] + a[2] * a[0];
+        dem_convex brick;
+        dem_world w = empty(1e-5, 1);
+        double psi[3];
+        assert_int_equal(dem_make_brick(&brick, dem_vec3(a[0], a[1], a[2]), 0.03, NULL), DEM_OK);
+        add_shape(&w, &brick, dem_vec3(0, 0, 0), trial % 2 ? turn : NULL);
+        for (int k = 0; k < 3; k++) {
+            const int world = trial % 2 && k < 2 ? 1 - k : k;
+            const dem_vec flow = dem_vec3(world == 0, world == 1, world == 2);
+            const double face = a[(k + 1) % 3] * a[(k + 2) % 3];
+            assert_int_equal(dem_body_sphericities(&w, 0, flow, psi), DEM_OK);
+            close_to(psi[0], 4.0 * circle / (2.0 * s), 1e-11), close_to(psi[1], circle / face, 1e-11);
+            close_to(psi[2], circle / (s - 2.0 * (s - face) / RIDDLE_PI), 1e-11);
+        }
+        dem_free(&w);
+    }
+}
+
 static void add_clump(dem_world *w, int n, const double *centre, const double *width, double d, dem_vec x,
                       const double *turn) {
     dem_clump c;
@@ -206,8 +232,8 @@ DEM_GAS(my_drag, mine)
 static void forces(void **state) {
     (void)state;
     const double two[6] = {0, 0, -0.5, 0, 0, 0.5}, ones[2] = {1, 1}, d = 1e-3;
-    for (int trial = 0; trial < 24; trial++) {
-        const int kind = trial % 3, fast = trial / 3 % 4, edge = trial / 12;
+    for (int trial = 0; trial < 32; trial++) {
+        const int kind = trial % 4, fast = trial / 4 % 4, edge = trial / 16;
         const double speed = fast == 0 ? 1e-10 : fast == 1 ? 1e-3 : fast == 2 ? 1.0 : 30.0;
         dem_world w = empty(1e-9, 1);
         dem_convex shape;
@@ -215,6 +241,7 @@ static void forces(void **state) {
         double psi[3];
         if (kind == 0) assert_int_equal(dem_make_brick(&shape, dem_vec3(d, d, d), 0.05, NULL), DEM_OK);
         if (kind == 1) assert_int_equal(dem_make_tablet(&shape, 2.0 * d, 0.3 * d, 0.3 * d, 0.05, NULL), DEM_OK);
+        if (kind == 3) assert_int_equal(dem_make_brick(&shape, dem_vec3(3.0 * d, d, 0.5 * d), 0.05, NULL), DEM_OK);
         if (kind == 2) add_clump(&w, 2, two, ones, d, dem_vec3(0, 0, 0), NULL);
         else add_shape(&w, &shape, dem_vec3(0, 0, 0), NULL);
         const dem_vec wind = edge ? dem_vec3(0.6 * speed, 0.8 * speed, 0) : dem_vec3(0, 0, -speed);
@@ -371,9 +398,9 @@ static void short_of_memory(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(cube),          cmocka_unit_test(disc_and_needle),
-                                       cmocka_unit_test(clumps),        cmocka_unit_test(table),
-                                       cmocka_unit_test(forces),        cmocka_unit_test(same_bits),
-                                       cmocka_unit_test(fall_and_spin), cmocka_unit_test(short_of_memory)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cube),      cmocka_unit_test(bricks),        cmocka_unit_test(disc_and_needle),
+        cmocka_unit_test(clumps),    cmocka_unit_test(table),         cmocka_unit_test(forces),
+        cmocka_unit_test(same_bits), cmocka_unit_test(fall_and_spin), cmocka_unit_test(short_of_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -95,6 +95,50 @@ static double solid_volume(const dem_world *w, dem_region region) {
     return m.solid_fraction * dem_region_volume(&region);
 }
 
+/* Polyhedra that a region cuts count by what is within, without the sphere around them: parts add up, a tetrahedron is
+   cut at its tip, cubes that lie flush with the region count whole. */
+static void test_solid_polyhedra(void **state) {
+    (void)state;
+    const double a = 0.003, corners[12] = {0, 0, 0, a, 0, 0, 0, a, 0, 0, 0, a}, turned[4] = {0.3, -0.5, 0.7, 0.2};
+    const double at[9] = {0.5 * a, 0.5 * a, 0.5 * a, 1.5 * a, 0.5 * a, 0.5 * a, 0.02, 0.02, 0.02};
+    dem_convex cube, tip;
+    dem_world w;
+    dem_def def = soft_def();
+    start(&w, &def);
+    assert_int_equal(dem_make_brick(&cube, v3(a, a, a), 0.05, NULL), DEM_OK);
+    assert_int_equal(dem_make_convex(&tip, 4, corners, 0.05, NULL), DEM_OK);
+    const int brick = dem_add_shape(&w, &cube), tetrahedron = dem_add_shape(&w, &tip);
+    assert_int_equal(dem_add_convex(&w, brick, 2, at, NULL, 0, 0), DEM_OK);
+    const double volume = a * a * a;
+    near_relative(solid_volume(&w, dem_box_region(v3(0, 0, 0), v3(2 * a, a, a))), 2.0 * volume, 1e-12, "flush");
+    near_relative(solid_volume(&w, dem_box_region(v3(0, 0, 0), v3(a, a, a))), volume, 1e-12, "one of two");
+    near_relative(solid_volume(&w, dem_box_region(v3(0.2 * a, 0.5 * a, -a), v3(1.3 * a, 2 * a, 0.1 * a))),
+                  1.1 * 0.5 * 0.1 * volume, 1e-12, "a part of both");
+    near_relative(solid_volume(&w, dem_cylinder_region(v3(a, 0.5 * a, 0), v3(0, 0, 1), a, 1.2 * a)), 2.0 * volume,
+                  1e-12, "in a cylinder");
+    near_relative(solid_volume(&w, dem_cylinder_region(v3(a, 0.5 * a, 0.25 * a), v3(0, 0, 1), a, 2 * a)), 1.5 * volume,
+                  2e-2, "cut by a cylinder");
+    near_relative(solid_volume(&w, dem_sphere_region(v3(a, 0.5 * a, 0.5 * a), 1.3 * a)), 2.0 * volume, 1e-12,
+                  "in a sphere");
+    assert_true(solid_volume(&w, dem_box_region(v3(0, 0, a), v3(a, a, 2 * a))) < 1e-12 * volume);
+    assert_int_equal(dem_add_convex(&w, brick, 1, at + 6, turned, 0, 0), DEM_OK);
+    double sum = 0.0;
+    for (int k = 0; k < 8; k++) {
+        const dem_vec from = v3(k & 1 ? 0.0203 : 0.01, k & 2 ? 0.0195 : 0.01, k & 4 ? 0.0201 : 0.01),
+                      to = v3(k & 1 ? 0.03 : 0.0203, k & 2 ? 0.03 : 0.0195, k & 4 ? 0.03 : 0.0201);
+        sum += solid_volume(&w, dem_box_region(from, to));
+    }
+    near_relative(sum, volume, 1e-12, "eight parts");
+    near_relative(solid_volume(&w, dem_box_region(v3(0.01, 0.01, 0.01), v3(0.02, 0.03, 0.03))), 0.5 * volume, 1e-12,
+                  "a half, however it is turned");
+    const double tip_at[3] = {0.05 + 0.25 * a, 0.05 + 0.25 * a, 0.05 + 0.25 * a};
+    assert_int_equal(dem_add_convex(&w, tetrahedron, 1, tip_at, NULL, 0, 0), DEM_OK);
+    for (double h = 0.05; h < 1.0; h += 0.15)
+        near_relative(solid_volume(&w, dem_box_region(v3(0.04, 0.04, 0.05 + h * a), v3(0.06, 0.06, 0.06))),
+                      pow(1.0 - h, 3.0) * volume / 6.0, 1e-10, "a tip");
+    dem_free(&w);
+}
+
 /* One ball and regions that cut it: closed forms, and parts that add up. */
 static void test_solid_fraction(void **state) {
     (void)state;
@@ -549,6 +593,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_ball_in_box),
         cmocka_unit_test(test_solid_fraction),
+        cmocka_unit_test(test_solid_polyhedra),
         cmocka_unit_test(test_column),
         cmocka_unit_test(test_bed),
         cmocka_unit_test(test_kinetic),

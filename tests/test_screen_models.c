@@ -1301,7 +1301,7 @@ static void screening_ranges_cover(void **state) {
 static void class_weights_are_obeyed(void **state) {
     (void)state;
     enum { N = 4, T = 8, C = 3, TRIALS = 60 };
-    const double diameters[C] = {0.004, 0.0055, 0.007}, truth[3] = {1.3, 1.7, 3.0}, sd[C] = {0.003, 0.01, 0.05};
+    const double sizes[C] = {0.004, 0.0055, 0.007}, truth[3] = {1.3, 1.7, 3.0}, sd[C] = {0.003, 0.01, 0.05};
     const double weights[C] = {1.0 / (0.003 * 0.003), 1.0 / (0.01 * 0.01), 1.0 / (0.05 * 0.05)};
     static double time[T], y[N][C * T];
     screen_case cases[N];
@@ -1309,7 +1309,7 @@ static void class_weights_are_obeyed(void **state) {
     uint64_t seed = 77;
     int inside = 0, all = 0;
     double width = 0.0, plain_width = 0.0;
-    def.classes = C, def.diameters = diameters, def.shares = NULL;
+    def.classes = C, def.diameters = sizes, def.shares = NULL;
     for (int j = 0; j < T; j++) time[j] = 0.5 + 0.7 * j;
     for (int trial = 0; trial < TRIALS; trial++) {
         for (int k = 0; k < N; k++) {
@@ -1346,7 +1346,7 @@ static void class_weights_are_obeyed(void **state) {
         assert_true(other.parameter[0] == fit.parameter[0] && other.low[1] == fit.low[1] &&
                     other.case_error == fit.case_error);
         /* the middle class with weight 0, and really without it */
-        const double hole[C] = {2.0, 0.0, 5.0}, rest[2] = {2.0, 5.0}, two[2] = {diameters[0], diameters[2]};
+        const double hole[C] = {2.0, 0.0, 5.0}, rest[2] = {2.0, 5.0}, two[2] = {sizes[0], sizes[2]};
         double z[N][2 * T], low[2], high[2];
         screen_def fewer = def;
         screen_case without[N];

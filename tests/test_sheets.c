@@ -218,8 +218,8 @@ static void test_readings(void **state) {
         "# a comment\n\ntime_min;volume_l\n0;0\n1,5;1,2505\n",
         "\xef\xbb\xbfZeit t / s\tFiltratvolumen V / ml\r\n0\t0\r\n90\t1250,5\r\n",
         "Zeit;Volumen\ns;ml\n0;0\n90;1250,5\n",
-        "Pr\xfc"
-        "fung;A 12\nZeit [s];Filtrat [cm\xb3]\n0;0\n90;1.250,5\n", /* Latin-1, thousands */
+        ("Pr\xfc"
+         "fung;A 12\nZeit [s];Filtrat [cm\xb3]\n0;0\n90;1.250,5\n"), /* Latin-1, thousands */
         "sep=,\ntime (s),filtrate volume (L)\n0,0\n90,1.2505\n",
         "t [s]   V [ml]\n 0        0\n90   1250.5\n",
         "time;volume\n0 s;0 ml\n1,5 min;1250,5 ml\n",

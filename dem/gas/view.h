@@ -1,7 +1,8 @@
-/* What a flow sees of a body: its surface, its area along the flow, and its mean area across it, for the sphericities of
-   Hoelzer & Sommerfeld 2008. Reads shapes and bodies; writes the views of a field, one for each shape. Polyhedra: closed
-   forms. Clumps: a table of directions, from closed forms of the union's outline. */
+/* What a flow sees of a body: its surface, its area along the flow, and its mean area across it, for the
+   sphericities of Hoelzer & Sommerfeld 2008. Reads shapes and bodies; writes the views of a field, one for each shape.
+   Polyhedra: closed forms. Clumps: a table of directions, from closed forms of the union's outline. */
 #pragma once
+#include "../base/sharp.h"
 #include "../bodies/union.h"
 #include "../particles/exits.h"
 #include "../records/groups.h"
@@ -34,51 +35,14 @@ typedef struct dem__outline {
 
 /* ---- polyhedra ---- */
 
-/* Returns a unit vector across u. */
-static inline dem_vec dem__one_across(dem_vec u) {
-    const dem_vec a = dem__cross(u, fabs(u.x) < 0.6 ? dem_vec3(1.0, 0.0, 0.0) : dem_vec3(0.0, 1.0, 0.0));
-    return dem__scale(1.0 / dem__length(a), a);
-}
-
-/* Cuts from a polygon what is in front of a plane. Returns its number of corners. */
-static inline int dem__cut_polygon(dem_vec *corner, int n, const double *plane, double offset) {
-    dem_vec kept[DEM_FACES_MAX + 4];
-    int m = 0;
-    for (int k = 0; k < n; k++) {
-        const dem_vec a = corner[k], b = corner[(k + 1) % n];
-        const double from = dem__dot(dem__point(plane), a) - offset, to = dem__dot(dem__point(plane), b) - offset;
-        if (from <= 0.0) kept[m++] = a;
-        if ((from < 0.0 && to > 0.0) || (from > 0.0 && to < 0.0))
-            kept[m++] = dem__plus(a, from / (from - to), dem__sub(b, a));
-        if (m > DEM_FACES_MAX + 2) return 0;
-    }
-    memcpy(corner, kept, (size_t)m * sizeof *kept);
-    return m;
-}
-
-/* Returns the area of a face of a polyhedron without its rounding: its planes lie a radius in front of those of the
-   core. */
-static inline double dem__sharp_area(const dem_convex *s, int face) {
-    dem_vec corner[DEM_FACES_MAX + 4], n = dem__point(s->plane[face]);
-    const dem_vec u = dem__scale(100.0 * s->reach, dem__one_across(n)), v = dem__cross(n, u),
-                  middle = dem__scale(s->plane[face][3] + s->radius, n);
-    int m = 4;
-    double area = 0.0;
-    corner[0] = dem__add(middle, u), corner[1] = dem__add(middle, v);
-    corner[2] = dem__sub(middle, u), corner[3] = dem__sub(middle, v);
-    for (int k = 0; k < s->faces && m > 0; k++)
-        if (k != face) m = dem__cut_polygon(corner, m, s->plane[k], s->plane[k][3] + s->radius);
-    for (int k = 2; k < m; k++)
-        area += 0.5 * dem__dot(n, dem__cross(dem__sub(corner[k - 1], corner[0]), dem__sub(corner[k], corner[0])));
-    return area > 0.0 ? area : 0.0;
-}
-
 static inline void dem__view_polyhedron(dem__view *view, const dem_convex *s) {
-    double volume = 0.0;
+    double plane[DEM_FACES_MAX][4], volume = 0.0;
+    dem__sharp_planes(s, plane);
     view->faces = s->faces, view->surface = 0.0;
     for (int k = 0; k < s->faces; k++) {
-        view->normal[k] = dem__point(s->plane[k]), view->area[k] = dem__sharp_area(s, k);
-        volume += (s->plane[k][3] + s->radius) * view->area[k] / 3.0;
+        view->normal[k] = dem__point(plane[k]);
+        view->area[k] = dem__face_area((const double(*)[4])plane, s->faces, k, s->reach);
+        volume += plane[k][3] * view->area[k] / 3.0;
     }
     const double x = riddle_cbrt(6.0 / RIDDLE_PI * volume), circle = 0.25 * RIDDLE_PI * x * x;
     for (int k = 0; k < s->faces; k++) view->area[k] /= circle, view->surface += view->area[k];
@@ -183,22 +147,24 @@ static inline void dem__read_view(const dem__view *view, dem_vec u, double *seen
         seen[k] = (1.0 - p) * ((1.0 - q) * low[0][k] + q * low[1][k]) + p * ((1.0 - q) * high[0][k] + q * high[1][k]);
 }
 
+/* Returns direction k of the table. */
+static inline dem_vec dem__view_direction(int k) {
+    const int side = k / DEM__VIEW_SIDE, place = k % DEM__VIEW_SIDE;
+    double v[3];
+    v[side] = 1.0;
+    v[(side + 1) % 3] = 2.0 * (place / DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
+    v[(side + 2) % 3] = 2.0 * (place % DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
+    return dem__scale(1.0 / dem__length(dem__point(v)), dem__point(v));
+}
+
 static inline void dem__view_clump(dem__view *view, const dem__outline *c) {
-    dem_vec direction[3 * DEM__VIEW_SIDE];
-    for (int k = 0; k < 3 * DEM__VIEW_SIDE; k++) {
-        const int side = k / DEM__VIEW_SIDE, place = k % DEM__VIEW_SIDE;
-        double v[3];
-        v[side] = 1.0;
-        v[(side + 1) % 3] = 2.0 * (place / DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
-        v[(side + 2) % 3] = 2.0 * (place % DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
-        direction[k] = dem__scale(1.0 / dem__length(dem__point(v)), dem__point(v));
-        view->seen[k][0] = dem__seen_along(c, direction[k]), view->seen[k][1] = 0.0;
-    }
+    for (int k = 0; k < 3 * DEM__VIEW_SIDE; k++)
+        view->seen[k][0] = dem__seen_along(c, dem__view_direction(k)), view->seen[k][1] = 0.0;
     for (int k = 0; k < 3 * DEM__VIEW_SIDE; k++) {
         double sum = 0.0;
         for (int q = 0; q < DEM__VIEW_CIRCLE; q++) {
             double seen[2];
-            dem__read_view(view, dem__across(direction[k], q), seen);
+            dem__read_view(view, dem__across(dem__view_direction(k), q), seen);
             sum += seen[0];
         }
         view->seen[k][1] = sum / DEM__VIEW_CIRCLE;
@@ -238,13 +204,13 @@ static DEM__NOINLINE void dem__find_seen_body(const dem__seen *s, dem_vec flow, 
     const dem__field *field = &w->engine->field;
     const dem__rigid *r = dem__rigid_of(w, s->first);
     const dem__view *view = &field->view[field->view_of[s->first] - 1];
-    const dem_vec u = dem__to_body(dem__pose_at(w, r, s->tau).turn, dem__flow_direction(flow));
+    const dem_vec v = dem__flow_direction(flow);
     double seen[2];
     if (view->faces > 0) {
-        dem__see_faces(view, u, psi);
+        dem__see_faces(view, dem__to_body(dem__turn_of_polyhedron(w, r, s->tau), v), psi);
         return;
     }
-    dem__read_view(view, u, seen);
+    dem__read_view(view, dem__to_body(dem__pose_at(w, r, s->tau).turn, v), seen);
     dem__sphericities_of(view->surface, seen[0], seen[1], psi);
 }
 
@@ -323,12 +289,13 @@ DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, de
     double surface, across = 0.0;
     psi[0] = psi[1] = psi[2] = 1.0;
     if (!r || (!s && r->pieces == 1)) return DEM_OK;
-    const dem_vec u = dem__to_body(dem__pose_at(w, r, dem__now(w, r->first)).turn, dem__flow_direction(flow));
+    const double tau = dem__now(w, r->first);
     if (s) {
         dem__view_polyhedron(&view, s);
-        dem__see_faces(&view, u, psi);
+        dem__see_faces(&view, dem__to_body(dem__turn_of_polyhedron(w, r, tau), dem__flow_direction(flow)), psi);
         return DEM_OK;
     }
+    const dem_vec u = dem__to_body(dem__pose_at(w, r, tau).turn, dem__flow_direction(flow));
     dem__find_outline(w, r, &outline, &surface);
     for (int k = 0; k < DEM__VIEW_CIRCLE; k++)
         across += dem__seen_along(&outline, dem__across(u, k)) / DEM__VIEW_CIRCLE;

@@ -1,5 +1,6 @@
 /* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. */
 #pragma once
+#include "../base/sharp.h"
 #include "branches.h"
 #include "../feed/sources.h"
 
@@ -14,7 +15,7 @@ static inline double dem__wedge(double b, double c) {
     if (c < 0.0) return dem__cap(b) - dem__wedge(b, -c);
     if (!(b * b + c * c < 1.0)) return 0.0;
     const double rb = sqrt(1.0 - b * b), rc = sqrt(1.0 - c * c),
-                 half = dem__root(1.0 - b * b - c * c);              /* half length of the edge inside */
+                 half = dem__root(1.0 - b * b - c * c); /* half length of the edge inside */
     /* half the angles of the arcs on the two circles */
     const double at_b = dem__acos(c / rb), at_c = dem__acos(b / rc);
     const double sphere = 2.0 * (RIDDLE_PI - b * at_b - c * at_c - dem__acos(-b * c / (rb * rc)));
@@ -134,6 +135,51 @@ static inline double dem__ball_in(const dem_region *r, const dem_wall *inside, d
     return sum * radius * (to - from) / slices;
 }
 
+/* Returns the share of a polyhedron without its rounding that lies in a box; closed form. */
+static inline double dem__share_in_box(const dem_convex *s, dem_vec centre, dem_quaternion turn, dem_vec low,
+                                       dem_vec high) {
+    double plane[DEM__PLANES_MAX][4];
+    dem__sharp_planes(s, plane);
+    const double whole = dem__volume_behind((const double(*)[4])plane, s->faces, s->reach);
+    for (int k = 0; k < 6; k++) {
+        const int a = k / 2;
+        const double side = k % 2 ? 1.0 : -1.0;
+        const dem_vec n = dem__to_body(turn, dem_vec3(a == 0 ? side : 0.0, a == 1 ? side : 0.0, a == 2 ? side : 0.0));
+        double *p = plane[s->faces + k];
+        p[0] = n.x, p[1] = n.y, p[2] = n.z;
+        p[3] = side * (dem_axis(k % 2 ? high : low, a) - dem_axis(centre, a));
+    }
+    return dem__volume_behind((const double(*)[4])plane, s->faces + 6, s->reach) / whole;
+}
+
+/* Returns the share of a polyhedron that lies in a region. Where the region's surface cuts the sphere around it, and is
+   no box, counts those of 4096 points in the polyhedron (Roberts's sequence) that are in the region. */
+static inline double dem__polyhedron_in(const dem_region *r, const dem_wall *inside, const dem_convex *s,
+                                        dem_vec centre, dem_quaternion turn) {
+    static const double next[3] = {0.81917251339616443, 0.67104360670378920, 0.54970047790197026};
+    const double ball = 4.0 / 3.0 * RIDDLE_PI * s->reach * s->reach * s->reach,
+                 part = dem__ball_in(r, inside, centre, s->reach) / ball;
+    double low[3], wide[3], u[3] = {0.5, 0.5, 0.5};
+    int all = 0, in = 0;
+    if (!(part > 0.0)) return 0.0;
+    if (part >= 1.0 - 1e-12) return 1.0;
+    if (r->kind == DEM_REGION_BOX) return dem__share_in_box(s, centre, turn, r->low, r->high);
+    for (int a = 0; a < 3; a++) {
+        double high = low[a] = s->corner[0][a];
+        for (int k = 1; k < s->corners; k++) low[a] = fmin(low[a], s->corner[k][a]), high = fmax(high, s->corner[k][a]);
+        low[a] -= s->radius, wide[a] = high + s->radius - low[a];
+    }
+    for (int tries = 0; tries < 1 << 16 && all < 4096; tries++) {
+        int f = 0;
+        for (int a = 0; a < 3; a++) u[a] += next[a] - (u[a] + next[a] >= 1.0 ? 1.0 : 0.0);
+        const dem_vec x = dem_vec3(low[0] + u[0] * wide[0], low[1] + u[1] * wide[1], low[2] + u[2] * wide[2]);
+        while (f < s->faces && dem__dot(dem__point(s->plane[f]), x) <= s->plane[f][3] + s->radius) f++;
+        if (f < s->faces) continue;
+        all++, in += dem__holds(r, inside, dem__add(centre, dem__to_lab(turn, x)));
+    }
+    return all > 0 ? (double)in / all : part;
+}
+
 /* Returns the share of the line from a to b that lies in a region. */
 static inline double dem__share_in(const dem_region *r, const dem_wall *inside, dem_vec a, dem_vec b) {
     if (r->kind == DEM_REGION_MESH) return dem__share_in_mesh(inside, a, b);
@@ -224,6 +270,16 @@ typedef struct dem__measured {
     double share; /* 1 / volume [1/m3] */
 } dem__measured;
 
+/* Returns the volume of particle i at x that is in the region; for a polyhedron, over its share of the sphere around
+   it. */
+static inline double dem__volume_in(const dem_world *w, const dem__measured *q, ptrdiff_t i, dem_vec x) {
+    const dem_convex *s = dem__shape_of(w, i);
+    const double r = w->particle[i].radius;
+    if (!s) return dem__ball_in(q->region, &q->inside, x, r);
+    const dem_quaternion turn = dem__turn_of_polyhedron(w, dem__rigid_of(w, i), dem__now(w, i));
+    return dem__polyhedron_in(q->region, &q->inside, s, x, turn) * (4.0 / 3.0 * RIDDLE_PI * r * r * r);
+}
+
 /* Adds the volume of particle i and its images in the region, as a share of the region. */
 static inline void dem__add_solid(const dem_world *w, const dem__measured *q, ptrdiff_t i, dem_measure *m) {
     const dem_vec at = dem_position(w, i), low = q->low, high = q->high;
@@ -232,7 +288,7 @@ static inline void dem__add_solid(const dem_world *w, const dem__measured *q, pt
         const dem_vec x = dem__add(at, q->shift[image]);
         if (x.x + r >= low.x && x.x - r <= high.x && x.y + r >= low.y && x.y - r <= high.y && x.z + r >= low.z &&
             x.z - r <= high.z)
-            m->solid_fraction += dem__ball_in(q->region, &q->inside, x, r) * filled;
+            m->solid_fraction += dem__volume_in(w, q, i, x) * filled;
     }
 }
 

@@ -64,6 +64,12 @@ DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, doubl
     return w->engine->bodies.calls->pose(w, r, tau);
 }
 
+/* Returns the orientation of a polyhedron's own axes, tau after its origin step [s]: those of its body may have another
+   order. */
+static inline dem_quaternion dem__turn_of_polyhedron(const dem_world *w, const dem__rigid *r, double tau) {
+    return dem__turns(dem__pose_at(w, r, tau).turn, dem__opposite_turn(r->frame));
+}
+
 /* Return position and velocity of a particle of a rigid body, tau after its origin step [s]. */
 static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
     const dem__pose p = dem__pose_at(w, r, tau);

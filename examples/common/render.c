@@ -654,14 +654,14 @@ static int write_png(const char *folder, const char *name, int width, int height
     for (int y = 0; y < height; y++) png_write_row(png, rgb + 3 * (size_t)y * (size_t)width);
     png_write_end(png, info);
     png_destroy_write_struct(&png, &info);
-    return riddle_io_close(file);
+    return (int)riddle_io_close(file);
 }
 #elif defined(__wasi__) /* bare pixels: the page makes the PNG */
 static int write_png(const char *folder, const char *name, int width, int height, unsigned char *rgb) {
     riddle_io_file *file = riddle_io_open(folder, name);
     riddle_io_print(file, "P6\n%d %d\n255\n", width, height);
     riddle_io_write(file, rgb, 3 * (size_t)width * (size_t)height);
-    return riddle_io_close(file);
+    return (int)riddle_io_close(file);
 }
 #endif
 

@@ -428,12 +428,15 @@ def _picture(found, name):
     return True
 
 
+_POINT = " (a decimal point is wanted)"
+
+
 def _number(name, entry, key):
     try:
         return float(entry[key])
     except (TypeError, ValueError):
         raise ValueError(f"{name}: {key}: {entry[key]!r} is no number"
-                         + (" (a decimal point is wanted)" if "," in str(entry[key]) else "")) from None
+                         + (_POINT if "," in str(entry[key]) else "")) from None
 
 
 def _read(path):
@@ -453,7 +456,7 @@ def _read(path):
             other = [key for key in entry if key not in known]
             if other:  # YAML reads {value: 0,6} as the value 0 and a key 6
                 raise ValueError(f"{name}: {other[0]}: not known here; {', '.join(known)} are"
-                                 + (" (a decimal point is wanted)" if isinstance(other[0], (int, float)) else ""))
+                                 + (_POINT if isinstance(other[0], (int, float)) else ""))
         parameters = [Parameter(name, _number(name, p, "low"), _number(name, p, "high"), bool(p.get("log", False)))
                       for name, p in d["parameters"].items()]
         keys = {name: p.get("key", name) for name, p in d["parameters"].items()}

@@ -11,17 +11,15 @@
 
 /* of the energy that a run moves: contacts have 20 steps or more, overlaps stay below a tenth of a radius */
 #define LEDGER_TOLERANCE 0.02
-#define DEEP 0.1              /* overlap over radius, and speed [m/s], beyond which the ledger is not judged */
+#define DEEP 0.1 /* overlap over radius, and speed [m/s], beyond which the ledger is not judged */
 #define FAST 1.0
-#define FIRST_WITH_BODIES                                                                                              \
-/* Seed: programs from here on have clumps, polyhedra and fields as well; those below stay what they were. */
-100000
+/* Seeds: programs from here on have clumps, polyhedra and fields, too; those below stay the same. */
+#define FIRST_WITH_BODIES 100000
 #define FIRST_WITH_FIXED 200000 /* and fixed particles and all the rest of the public functions */
 
-    /* ---- what a call may answer ---- */
+/* ---- what a call may answer ---- */
 
-    static int
-    is_documented(const call *c, dem_status status, int memory_failed) {
+static int is_documented(const call *c, dem_status status, int memory_failed) {
     const int runs = c->kind == RUN || c->kind == RUN_LAW, fills = c->kind >= FILL && c->kind <= FEED_MASS;
     const int adds = c->kind == ADD_SPHERES || fills || (c->kind >= ADD_PLANE && c->kind <= ADD_EXIT) ||
                      (c->kind >= ADD_CLUMPS && c->kind <= ADD_CONVEX) || c->kind == FILL_IN_MESH;

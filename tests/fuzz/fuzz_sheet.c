@@ -39,7 +39,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size) {
 }
 
 static const char *const samples[] = {
-    "sep=;\r\nSiebweite in mm;R\xc3\xbc" "ckstand in g;;\r\n16;0,0;;\r\n8;25,0;;\r\nBoden;25,0;;\r\nSumme;250,0;;\r\n",
+    ("sep=;\r\nSiebweite in mm;R\xc3\xbc"
+     "ckstand in g;;\r\n16;0,0;;\r\n8;25,0;;\r\nBoden;25,0;;\r\nSumme;250,0;;\r\n"),
     "# comment\nSieve (in),mass %\n1 1/2,20\n3/8\",30\n<63 um,50\n",
     "Klasse [um];Aufgabe [%];Grobgut [%];Feingut [%];Aufgabe sd\n< 2;10,0;2,0;18,0;1\n2 - 4;90,0;98,0;82,0;2\n",
     "low,high,share\n,10,20 %\n10,20,80 %\n",

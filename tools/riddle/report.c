@@ -21,8 +21,8 @@ struct report {
     row_table rows;
     load_maps *loads;
     separation *separation; /* at the end; NULL: none */
-    double loaded; /* ticks that are in the maps */
-    double *frame;                  /* times of the frames [s] */
+    double loaded;          /* ticks that are in the maps */
+    double *frame;          /* times of the frames [s] */
     int frames, frame_room;
     double next_frame; /* is due at this number of intervals */
     dem_io_series series;
@@ -33,6 +33,22 @@ struct report {
 };
 
 /* ---- words that name columns ---- */
+
+/* "feed_3.5-7mm" as one says it: "feed 3.5 to 7 mm". */
+static const char *said(const char *name, char *text, size_t size) {
+    size_t n = 0;
+    for (const char *c = name; *c && n + 5 < size; c++) {
+        const int after_digit = c > name && c[-1] >= '0' && c[-1] <= '9';
+        if (*c == '_') text[n++] = ' ';
+        else if (*c == '-' && after_digit && c[1] >= '0' && c[1] <= '9')
+            n += (size_t)snprintf(text + n, size - n, " to ");
+        else if (strncmp(c, "mm", 2) == 0 && after_digit && (!c[2] || c[2] == '_'))
+            n += (size_t)snprintf(text + n, size - n, " m");
+        else text[n++] = *c;
+    }
+    text[n] = '\0';
+    return text;
+}
 
 static int refuse_column(report *r, const tree *at, const char *word) {
     const row_table *rows = &r->rows;
@@ -90,7 +106,11 @@ report *report_open(scene *s, const char *folder, const int size[2]) {
     r->look.speed = def->output.colour == 1 ? def->output.top_speed : 0.0;
     memcpy(r->look.size, size, sizeof r->look.size);
     memcpy(r->look.direction, def->output.view, sizeof r->look.direction);
-    for (int g = 0; g < s->groups && g < 8; g++) r->look.names[r->look.n_names++] = s->group[g].name;
+    for (int g = 0; g < s->groups && g < 8; g++) {
+        char *text = tree_memory(s->file, NAME);
+        if (!text) return NULL;
+        r->look.names[r->look.n_names++] = said(s->group[g].name, text, NAME);
+    }
     return r;
 }
 
@@ -208,38 +228,43 @@ const stop_def *report_end(report *r) {
 
 /* ---- the end ---- */
 
-/* "feed_3.5-7mm" as one says it: "feed 3.5 to 7 mm". */
-static const char *said(const char *name, char *text, size_t size) {
-    size_t n = 0;
-    for (const char *c = name; *c && n + 5 < size; c++) {
-        const int after_digit = c > name && c[-1] >= '0' && c[-1] <= '9';
-        if (*c == '_') text[n++] = ' ';
-        else if (*c == '-' && after_digit && c[1] >= '0' && c[1] <= '9')
-            n += (size_t)snprintf(text + n, size - n, " to ");
-        else if (strncmp(c, "mm", 2) == 0 && after_digit && (!c[2] || c[2] == '_'))
-            n += (size_t)snprintf(text + n, size - n, " m");
-        else text[n++] = *c;
-    }
-    text[n] = '\0';
-    return text;
-}
-
-/* The unit that a column's name ends with. */
-static const char *unit_of(const char *column) {
-    static const char *const units[][2] = {{"_kg", "kg"}, {"_kg_s", "kg/s"}, {"_m_s", "m/s"}, {"_N", "N"},
-                                           {"_J", "J"},   {"_Pa", "Pa"},     {"_N_m", "N m"}, {"_W", "W"},
-                                           {"_s", "s"},   {"_m", "m"},       {"_deg", "°"}};
+/* The unit that a column's name ends with, and the ending: units[k][1] and [0]; "-" and "" where there is none. */
+static const char *const *unit_and_ending(const char *column) {
+    static const char *const none[2] = {"", "-"}, *const units[][2] = {
+                                                      {"_kg", "kg"}, {"_kg_s", "kg/s"}, {"_m_s", "m/s"}, {"_N", "N"},
+                                                      {"_J", "J"},   {"_Pa", "Pa"},     {"_N_m", "N m"}, {"_W", "W"},
+                                                      {"_s", "s"},   {"_m", "m"},       {"_deg", "°"}};
     for (size_t k = 0; k < sizeof units / sizeof *units; k++) {
         const size_t length = strlen(column), ending = strlen(units[k][0]);
-        if (length > ending && strcmp(column + length - ending, units[k][0]) == 0) return units[k][1];
+        if (length > ending && strcmp(column + length - ending, units[k][0]) == 0) return units[k];
     }
-    return "-";
+    return none;
+}
+static const char *unit_of(const char *column) { return unit_and_ending(column)[1]; }
+static const char *ending_of(const char *column) { return unit_and_ending(column)[0]; }
+
+/* A column's name as one says it; without its unit where that is the panel's. */
+static const char *title_of(const char *column, const char *unit, char *text, size_t size) {
+    char name[NAME];
+    const char *own = unit_of(column);
+    size_t length = strlen(column);
+    if (unit && strcmp(own, "-") != 0 && strcmp(own, unit) == 0) length -= strlen(ending_of(column));
+    snprintf(name, sizeof name, "%.*s", (int)length, column);
+    return said(name, text, size);
 }
 
-static void draw_column(const report *r, riddle_plot *p, int c, const char *label, const double *x, double *y) {
+/* unit: the panel's. */
+static void draw_column(const report *r, riddle_plot *p, int c, const char *label, const char *unit, const double *x,
+                        double *y) {
     char text[NAME + 40];
     for (int k = 0; k < r->rows.n; k++) y[k] = rows_at(&r->rows, k, c);
-    riddle_plot_line(p, said(label, text, sizeof text), x, y, r->rows.n);
+    riddle_plot_line(p, title_of(label, unit, text, sizeof text), x, y, r->rows.n);
+}
+
+static bool is_zero(const report *r, int c) {
+    for (int k = 0; k < r->rows.n; k++)
+        if (fabs(rows_at(&r->rows, k, c)) > 0.0) return false;
+    return true;
 }
 
 /* What `curves` names: a panel for each part between ';'. */
@@ -266,21 +291,21 @@ static void draw_chosen(const report *r, riddle_plot *p, const double *x, double
             for (const char *w = at; (word_end = next_word(w, word, sizeof word)) != NULL && (!end || word_end <= end);
                  w = word_end)
                 if (means(word, r->rows.column[c].name)) {
-                    draw_column(r, p, c, r->rows.column[c].name, x, y);
+                    draw_column(r, p, c, r->rows.column[c].name, unit, x, y);
                     break;
                 }
         at = end ? end + 1 : NULL;
     }
 }
 
-/* Without `curves`: what is left of each class, and masses. */
+/* Without `curves`: what is left of each class, and the masses that are not 0 all the time. */
 static void draw_usual(const report *r, riddle_plot *p, const double *x, double *y) {
     const scene *s = r->s;
     const int shown = s->groups < CURVES ? s->groups : CURVES;
     riddle_plot_panel(p, 0, 0, "time [s]", "share left of what was fed [-]");
     for (int c = 0; c < shown; c++) {
         const int g = shown > 1 ? c * (s->groups - 1) / (shown - 1) : 0; /* of many classes some, from end to end */
-        draw_column(r, p, ROWS_LEFT_FROM + g, s->group[g].name, x, y);
+        draw_column(r, p, ROWS_LEFT_FROM + g, s->group[g].name, NULL, x, y);
     }
     riddle_plot_range_y(p, 0.0, 1.02);
     riddle_plot_panel(p, 0, 1, "time [s]", "mass [kg]");
@@ -288,9 +313,9 @@ static void draw_usual(const report *r, riddle_plot *p, const double *x, double 
         const size_t length = strlen(r->rows.column[c].name);
         const row_column *at = &r->rows.column[c];
         if (length < 3 || strcmp(at->name + length - 3, "_kg") != 0 || (c != 2 && c < ROWS_LEFT_FROM + s->groups) ||
-            at->kind == ROW_CLASS)
+            at->kind == ROW_CLASS || (c != 2 && is_zero(r, c)))
             continue;
-        draw_column(r, p, c, c == 2 ? "particles" : r->rows.column[c].name, x, y);
+        draw_column(r, p, c, c == 2 ? "particles" : r->rows.column[c].name, "kg", x, y);
     }
 }
 

@@ -204,7 +204,8 @@ static const stop_def *end_run(job *j, const stop_def *stop) {
     return stop || common_interrupted() ? stop : at_end;
 }
 
-/* Looks, saves, runs a tick; false: the run is at its end, for the reason in j->stop where there is one. */
+/* Measures, saves, and runs a tick. Returns false at the end of the run; j->stop is the condition that ended it, if
+   one did. */
 static bool advance(job *j) {
     const double save = j->def.output.save;
     double left;

@@ -12,7 +12,8 @@ int scene_shape_of(scene *s, const feed_def *feed, const body_shape **shape);
 int scene_add_shapes(scene *s);
 /* The width of the widest of its spheres, or of the polyhedron, over its diameter; 1 for spheres (NULL). */
 double scene_widest(const body_shape *shape);
-/* Says how well the spheres of a clump from a mesh fill it; the body's mass and moments are the mesh's. Returns 0 for another shape. */
+/* Says how well the spheres of a clump from a mesh fill it; the body's mass and moments are the mesh's. Returns 0 for
+   another shape. */
 int scene_say_fit(const scene *s, int shape, char *line, size_t size);
 int scene_is_polyhedron(const body_shape *shape);
 int scene_has_polyhedra(const scene *s);
