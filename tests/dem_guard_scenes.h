@@ -1,5 +1,5 @@
 /* dem_guard_scenes.h: scenes with what those of dem_scenes.h leave out: the ledger's sums, links with a step of their
-   own, meshes, driven walls, a feed, and a world saved, loaded and run on. Each yields one number that depends on every
+   own, meshes, driven walls, a feed, a world saved, loaded and run on, polyhedra, and bodies in gas. Each yields one number that depends on every
    bit of the result, readers included. */
 #ifndef RIDDLE_DEM_GUARD_SCENES_H
 #define RIDDLE_DEM_GUARD_SCENES_H
@@ -8,10 +8,22 @@
 
 #include "dem_scenes.h"
 
-enum { GUARD_LEDGER, GUARD_HERTZ_LEDGER, GUARD_LINKS, GUARD_MESH, GUARD_DRIVEN, GUARD_FEED, GUARD_SAVED, GUARD_COUNT };
+enum {
+    GUARD_LEDGER,
+    GUARD_HERTZ_LEDGER,
+    GUARD_LINKS,
+    GUARD_MESH,
+    GUARD_DRIVEN,
+    GUARD_FEED,
+    GUARD_SAVED,
+    GUARD_POLYHEDRA,
+    GUARD_BODIES_IN_GAS,
+    GUARD_COUNT
+};
 
 static inline const char *guard_name(int scene) {
-    static const char *const name[] = {"ledger", "hertz ledger", "links", "mesh", "driven walls", "feed", "saved"};
+    static const char *const name[] = {"ledger", "hertz ledger", "links",     "mesh",     "driven walls",
+                                       "feed",   "saved",        "polyhedra", "body drag"};
     return name[scene];
 }
 
@@ -257,6 +269,92 @@ static inline dem_status guard_saved(dem_world *w, int threads, int saves, uint6
     return status;
 }
 
+/* Adds a brick, gravel, a tablet and the hull of a cloud of points to a world. Returns whether that works. */
+static inline int guard_add_shapes(dem_world *w, scene_random *r, double size) {
+    dem_convex shape[4];
+    double point[120];
+    for (int k = 0; k < 120; k++) point[k] = scene_between(r, -0.5 * size, 0.5 * size);
+    if (dem_make_brick(&shape[0], dem_vec3(size, 0.8 * size, 0.6 * size), 0.1, NULL) != DEM_OK) return 0;
+    if (dem_make_gravel(&shape[1], size, 0.8, 0.7, 14, 5, 0.1, NULL) != DEM_OK) return 0;
+    if (dem_make_tablet(&shape[2], size, 0.5 * size, 0.5 * size, 0.1, NULL) != DEM_OK) return 0;
+    if (dem_make_hull(&shape[3], 40, point, 0.1, 0.0, NULL, NULL) != DEM_OK) return 0;
+    for (int k = 0; k < 4; k++)
+        if (dem_add_shape(w, &shape[k]) != k) return 0;
+    return 1;
+}
+
+/* Adds n polyhedra of these shapes, turned at random, that fly and spin; every fifth is a pair of spheres. */
+static inline dem_status guard_add_bodies(dem_world *w, scene_random *r, int n, int row, dem_vec corner, double pitch,
+                                          double size, double speed) {
+    const double ends[6] = {0, 0, -0.4, 0, 0, 0.4}, two[2] = {1.0, 0.7};
+    dem_clump pair;
+    dem_status status = dem_make_clump(2, ends, two, &pair);
+    for (int k = 0; k < n && status == DEM_OK; k++) {
+        const double at[3] = {corner.x + pitch * (k % row + 0.5), corner.y + pitch * (k / row % row + 0.5),
+                              corner.z + pitch * (k / row / row + 0.5)};
+        double turn[4];
+        for (int q = 0; q < 4; q++) turn[q] = scene_between(r, -1.0, 1.0);
+        status = k % 5 == 4 ? dem_add_clumps(w, 1, &pair, at, &size, turn, 0, 0)
+                            : dem_add_convex(w, k % 5, 1, at, turn, 0, 0);
+        const dem_vec v = scene_vector(r, speed), spin = scene_vector(r, 50.0 * speed);
+        if (status == DEM_OK) status = dem_set_motion(w, w->count - 1, v, spin);
+    }
+    return status;
+}
+
+/* Orientations and contacts as readers tell them. */
+static inline void guard_mix_bodies(uint64_t *hash, const dem_world *w) {
+    for (ptrdiff_t i = 0; i < w->count; i++) {
+        const dem_quaternion q = dem_orientation(w, i);
+        guard_mix(hash, q.w), guard_mix(hash, q.x), guard_mix(hash, q.y), guard_mix(hash, q.z);
+    }
+    for (ptrdiff_t k = 0; k < dem_contact_count(w); k++) {
+        const dem_contact_info c = dem_get_contact(w, k);
+        guard_mix_vec(hash, c.point), guard_mix_vec(hash, c.normal);
+    }
+    guard_mix(hash, (double)dem_core_overlap_steps(w));
+}
+
+/* Bricks, gravel, tablets, hulls and pairs of spheres fall on a plane and a turning block of triangles, and on each
+   other; the world is saved and loaded half-way. */
+static inline dem_status guard_polyhedra(dem_world *w, int threads, uint64_t *hash) {
+    scene_random r = {61};
+    dem_status status = guard_begin(w, 2e-6, threads);
+    if (status != DEM_OK) return status;
+    scene_box(w, 0.016, 0.0, 0.1);
+    const int block = dem_add_box(w, 1, dem_vec3(-0.008, -0.003, -0.002), dem_vec3(0.008, 0.003, 0.005));
+    if (block < 0 || !guard_add_shapes(w, &r, 5e-3)) return DEM_BAD_ARGUMENT;
+    status = dem_rotate(w, block, dem_vec3(0, 0, 0.001), dem_vec3(0, 0.1, 1), 20.0);
+    if (status == DEM_OK) status = guard_add_bodies(w, &r, 60, 4, dem_vec3(-0.015, -0.015, 0.0055), 7.5e-3, 5e-3, 0.4);
+    for (int part = 0; part < 2 && status == DEM_OK; part++) {
+        status = dem_run(w, 0.02, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY);
+        guard_mix_world(hash, w, 1), guard_mix_bodies(hash, w);
+        if (part == 0 && status == DEM_OK) status = guard_reload(w);
+    }
+    return status;
+}
+
+DEM_GAS(guard_drag, dem_drag_hoelzer_sommerfeld)
+
+/* Small bodies tumble in a gas that streams past, each with the drag of its own shape, and hit a plane. */
+static inline dem_status guard_bodies_in_gas(dem_world *w, int threads, uint64_t *hash) {
+    scene_random r = {62};
+    dem_gas air = dem_default_gas();
+    dem_status status = guard_begin(w, 1e-6, threads);
+    if (status != DEM_OK) return status;
+    air.drift = dem_vec3(2.0, 0, -4.0);
+    const dem_force_field field = dem_gas_field(guard_drag, &air);
+    dem_add_plane(w, 1, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1));
+    if (!guard_add_shapes(w, &r, 4e-4)) return DEM_BAD_ARGUMENT;
+    status = guard_add_bodies(w, &r, 20, 3, dem_vec3(0, 0, 2e-4), 7e-4, 4e-4, 1.0);
+    if (status == DEM_OK) status = dem_set_force_field(w, &field);
+    for (int part = 0; part < 2 && status == DEM_OK; part++) {
+        status = dem_run(w, 0.006, DEM_LINEAR | DEM_FRICTION | DEM_ENERGY);
+        guard_mix_world(hash, w, 1), guard_mix_bodies(hash, w);
+    }
+    return status;
+}
+
 /* Runs a scene; *hash becomes its number. */
 static inline dem_status guard_run(int scene, int threads, uint64_t *hash) {
     dem_world w;
@@ -274,7 +372,9 @@ static inline dem_status guard_run(int scene, int threads, uint64_t *hash) {
     case GUARD_MESH: status = guard_mesh(&w, threads, hash); break;
     case GUARD_DRIVEN: status = guard_driven(&w, threads, hash); break;
     case GUARD_FEED: status = guard_feed(&w, threads, hash); break;
-    default: status = guard_saved(&w, threads, 1, hash); break;
+    case GUARD_SAVED: status = guard_saved(&w, threads, 1, hash); break;
+    case GUARD_POLYHEDRA: status = guard_polyhedra(&w, threads, hash); break;
+    default: status = guard_bodies_in_gas(&w, threads, hash); break;
     }
     dem_free(&w);
     return status;
