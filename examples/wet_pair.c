@@ -328,7 +328,7 @@ static void draw_sticking(const program *self, const scene *s, const bridge_pair
     riddle_plot_log_x(figure);
     riddle_plot_log_y(figure);
     riddle_plot_points(figure, "simulated", ul, results_column(t, "sticking_velocity_m_s", 1.0), results_rows(t));
-    riddle_plot_line(figure, "sqrt(2 W/m)/e", ul, results_column(t, "closed_form_m_s", 1.0), results_rows(t));
+    riddle_plot_line(figure, "√(2 W/m) / e", ul, results_column(t, "closed_form_m_s", 1.0), results_rows(t));
     riddle_plot_style(figure, 0, RIDDLE_PLOT_SAME);
     riddle_plot_line(figure, "simulated, laws as printed", ul, results_column(t, "printed_laws_m_s", 1.0),
                      results_rows(t));
