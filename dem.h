@@ -3982,7 +3982,7 @@ enum {
     DEM__SEARCH_KEYS = 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX,    /* of a curved sheet */
     DEM__ELEMENT_KEYS = DEM_CORNERS_MAX + 2 + 3 * DEM__EDGE_KEYS, /* of a bar: all its keys */
     DEM__ELEMENTS_FROM = 1 << 18, /* added to the index of an element, which may be negative */
-    DEM__PLACE_DIRECTIONS = 54    /* directions of normals at a mesh, as places of corners */
+    DEM__PLACE_DIRECTIONS = 150  /* directions of normals at a mesh, as places of corners */
 };
 
 /* Flags of a kind. */
@@ -19002,9 +19002,9 @@ static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touc
     int most = fabs(n[1]) > fabs(n[0]) ? 1 : 0;
     most = fabs(n[2]) > fabs(n[most]) ? 2 : most;
     int32_t place = 2 * most + (n[most] < 0.0);
-    for (int a = 1; a < 3; a++) {
+    for (int a = 1; a < 3; a++) { /* by 18 degrees: no two normals that are two contacts (DEM__SMOOTH) share a direction */
         const double over = n[(most + a) % 3] / fabs(n[most]);
-        place = 3 * place + (over < -0.41 ? 0 : over > 0.41 ? 2 : 1);
+        place = 5 * place + (over > -0.51) + (over > -0.158) + (over > 0.158) + (over > 0.51);
     }
     return corner + DEM_CORNERS_MAX * place;
 }

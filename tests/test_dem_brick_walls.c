@@ -319,11 +319,63 @@ static void test_cut_cores(void **state) {
     }
 }
 
+/* A cube's corner between two flanks of a mesh, or, with angle 0, on one; all turned. Returns its change of velocity in a
+   step, in the frame of the valley. */
+static dem_vec push_in_valley(double angle, double depth, dem_quaternion turn) {
+    const double rise = tan(0.5 * angle), reach = 0.05;
+    const dem_vec v[6] = {{0, -reach, 0},  {0, reach, 0},      {-reach, -reach, reach * rise}, {-reach, reach, reach * rise},
+                          {reach, -reach, reach * rise}, {reach, reach, reach * rise}};
+    int32_t face[12] = {0, 1, 2, 1, 3, 2, 0, 4, 1, 1, 4, 5};
+    double corner[18];
+    for (int k = 0; k < 6; k++) {
+        const dem_vec x = dem__to_lab(turn, v[k]);
+        corner[3 * k] = x.x, corner[3 * k + 1] = x.y, corner[3 * k + 2] = x.z;
+    }
+    dem_mesh mesh = {0};
+    mesh.vertex = corner, mesh.vertices = 6, mesh.triangle = face, mesh.triangles = 4;
+    dem_world w;
+    make(&w, 1e-7, 1e3, 1.0, 0.0, dem_vec3(0, 0, 0));
+    assert_true(dem_add_mesh(&w, 0, &mesh) >= 0);
+    /* the corner (1, 1, 1) of a cube of 4 mm points down: turned about (1, -1, 0) by pi less its angle to z */
+    const double half = 0.5 * (3.14159265358979323846 - acos(1.0 / sqrt(3.0))), s = sin(half) / sqrt(2.0);
+    const dem_quaternion upset = {cos(half), s, -s, 0};
+    dem_convex cube;
+    assert_int_equal(dem_make_brick(&cube, dem_vec3(4e-3, 4e-3, 4e-3), 0.1, NULL), DEM_OK);
+    const double tip = sqrt(3.0) * (2e-3 - cube.radius), height = tip + (cube.radius - depth) / cos(0.5 * angle);
+    const dem_vec x = dem__to_lab(turn, dem_vec3(0, 0, height));
+    const dem_quaternion q = dem__turns(turn, upset);
+    const double at[3] = {x.x, x.y, x.z}, to[4] = {q.w, q.x, q.y, q.z};
+    assert_int_equal(dem_add_convex(&w, dem_add_shape(&w, &cube), 1, at, to, 0, 0), DEM_OK);
+    RUN(&w, 1e-7);
+    const dem_vec push = dem__to_body(turn, dem_velocity(&w, 0));
+    dem_free(&w);
+    return push;
+}
+
+/* Two flanks push twice, however the valley lies in the mesh's frame. */
+static void test_corner_in_valley(void **state) {
+    (void)state;
+    const double degree = 3.14159265358979323846 / 180.0, depth = 2e-5;
+    const double one = push_in_valley(0.0, depth, straight).z;
+    assert_true(one > 0.0);
+    seed = 3;
+    for (double angle = 27.0; angle < 60.0; angle += 4.0) {
+        for (int k = 0; k < 20; k++) {
+            dem_quaternion turn = k ? turned() : straight;
+            const double length = sqrt(turn.w * turn.w + turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
+            turn.w /= length, turn.x /= length, turn.y /= length, turn.z /= length;
+            const dem_vec push = push_in_valley(angle * degree, depth, turn);
+            near(push.z / one, 2.0 * cos(0.5 * angle * degree), 1e-6);
+            near(push.x / one, 0.0, 1e-6);
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rests_across), cmocka_unit_test(test_holes), cmocka_unit_test(test_inside),
         cmocka_unit_test(test_cut_cores),    cmocka_unit_test(test_saved), cmocka_unit_test(test_screen),
-        cmocka_unit_test(test_energy),
+        cmocka_unit_test(test_energy),       cmocka_unit_test(test_corner_in_valley),
     };
     if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));
     return cmocka_run_group_tests(tests, NULL, NULL);
