@@ -487,7 +487,8 @@ def classifier_cuts(r, csv, json):
                             if k
                             else f"{x[of]['sharpness']:.3f}"[1:]),
                         "")
-                    for of, title, k in [(1, "equivalent area", 1), (1, "κ", 0), (2, "projected area", 1), (2, "κ", 0)]]
+                    for of, title, k in [(1, "equivalent area", 1), (1, "κ", 0),
+                                         (2, "projected area", 1), (2, "κ", 0)]]
                 + [("eq 3", lambda x: f"{1e6 * x[1]['eq3_m']:.2f}", ""), ("eq 6 equivalent / projected",
                         lambda x: f"{1e6 * x[1]['eq6_m']:.2f} / {1e6 * x[1]['eq6_projected_m']:.2f}", "")])),
         "coarser": "/".join(

@@ -1,6 +1,6 @@
-/* dem_guard_scenes.h: scenes with what those of dem_scenes.h leave out: the ledger's sums, links with a step of their
-   own, meshes, driven walls, a feed, a world saved, loaded and run on, polyhedra, and bodies in gas. Each yields one number that depends on every
-   bit of the result, readers included. */
+/* dem_guard_scenes.h: scenes with what those of dem_scenes.h leave out: the ledger's sums, links with a step of
+   their own, meshes, driven walls, a feed, a world saved, loaded and run on, polyhedra, and bodies in gas. Each yields
+   one number that depends on every bit of the result, readers included. */
 #ifndef RIDDLE_DEM_GUARD_SCENES_H
 #define RIDDLE_DEM_GUARD_SCENES_H
 

@@ -15,11 +15,17 @@ HEAD = """<!DOCTYPE html>
 <style>
 body {{ font: 16px/1.5 system-ui, sans-serif; color: #223; max-width: 60rem; margin: 0 auto; padding: 0 16px 60px; }}
 nav {{ padding: 10px 0; border-bottom: 1px solid #dde; }} nav a {{ margin-right: 16px; }}
-pre, code {{ font: 13.5px/1.45 ui-monospace, monospace; background: #f4f5f8; }} pre {{ padding: 10px; overflow-x: auto; }}
-table {{ border-collapse: collapse; display: block; overflow-x: auto; }} td, th {{ border: 1px solid #dde; padding: 3px 9px; text-align: left; vertical-align: top; }}
+pre, code {{ font: 13.5px/1.45 ui-monospace, monospace; background: #f4f5f8; }}
+pre {{ padding: 10px; overflow-x: auto; }}
+table {{ border-collapse: collapse; display: block; overflow-x: auto; }}
+td, th {{ border: 1px solid #dde; padding: 3px 9px; text-align: left; vertical-align: top; }}
 img {{ max-width: 100%; }} a {{ color: #0057a8; }}
 </style>
-<nav><a href="{up}index.html">A wet screen</a><a href="{up}scenes.html">Scenes</a><a href="{up}readme.html">What Riddle is</a><a href="{up}docs/README.html">Pages</a><a href="{up}reference/index.html">Reference</a></nav>
+<nav>
+<a href="{up}index.html">A wet screen</a><a href="{up}scenes.html">Scenes</a>
+<a href="{up}readme.html">What Riddle is</a><a href="{up}docs/README.html">Pages</a>
+<a href="{up}reference/index.html">Reference</a>
+</nav>
 """
 
 

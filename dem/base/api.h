@@ -349,7 +349,8 @@ DEM_API dem_force_field dem_default_force_field(dem_field_fn kernel, const void 
    force of the law in each step. Where the law gives exactly 0, a flight is the same to the bit as without a field.
    Call this again after dem_load (until then runs give DEM_NO_FIELD), and when the data of the law have changed. The
    time step must be below the shortest relaxation time. A rigid body feels the field at its centre, with the radius of
-   the sphere of its volume; dem_sphericities() tells the law its shape. DEM_BAD_ARGUMENT, also for a world with links; DEM_OUT_OF_MEMORY. */
+   the sphere of its volume; dem_sphericities() tells the law its shape. DEM_BAD_ARGUMENT, also for a world with links;
+   DEM_OUT_OF_MEMORY. */
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field);
 
 /* Computes the constants C1, C2, C3 of the drag coefficient of Hoelzer & Sommerfeld (2008) for dem_gas.shape, for a
