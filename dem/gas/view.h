@@ -17,12 +17,16 @@ enum {
 };
 
 /* All areas are over that of the circle of the sphere of equal volume. */
+typedef struct dem__facets {
+    int n;
+    dem_vec normal[DEM_FACES_MAX];
+    double area[DEM_FACES_MAX];
+} dem__facets;
+
 typedef struct dem__view {
     uint64_t key; /* of a polyhedron: 1 + its shape; of a clump: a hash of it, with the highest bit */
     double surface;
-    int faces; /* of a polyhedron; 0: a clump */
-    dem_vec normal[DEM_FACES_MAX];
-    double area[DEM_FACES_MAX];
+    dem__facets facets;                 /* of a polyhedron; none: a clump */
     double seen[3 * DEM__VIEW_SIDE][2]; /* of a clump: area along, and mean area across */
 } dem__view;
 
@@ -35,17 +39,19 @@ typedef struct dem__outline {
 
 /* ---- polyhedra ---- */
 
-static inline void dem__view_polyhedron(dem__view *view, const dem_convex *s) {
-    double plane[DEM_FACES_MAX][4], volume = 0.0;
+/* Finds the faces of a polyhedron. Returns its surface. */
+static inline double dem__find_facets(const dem_convex *s, dem__facets *f) {
+    double plane[DEM_FACES_MAX][4], volume = 0.0, surface = 0.0;
     dem__sharp_planes(s, plane);
-    view->faces = s->faces, view->surface = 0.0;
-    for (int k = 0; k < s->faces; k++) {
-        view->normal[k] = dem__point(plane[k]);
-        view->area[k] = dem__face_area((const double(*)[4])plane, s->faces, k, s->reach);
-        volume += plane[k][3] * view->area[k] / 3.0;
+    f->n = s->faces;
+    for (int k = 0; k < f->n; k++) {
+        f->normal[k] = dem__point(plane[k]);
+        f->area[k] = dem__face_area((const double(*)[4])plane, f->n, k, s->reach);
+        volume += plane[k][3] * f->area[k] / 3.0;
     }
     const double x = riddle_cbrt(6.0 / RIDDLE_PI * volume), circle = 0.25 * RIDDLE_PI * x * x;
-    for (int k = 0; k < s->faces; k++) view->area[k] /= circle, view->surface += view->area[k];
+    for (int k = 0; k < f->n; k++) f->area[k] /= circle, surface += f->area[k];
+    return surface;
 }
 
 /* ---- clumps ---- */
@@ -169,7 +175,7 @@ static inline void dem__view_clump(dem__view *view, const dem__outline *c) {
         }
         view->seen[k][1] = sum / DEM__VIEW_CIRCLE;
     }
-    view->faces = 0;
+    view->facets.n = 0;
 }
 
 /* ---- sphericities ---- */
@@ -182,13 +188,13 @@ static inline void dem__sphericities_of(double surface, double along, double acr
 
 /* Finds those of a polyhedron in a flow along the unit vector u, in its frame: a face with normal n and area a shows
    a |n u| along u, and a 2/pi |n x u| on average across it; every ray meets two faces. */
-static inline void dem__see_faces(const dem__view *view, dem_vec u, double *psi) {
+static inline void dem__see_facets(const dem__facets *f, double surface, dem_vec u, double *psi) {
     double along = 0.0, across = 0.0;
-    for (int k = 0; k < view->faces; k++) {
-        along += 0.5 * view->area[k] * fabs(dem__dot(view->normal[k], u));
-        across += view->area[k] / RIDDLE_PI * dem__length(dem__cross(view->normal[k], u));
+    for (int k = 0; k < f->n; k++) {
+        along += 0.5 * f->area[k] * fabs(dem__dot(f->normal[k], u));
+        across += f->area[k] / RIDDLE_PI * dem__length(dem__cross(f->normal[k], u));
     }
-    dem__sphericities_of(view->surface, along, across, psi);
+    dem__sphericities_of(surface, along, across, psi);
 }
 
 /* Returns a flow of any length as a unit vector. */
@@ -206,8 +212,8 @@ static DEM__NOINLINE void dem__find_seen_body(const dem__seen *s, dem_vec flow, 
     const dem__view *view = &field->view[field->view_of[s->first] - 1];
     const dem_vec v = dem__flow_direction(flow);
     double seen[2];
-    if (view->faces > 0) {
-        dem__see_faces(view, dem__to_body(dem__turn_of_polyhedron(w, r, s->tau), v), psi);
+    if (view->facets.n > 0) {
+        dem__see_facets(&view->facets, view->surface, dem__to_body(dem__turn_of_polyhedron(w, r, s->tau), v), psi);
         return;
     }
     dem__read_view(view, dem__to_body(dem__pose_at(w, r, s->tau).turn, v), seen);
@@ -272,7 +278,7 @@ static inline int dem__find_views(dem_world *w) {
         const ptrdiff_t k = dem__view_with(w, key, &is_new);
         if (k < 0) return 0;
         field->view_of[i] = (int32_t)k + 1;
-        if (is_new && s) dem__view_polyhedron(&field->view[k], s);
+        if (is_new && s) field->view[k].surface = dem__find_facets(s, &field->view[k].facets);
         else if (is_new) field->view[k].surface = surface, dem__view_clump(&field->view[k], &outline);
     }
     return 1;
@@ -284,15 +290,16 @@ DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, de
         return DEM_BAD_ARGUMENT;
     const dem__rigid *r = dem__rigid_of(w, i);
     const dem_convex *s = dem__shape_of(w, i);
-    dem__view view;
+    dem__facets facets;
     dem__outline outline;
     double surface, across = 0.0;
     psi[0] = psi[1] = psi[2] = 1.0;
     if (!r || (!s && r->pieces == 1)) return DEM_OK;
     const double tau = dem__now(w, r->first);
     if (s) {
-        dem__view_polyhedron(&view, s);
-        dem__see_faces(&view, dem__to_body(dem__turn_of_polyhedron(w, r, tau), dem__flow_direction(flow)), psi);
+        surface = dem__find_facets(s, &facets);
+        dem__see_facets(&facets, surface, dem__to_body(dem__turn_of_polyhedron(w, r, tau), dem__flow_direction(flow)),
+                        psi);
         return DEM_OK;
     }
     const dem_vec u = dem__to_body(dem__pose_at(w, r, tau).turn, dem__flow_direction(flow));
