@@ -13605,7 +13605,7 @@ static inline void dem__see_facets(const dem__facets *f, double surface, dem_vec
 
 /* Returns a flow of any length as a unit vector. */
 static inline dem_vec dem__flow_direction(dem_vec flow) {
-    const double size = fmax(fabs(flow.x), fmax(fabs(flow.y), fabs(flow.z)));
+    const double x = fabs(flow.x), y = fabs(flow.y), z = fabs(flow.z), size = x > y ? (x > z ? x : z) : y > z ? y : z;
     const dem_vec u = dem__scale(1.0 / size, flow);
     return size > 0.0 ? dem__scale(1.0 / dem__length(u), u) : dem_vec3(0.0, 0.0, 1.0); /* at rest drag is 0 */
 }
@@ -16692,8 +16692,8 @@ DEM_API dem_status dem_feed_source_mass(dem_world *world, dem_source *source, do
     return status;
 }
 
-/* --------------------------------------------------------------------------------------------- >>measure/measure.h */
-/* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. */
+/* ---------------------------------------------------------------------------------------------- >>measure/within.h */
+/* How much of a ball, a polyhedron or a line is within a region. Pure functions of the region and the shape. */
 
 /* Returns the volume of the unit ball where z > c. */
 DEM_INLINE double dem__cap(double c) { return RIDDLE_PI / 3.0 * (1.0 - c) * (1.0 - c) * (2.0 + c); }
@@ -16857,7 +16857,10 @@ static inline double dem__polyhedron_in(const dem_region *r, const dem_wall *ins
     if (r->kind == DEM_REGION_BOX) return dem__share_in_box(s, centre, turn, r->low, r->high);
     for (int a = 0; a < 3; a++) {
         double high = low[a] = s->corner[0][a];
-        for (int k = 1; k < s->corners; k++) low[a] = fmin(low[a], s->corner[k][a]), high = fmax(high, s->corner[k][a]);
+        for (int k = 1; k < s->corners; k++) {
+            const double x = s->corner[k][a];
+            low[a] = x < low[a] ? x : low[a], high = x > high ? x : high;
+        }
         low[a] -= s->radius, wide[a] = high + s->radius - low[a];
     }
     for (int tries = 0; tries < 1 << 16 && all < 4096; tries++) {
@@ -16907,6 +16910,9 @@ static inline double dem__share_in(const dem_region *r, const dem_wall *inside, 
     from = first > from ? first : from, to = last < to ? last : to;
     return to > from ? to - from : 0.0;
 }
+
+/* --------------------------------------------------------------------------------------------- >>measure/measure.h */
+/* Measuring: regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. */
 
 /* Lists the displacements of the images of the periodic box: the box itself first, then one on either side along each
    periodic axis. Returns how many. */

@@ -2,6 +2,7 @@
    sphericities of Hoelzer & Sommerfeld 2008. Reads shapes and bodies; writes the views of a field, one for each shape.
    Polyhedra: closed forms. Clumps: a table of directions, from closed forms of the union's outline. */
 #pragma once
+#include "../base/definition.h"
 #include "../base/sharp.h"
 #include "../bodies/union.h"
 #include "../particles/exits.h"
@@ -199,7 +200,7 @@ static inline void dem__see_facets(const dem__facets *f, double surface, dem_vec
 
 /* Returns a flow of any length as a unit vector. */
 static inline dem_vec dem__flow_direction(dem_vec flow) {
-    const double size = fmax(fabs(flow.x), fmax(fabs(flow.y), fabs(flow.z)));
+    const double x = fabs(flow.x), y = fabs(flow.y), z = fabs(flow.z), size = x > y ? (x > z ? x : z) : y > z ? y : z;
     const dem_vec u = dem__scale(1.0 / size, flow);
     return size > 0.0 ? dem__scale(1.0 / dem__length(u), u) : dem_vec3(0.0, 0.0, 1.0); /* at rest drag is 0 */
 }
