@@ -66,7 +66,7 @@ MODELS = [(line, [P("mu", 0.1, 0.9)], {"rate": (0.03, 0.05)}, 14),
           (three, [P("mu", 0.1, 0.9), P("roll", 0.0, 1.0), P("e", 0.1, 0.9)],
            {"angle": (0.5, 0.7), "rate": (0.002, 0.002), "torque": (0.02, 0.03)}, 40),
           (rates, [P("coalescence", 1e-3, 3e-2, True), P("breakage", 1e-4, 2e-2, True)],
-           {f"{name}_{time}": (0.0, error) for time in (30, 60, 120) for name, error in (("d43", 1.0), ("fines", 0.01))},
+           {f"{name}_{time}": (0.0, error) for time in (30, 60, 120) for name, error in [("d43", 1.0), ("fines", .01)]},
            30)]
 
 
