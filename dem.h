@@ -13548,8 +13548,8 @@ static inline void dem__find_outline(const dem_world *w, const dem__rigid *r, de
 static inline void dem__read_view(const dem__view *view, dem_vec u, double *seen) {
     const double v[3] = {u.x, u.y, u.z};
     const int side = fabs(v[0]) >= fabs(v[1]) && fabs(v[0]) >= fabs(v[2]) ? 0 : fabs(v[1]) >= fabs(v[2]) ? 1 : 2;
-    const double a = (0.5 + 0.5 * v[(side + 1) % 3] / v[side]) * DEM__VIEW_CELLS,
-                 b = (0.5 + 0.5 * v[(side + 2) % 3] / v[side]) * DEM__VIEW_CELLS;
+    const double a = (0.5 + 0.5 * v[(side + 1) % 3] / v[side]) * (double)DEM__VIEW_CELLS,
+                 b = (0.5 + 0.5 * v[(side + 2) % 3] / v[side]) * (double)DEM__VIEW_CELLS;
     const int i = a < DEM__VIEW_CELLS - 1 ? (int)a : DEM__VIEW_CELLS - 1,
               j = b < DEM__VIEW_CELLS - 1 ? (int)b : DEM__VIEW_CELLS - 1;
     const double p = a - i, q = b - j;
@@ -13564,8 +13564,8 @@ static inline dem_vec dem__view_direction(int k) {
     const int side = k / DEM__VIEW_SIDE, place = k % DEM__VIEW_SIDE;
     double v[3];
     v[side] = 1.0;
-    v[(side + 1) % 3] = 2.0 * (place / DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
-    v[(side + 2) % 3] = 2.0 * (place % DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
+    v[(side + 1) % 3] = 2.0 * (place / DEM__VIEW_ROW) / (double)DEM__VIEW_CELLS - 1.0;
+    v[(side + 2) % 3] = 2.0 * (place % DEM__VIEW_ROW) / (double)DEM__VIEW_CELLS - 1.0;
     return dem__scale(1.0 / dem__length(dem__point(v)), dem__point(v));
 }
 
@@ -13579,7 +13579,7 @@ static inline void dem__view_clump(dem__view *view, const dem__outline *c) {
             dem__read_view(view, dem__across(dem__view_direction(k), q), seen);
             sum += seen[0];
         }
-        view->seen[k][1] = sum / DEM__VIEW_CIRCLE;
+        view->seen[k][1] = sum / (double)DEM__VIEW_CIRCLE;
     }
     view->facets.n = 0;
 }
@@ -13605,7 +13605,7 @@ static inline void dem__see_facets(const dem__facets *f, double surface, dem_vec
 
 /* Returns a flow of any length as a unit vector. */
 static inline dem_vec dem__flow_direction(dem_vec flow) {
-    const double size = fmax(fabs(flow.x), fmax(fabs(flow.y), fabs(flow.z)));
+    const double x = fabs(flow.x), y = fabs(flow.y), z = fabs(flow.z), size = x > y ? (x > z ? x : z) : y > z ? y : z;
     const dem_vec u = dem__scale(1.0 / size, flow);
     return size > 0.0 ? dem__scale(1.0 / dem__length(u), u) : dem_vec3(0.0, 0.0, 1.0); /* at rest drag is 0 */
 }
@@ -13711,7 +13711,7 @@ DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, de
     const dem_vec u = dem__to_body(dem__pose_at(w, r, tau).turn, dem__flow_direction(flow));
     dem__find_outline(w, r, &outline, &surface);
     for (int k = 0; k < DEM__VIEW_CIRCLE; k++)
-        across += dem__seen_along(&outline, dem__across(u, k)) / DEM__VIEW_CIRCLE;
+        across += dem__seen_along(&outline, dem__across(u, k)) / (double)DEM__VIEW_CIRCLE;
     dem__sphericities_of(surface, dem__seen_along(&outline, u), across, psi);
     return DEM_OK;
 }
@@ -16692,8 +16692,8 @@ DEM_API dem_status dem_feed_source_mass(dem_world *world, dem_source *source, do
     return status;
 }
 
-/* --------------------------------------------------------------------------------------------- >>measure/measure.h */
-/* Measuring: volumes, regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. */
+/* ---------------------------------------------------------------------------------------------- >>measure/within.h */
+/* How much of a ball, a polyhedron or a line is within a region. Pure functions of the region and the shape. */
 
 /* Returns the volume of the unit ball where z > c. */
 DEM_INLINE double dem__cap(double c) { return RIDDLE_PI / 3.0 * (1.0 - c) * (1.0 - c) * (2.0 + c); }
@@ -16857,7 +16857,10 @@ static inline double dem__polyhedron_in(const dem_region *r, const dem_wall *ins
     if (r->kind == DEM_REGION_BOX) return dem__share_in_box(s, centre, turn, r->low, r->high);
     for (int a = 0; a < 3; a++) {
         double high = low[a] = s->corner[0][a];
-        for (int k = 1; k < s->corners; k++) low[a] = fmin(low[a], s->corner[k][a]), high = fmax(high, s->corner[k][a]);
+        for (int k = 1; k < s->corners; k++) {
+            const double x = s->corner[k][a];
+            low[a] = x < low[a] ? x : low[a], high = x > high ? x : high;
+        }
         low[a] -= s->radius, wide[a] = high + s->radius - low[a];
     }
     for (int tries = 0; tries < 1 << 16 && all < 4096; tries++) {
@@ -16907,6 +16910,9 @@ static inline double dem__share_in(const dem_region *r, const dem_wall *inside, 
     from = first > from ? first : from, to = last < to ? last : to;
     return to > from ? to - from : 0.0;
 }
+
+/* --------------------------------------------------------------------------------------------- >>measure/measure.h */
+/* Measuring: regions, stress, fields, histograms. Reads a const world; writes the caller's arrays. */
 
 /* Lists the displacements of the images of the periodic box: the box itself first, then one on either side along each
    periodic axis. Returns how many. */
@@ -19009,7 +19015,7 @@ static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touc
     int most = fabs(n[1]) > fabs(n[0]) ? 1 : 0;
     most = fabs(n[2]) > fabs(n[most]) ? 2 : most;
     int32_t place = 2 * most + (n[most] < 0.0);
-    for (int a = 1; a < 3; a++) { /* by 18 degrees: no two normals that are two contacts (DEM__SMOOTH) share a direction */
+    for (int a = 1; a < 3; a++) { /* 18 degrees: normals of two contacts (DEM__SMOOTH) do not share a direction */
         const double over = n[(most + a) % 3] / fabs(n[most]);
         place = 5 * place + (over > -0.51) + (over > -0.158) + (over > 0.158) + (over > 0.51);
     }

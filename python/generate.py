@@ -322,7 +322,7 @@ def cdef(headers):
         lines += [f"size_t size_of_{name}(void);" for name, kind in h.types.items() if kind["opaque"]]
     lines.append("size_t riddle_layout(int n);")
     with open(os.path.join(here, "helpers.h"), encoding="utf-8") as file:
-        lines += [f"{prototype};" for prototype in re.findall(r"^RIDDLE_EXPORT (.*\))", file.read(), re.M)]
+        lines += [f"{prototype};" for prototype in re.findall(r"^RIDDLE_EXPORT ([^{;]*\))", file.read(), re.M)]
     return "\n".join(lines)
 
 

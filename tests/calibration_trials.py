@@ -11,7 +11,9 @@ import sys
 
 import numpy as np
 
-path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "python", "riddle", "calibrate.py")
+python = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "python")
+sys.path.insert(0, python)
+path = os.path.join(python, "riddle", "calibrate.py")
 spec = importlib.util.spec_from_file_location("calibrate", path)
 calibrate = sys.modules["calibrate"] = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(calibrate)
@@ -37,12 +39,35 @@ def three(v):
             "torque": 1.0 + v["mu"] ** 2 + 0.6 * math.exp(-3.0 * v["e"])}
 
 
+def rates(v):
+    """Mean size and share of the fines of a granulator after three times (python/examples/granulation_rates.py)."""
+    from riddle import granulation
+    start, edges = 1e-12, np.geomspace(1e-14, 1e-9, 41)
+    cells = 0.5 * (edges[1:] + edges[:-1])
+    diameters = np.cbrt(6.0 / np.pi * cells)
+    balance = granulation.Balance(granulation.balance_def(
+        kernel=granulation.constant_kernel, kernel_user=granulation.kernel_data(rate=v["coalescence"]),
+        selection=lambda granule, user: v["breakage"], daughters=granulation.UNIFORM), edges, None)
+    balance.add(granulation.granule(s=0.7 * start, l=0.3 * start), 1.0)
+    results, before = {}, 0.0
+    for time in (30.0, 60.0, 120.0):
+        balance.run(time - before)
+        before = time
+        volumes = np.array([balance.number(k) for k in range(len(cells))]) * cells
+        results[f"d43_{time:.0f}"] = 1e6 * np.sum(volumes * diameters) / np.sum(volumes)
+        results[f"fines_{time:.0f}"] = np.sum(volumes[diameters < 120e-6]) / np.sum(volumes)
+    return results
+
+
 # a model, its parameters, the noise of a run and the error of a measured value, runs
 MODELS = [(line, [P("mu", 0.1, 0.9)], {"rate": (0.03, 0.05)}, 14),
           (idle, [P("e", 0.2, 0.95), P("idle", 0.0, 1.0)], {"rate": (0.004, 0.004)}, 24),
           (heap, [P("mu", 0.1, 0.9), P("roll", 0.01, 0.5, True)], {"angle": (0.6, 0.8), "density": (0.002, 0.002)}, 30),
           (three, [P("mu", 0.1, 0.9), P("roll", 0.0, 1.0), P("e", 0.1, 0.9)],
-           {"angle": (0.5, 0.7), "rate": (0.002, 0.002), "torque": (0.02, 0.03)}, 40)]
+           {"angle": (0.5, 0.7), "rate": (0.002, 0.002), "torque": (0.02, 0.03)}, 40),
+          (rates, [P("coalescence", 1e-3, 3e-2, True), P("breakage", 1e-4, 2e-2, True)],
+           {f"{name}_{time}": (0.0, error) for time in (30, 60, 120) for name, error in (("d43", 1.0), ("fines", 0.01))},
+           30)]
 
 
 def trials(number, seed, only=None):

@@ -319,12 +319,11 @@ static void test_cut_cores(void **state) {
     }
 }
 
-/* A cube's corner between two flanks of a mesh, or, with angle 0, on one; all turned. Returns its change of velocity in a
-   step, in the frame of the valley. */
+/* A cube's corner between two flanks of a mesh, or, with angle 0, on one; all turned. Returns its change of velocity in
+   a step, in the frame of the valley. */
 static dem_vec push_in_valley(double angle, double depth, dem_quaternion turn) {
-    const double rise = tan(0.5 * angle), reach = 0.05;
-    const dem_vec v[6] = {{0, -reach, 0},  {0, reach, 0},      {-reach, -reach, reach * rise}, {-reach, reach, reach * rise},
-                          {reach, -reach, reach * rise}, {reach, reach, reach * rise}};
+    const double b = 0.05, h = b * tan(0.5 * angle);
+    const dem_vec v[6] = {{0, -b, 0}, {0, b, 0}, {-b, -b, h}, {-b, b, h}, {b, -b, h}, {b, b, h}};
     int32_t face[12] = {0, 1, 2, 1, 3, 2, 0, 4, 1, 1, 4, 5};
     double corner[18];
     for (int k = 0; k < 6; k++) {

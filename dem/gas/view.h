@@ -2,6 +2,7 @@
    sphericities of Hoelzer & Sommerfeld 2008. Reads shapes and bodies; writes the views of a field, one for each shape.
    Polyhedra: closed forms. Clumps: a table of directions, from closed forms of the union's outline. */
 #pragma once
+#include "../base/definition.h"
 #include "../base/sharp.h"
 #include "../bodies/union.h"
 #include "../particles/exits.h"
@@ -142,8 +143,8 @@ static inline void dem__find_outline(const dem_world *w, const dem__rigid *r, de
 static inline void dem__read_view(const dem__view *view, dem_vec u, double *seen) {
     const double v[3] = {u.x, u.y, u.z};
     const int side = fabs(v[0]) >= fabs(v[1]) && fabs(v[0]) >= fabs(v[2]) ? 0 : fabs(v[1]) >= fabs(v[2]) ? 1 : 2;
-    const double a = (0.5 + 0.5 * v[(side + 1) % 3] / v[side]) * DEM__VIEW_CELLS,
-                 b = (0.5 + 0.5 * v[(side + 2) % 3] / v[side]) * DEM__VIEW_CELLS;
+    const double a = (0.5 + 0.5 * v[(side + 1) % 3] / v[side]) * (double)DEM__VIEW_CELLS,
+                 b = (0.5 + 0.5 * v[(side + 2) % 3] / v[side]) * (double)DEM__VIEW_CELLS;
     const int i = a < DEM__VIEW_CELLS - 1 ? (int)a : DEM__VIEW_CELLS - 1,
               j = b < DEM__VIEW_CELLS - 1 ? (int)b : DEM__VIEW_CELLS - 1;
     const double p = a - i, q = b - j;
@@ -158,8 +159,8 @@ static inline dem_vec dem__view_direction(int k) {
     const int side = k / DEM__VIEW_SIDE, place = k % DEM__VIEW_SIDE;
     double v[3];
     v[side] = 1.0;
-    v[(side + 1) % 3] = 2.0 * (place / DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
-    v[(side + 2) % 3] = 2.0 * (place % DEM__VIEW_ROW) / DEM__VIEW_CELLS - 1.0;
+    v[(side + 1) % 3] = 2.0 * (place / DEM__VIEW_ROW) / (double)DEM__VIEW_CELLS - 1.0;
+    v[(side + 2) % 3] = 2.0 * (place % DEM__VIEW_ROW) / (double)DEM__VIEW_CELLS - 1.0;
     return dem__scale(1.0 / dem__length(dem__point(v)), dem__point(v));
 }
 
@@ -173,7 +174,7 @@ static inline void dem__view_clump(dem__view *view, const dem__outline *c) {
             dem__read_view(view, dem__across(dem__view_direction(k), q), seen);
             sum += seen[0];
         }
-        view->seen[k][1] = sum / DEM__VIEW_CIRCLE;
+        view->seen[k][1] = sum / (double)DEM__VIEW_CIRCLE;
     }
     view->facets.n = 0;
 }
@@ -199,7 +200,7 @@ static inline void dem__see_facets(const dem__facets *f, double surface, dem_vec
 
 /* Returns a flow of any length as a unit vector. */
 static inline dem_vec dem__flow_direction(dem_vec flow) {
-    const double size = fmax(fabs(flow.x), fmax(fabs(flow.y), fabs(flow.z)));
+    const double x = fabs(flow.x), y = fabs(flow.y), z = fabs(flow.z), size = x > y ? (x > z ? x : z) : y > z ? y : z;
     const dem_vec u = dem__scale(1.0 / size, flow);
     return size > 0.0 ? dem__scale(1.0 / dem__length(u), u) : dem_vec3(0.0, 0.0, 1.0); /* at rest drag is 0 */
 }
@@ -305,7 +306,7 @@ DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, de
     const dem_vec u = dem__to_body(dem__pose_at(w, r, tau).turn, dem__flow_direction(flow));
     dem__find_outline(w, r, &outline, &surface);
     for (int k = 0; k < DEM__VIEW_CIRCLE; k++)
-        across += dem__seen_along(&outline, dem__across(u, k)) / DEM__VIEW_CIRCLE;
+        across += dem__seen_along(&outline, dem__across(u, k)) / (double)DEM__VIEW_CIRCLE;
     dem__sphericities_of(surface, dem__seen_along(&outline, u), across, psi);
     return DEM_OK;
 }

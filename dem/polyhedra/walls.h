@@ -31,7 +31,7 @@ static inline int32_t dem__wall_key(const dem_wall *wall, const dem__touch *touc
     int most = fabs(n[1]) > fabs(n[0]) ? 1 : 0;
     most = fabs(n[2]) > fabs(n[most]) ? 2 : most;
     int32_t place = 2 * most + (n[most] < 0.0);
-    for (int a = 1; a < 3; a++) { /* by 18 degrees: no two normals that are two contacts (DEM__SMOOTH) share a direction */
+    for (int a = 1; a < 3; a++) { /* 18 degrees: normals of two contacts (DEM__SMOOTH) do not share a direction */
         const double over = n[(most + a) % 3] / fabs(n[most]);
         place = 5 * place + (over > -0.51) + (over > -0.158) + (over > 0.158) + (over > 0.51);
     }

@@ -1,7 +1,6 @@
 /* my_drum.c - a drum with four lifters, half full of spheres of 3 and 6 mm; two turns.
 
-   cc -O3 -I. examples/first/my_drum.c -lm -o my_drum && ./my_drum              (in the folder that holds dem.h; writes
-   out/my_drum/)
+   cc -O3 -I. examples/first/my_drum.c -lm -o my_drum && ./my_drum     (beside dem.h; writes out/my_drum/)
 
    For your own case change the numbers below, the materials, the lifters (dem_add_mesh takes any triangles,
    dem_read_stl reads them), and the feed. */

@@ -1,16 +1,12 @@
 /* my_hopper.c - a conical hopper whose gate is drawn aside after half a second: how fast it runs out.
 
-   cc -O3 -I. examples/first/my_hopper.c -lm -o my_hopper && ./my_hopper        (in the folder that holds dem.h; writes
-   out/my_hopper/)
+   cc -O3 -I. examples/first/my_hopper.c -lm -o my_hopper && ./my_hopper     (beside dem.h; writes out/my_hopper/)
 
-   For your own case change the numbers below, the materials, the cone (or a mesh: dem_read_stl, dem_add_mesh),
-   and the feed. */
+   For your own case change the numbers below, the materials, the cone (or a mesh: dem_add_mesh), and the feed. */
 #include "dem_io.h"
 
-/* Diameters [m], of the cone [degrees], above it [m]. */
-static const double outlet = 0.03, top = 0.1, slope = 60.0, wall = 0.1;
-static const double diameter = 5e-3, mass = 0.15;                       /* [m], [kg] */
-static const double shut = 0.5, duration = 1.5;                         /* [s] */
+static const double outlet = 0.03, top = 0.1, wall = 0.1, slope = 60.0; /* diameters, height above it [m]; [degrees] */
+static const double diameter = 5e-3, mass = 0.15, shut = 0.5, duration = 1.5; /* [m], [kg], [s] */
 enum { FRAMES = 75, FEATURES = DEM_LINEAR | DEM_FRICTION };
 
 /* The gate is drawn aside along x within a tenth of a second. */
@@ -22,8 +18,7 @@ static void draw_aside(void *user, double time, dem_pose *pose) {
 
 int main(void) {
     dem_def def = dem_default_def();
-    /* [kg/m3], [Pa], [-] */
-    int glass = dem_add_material(&def, 2500.0, 5e9, 0.2), steel = dem_add_material(&def, 7850.0, 2e11, 0.3);
+    int glass = dem_add_material(&def, 2500.0, 5e9, 0.2), steel = dem_add_material(&def, 7850.0, 2e11, 0.3); /* SI */
     for (int k = glass; k <= steel; k++) {
         dem_pair_def *pair = dem_pair(&def, glass, k);
         pair->stiffness = 1000.0, pair->restitution = 0.5, pair->friction = 0.4; /* [N/m], [-], [-] */
@@ -32,11 +27,9 @@ int main(void) {
     dem_status status = dem_init(&world, &def, NULL);
     dem_cone cone = dem_default_cone();
     double height = 0.5 * (top - outlet) * tan(slope * RIDDLE_PI / 180.0);
-    cone.low = dem_vec3(0, 0, 0), cone.low_radius = 0.5 * outlet, cone.high = dem_vec3(0, 0, height),
-    cone.high_radius = 0.5 * top;
+    cone.low_radius = 0.5 * outlet, cone.high_radius = 0.5 * top, cone.high = dem_vec3(0, 0, height);
     dem_add_cone(&world, steel, &cone);
-    /* The same radius: a tube. */
-    cone.low = cone.high, cone.low_radius = cone.high_radius, cone.high = dem_vec3(0, 0, height + wall);
+    cone.low = cone.high, cone.low_radius = cone.high_radius, cone.high.z = height + wall; /* a tube */
     dem_add_cone(&world, steel, &cone);
     int gate = dem_add_box(&world, steel, dem_vec3(-0.7 * outlet, -0.7 * outlet, -0.004),
                            dem_vec3(0.7 * outlet, 0.7 * outlet, -0.001));
@@ -67,8 +60,7 @@ int main(void) {
     riddle_plot_vertical(picture, "gate opens", shut);
     if (riddle_plot_write(picture, "out/my_hopper", "my_hopper.svg") != RIDDLE_IO_OK) written = RIDDLE_IO_NOT_WRITTEN;
     const char *said = written ? riddle_io_status_text(written) : dem_status_text(status);
-    printf("%s: %.0f spheres, %.0f have run out after %.2f s\n", said, (double)feed.placed, (double)world.passed_count,
-           world.time);
+    printf("%s: %d of %d spheres ran out in %.2f s\n", said, (int)world.passed_count, (int)feed.placed, world.time);
     dem_free(&world);
     return status != DEM_OK || written != RIDDLE_IO_OK;
 }

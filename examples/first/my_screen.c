@@ -1,14 +1,11 @@
-/* my_screen.c - glass spheres of 4 and 8 mm on a vibrating screen with apertures of 6 mm: how many of the small ones
-   are left.
+/* my_screen.c - glass spheres of 4 and 8 mm on a vibrating screen with apertures of 6 mm: how many small ones are left.
 
-   cc -O3 -I. examples/first/my_screen.c -lm -o my_screen && ./my_screen        (in the folder that holds dem.h; writes
-   out/my_screen/)
+   cc -O3 -I. examples/first/my_screen.c -lm -o my_screen && ./my_screen     (beside dem.h; writes out/my_screen/)
 
    For your own case change the numbers below, the materials, the deck, and the sizes, mass and box of the feed. */
 #include "dem_io.h"
 
-/* [m]; half a side of the square deck: 7 pitches */
-static const double aperture = 6e-3, wire = 1.5e-3, half = 0.0525;
+static const double aperture = 6e-3, wire = 1.5e-3, half = 0.0525; /* [m]; half a side of the deck: 7 pitches */
 static const double amplitude = 1.5e-3, frequency = 25.0, duration = 3.0, mass = 0.2; /* [m], [Hz], [s], [kg] */
 static const double diameter[] = {4e-3, 8e-3};                                        /* [m], half of the mass each */
 static const char *const names[] = {"4 mm", "8 mm"};
@@ -18,7 +15,7 @@ int main(void) {
     dem_def def = dem_default_def();
     /* [kg/m3], [Pa], [-] */
     int glass = dem_add_material(&def, 2500.0, 5e9, 0.2), steel = dem_add_material(&def, 7850.0, 2e11, 0.3);
-    dem_pair(&def, glass, glass)->stiffness = dem_pair(&def, glass, steel)->stiffness = 2000.0;              /* [N/m] */
+    dem_pair(&def, glass, glass)->stiffness = dem_pair(&def, glass, steel)->stiffness = 2000.0; /* [N/m] */
     dem_pair(&def, glass, glass)->restitution = 0.78, dem_pair(&def, glass, steel)->restitution = 0.44;
     dem_world world;
     dem_status status = dem_init(&world, &def, NULL);
