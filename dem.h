@@ -35,8 +35,8 @@
              a contact resolved in time: second order in dt with damping, third for the restitution of a linear contact.
              A pair is not tested before it can touch. Results do not depend on what is skipped, bit for bit.
    Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
-   Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const
-   world.
+   Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a
+             const world.
    Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 560 bytes a
              sphere and 12 more for every wall, 40 a near pair, 340 a contact with friction (64 more with a ledger),
              room for at least 64 to 1024 of each and 6 near pairs a sphere, and half as much again for growing. Running
@@ -3565,10 +3565,9 @@ DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, doubl
     return w->engine->bodies.calls->pose(w, r, tau);
 }
 
-/* Returns the orientation of a polyhedron's own axes, tau after its origin step [s]: those of its body may have another
-   order. */
-static inline dem_quaternion dem__turn_of_polyhedron(const dem_world *w, const dem__rigid *r, double tau) {
-    return dem__turns(dem__pose_at(w, r, tau).turn, dem__opposite_turn(r->frame));
+/* Returns the orientation of a polyhedron's own axes, from that of its body, whose axes may have another order. */
+static inline dem_quaternion dem__turn_of_polyhedron(const dem__rigid *r, dem_quaternion turn) {
+    return dem__turns(turn, dem__opposite_turn(r->frame));
 }
 
 /* Return position and velocity of a particle of a rigid body, tau after its origin step [s]. */
@@ -3982,7 +3981,7 @@ enum {
     DEM__SEARCH_KEYS = 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX,    /* of a curved sheet */
     DEM__ELEMENT_KEYS = DEM_CORNERS_MAX + 2 + 3 * DEM__EDGE_KEYS, /* of a bar: all its keys */
     DEM__ELEMENTS_FROM = 1 << 18, /* added to the index of an element, which may be negative */
-    DEM__PLACE_DIRECTIONS = 150  /* directions of normals at a mesh, as places of corners */
+    DEM__PLACE_DIRECTIONS = 150   /* directions of normals at a mesh, as places of corners */
 };
 
 /* Flags of a kind. */
@@ -13617,12 +13616,13 @@ static DEM__NOINLINE void dem__find_seen_body(const dem__seen *s, dem_vec flow, 
     const dem__rigid *r = dem__rigid_of(w, s->first);
     const dem__view *view = &field->view[field->view_of[s->first] - 1];
     const dem_vec v = dem__flow_direction(flow);
+    const dem_quaternion turn = dem__pose_at(w, r, s->tau).turn;
     double seen[2];
     if (view->facets.n > 0) {
-        dem__see_facets(&view->facets, view->surface, dem__to_body(dem__turn_of_polyhedron(w, r, s->tau), v), psi);
+        dem__see_facets(&view->facets, view->surface, dem__to_body(dem__turn_of_polyhedron(r, turn), v), psi);
         return;
     }
-    dem__read_view(view, dem__to_body(dem__pose_at(w, r, s->tau).turn, v), seen);
+    dem__read_view(view, dem__to_body(turn, v), seen);
     dem__sphericities_of(view->surface, seen[0], seen[1], psi);
 }
 
@@ -13701,14 +13701,14 @@ DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, de
     double surface, across = 0.0;
     psi[0] = psi[1] = psi[2] = 1.0;
     if (!r || (!s && r->pieces == 1)) return DEM_OK;
-    const double tau = dem__now(w, r->first);
+    const dem_vec v = dem__flow_direction(flow);
+    const dem_quaternion turn = dem__pose_at(w, r, dem__now(w, r->first)).turn;
     if (s) {
         surface = dem__find_facets(s, &facets);
-        dem__see_facets(&facets, surface, dem__to_body(dem__turn_of_polyhedron(w, r, tau), dem__flow_direction(flow)),
-                        psi);
+        dem__see_facets(&facets, surface, dem__to_body(dem__turn_of_polyhedron(r, turn), v), psi);
         return DEM_OK;
     }
-    const dem_vec u = dem__to_body(dem__pose_at(w, r, tau).turn, dem__flow_direction(flow));
+    const dem_vec u = dem__to_body(turn, v);
     dem__find_outline(w, r, &outline, &surface);
     for (int k = 0; k < DEM__VIEW_CIRCLE; k++)
         across += dem__seen_along(&outline, dem__across(u, k)) / (double)DEM__VIEW_CIRCLE;
@@ -13897,9 +13897,8 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
 #define DEM__SLOWS 5e-3 /* share of its spin that a particle may lose in a flight */
 
 /* Chooses the number of steps of a flight from x with velocity v, tau after the particle's origin step, by its error,
-   and computes the flight. A parabola that
-   is right at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first
-   one, times the time squared. */
+   and computes the flight. A parabola that is right at both ends has an error of position of 1/13.5 of the difference
+   between its acceleration and the first one, times the time squared. */
 DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double tau,
                                   const dem__turning *turn, dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
@@ -16973,7 +16972,8 @@ static inline double dem__volume_in(const dem_world *w, const dem__measured *q, 
     const dem_convex *s = dem__shape_of(w, i);
     const double r = w->particle[i].radius;
     if (!s) return dem__ball_in(q->region, &q->inside, x, r);
-    const dem_quaternion turn = dem__turn_of_polyhedron(w, dem__rigid_of(w, i), dem__now(w, i));
+    const dem__rigid *body = dem__rigid_of(w, i);
+    const dem_quaternion turn = dem__turn_of_polyhedron(body, dem__pose_at(w, body, dem__now(w, i)).turn);
     return dem__polyhedron_in(q->region, &q->inside, s, x, turn) * (4.0 / 3.0 * RIDDLE_PI * r * r * r);
 }
 
@@ -19786,7 +19786,7 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, i);
     const dem__pose p = dem__pose_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
-    const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
+    const dem_quaternion turn = dem__turn_of_polyhedron(r, p.turn);
     dem__placed *place = &w->engine->convex.place[i];
     place->x = dem__in_box(w, p.x);
     place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn),

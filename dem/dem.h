@@ -34,8 +34,8 @@
              a contact resolved in time: second order in dt with damping, third for the restitution of a linear contact.
              A pair is not tested before it can touch. Results do not depend on what is skipped, bit for bit.
    Filling   by size distribution without overlap, at once (dem_fill) or in time (dem_feed_mass); removing by region.
-   Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a const
-   world.
+   Measuring regions, stress, coarse-grained fields (Goldhirsch 2010), histograms, residence, mixing: readers of a
+             const world.
    Memory    The world owns all; one allocator hook; nothing is allocated in a step unless a capacity grows. 560 bytes a
              sphere and 12 more for every wall, 40 a near pair, 340 a contact with friction (64 more with a ledger),
              room for at least 64 to 1024 of each and 6 near pairs a sphere, and half as much again for growing. Running

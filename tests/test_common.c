@@ -284,14 +284,14 @@ static void test_output_refused(void **state) {
 /* A figure that a run has nothing for takes an older one with it. */
 static void test_a_figure_left_out(void **state) {
     (void)state;
-    char folder[300], path[400];
-    snprintf(folder, sizeof folder, "%s", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp");
-    snprintf(path, sizeof path, "%s/riddle-left-out.svg", folder);
+    char place[300], path[400];
+    snprintf(place, sizeof place, "%s", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp");
+    snprintf(path, sizeof path, "%s/riddle-left-out.svg", place);
     FILE *f = fopen(path, "w");
     assert_non_null(f);
     fclose(f);
     common_set_quiet(true);
-    for (int k = 0; k < 2; k++) figure_left_out(folder, "riddle-left-out.svg", "nothing has happened");
+    for (int k = 0; k < 2; k++) figure_left_out(place, "riddle-left-out.svg", "nothing has happened");
     common_set_quiet(false);
     f = fopen(path, "r");
     assert_null(f);

@@ -182,9 +182,8 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
 #define DEM__SLOWS 5e-3 /* share of its spin that a particle may lose in a flight */
 
 /* Chooses the number of steps of a flight from x with velocity v, tau after the particle's origin step, by its error,
-   and computes the flight. A parabola that
-   is right at both ends has an error of position of 1/13.5 of the difference between its acceleration and the first
-   one, times the time squared. */
+   and computes the flight. A parabola that is right at both ends has an error of position of 1/13.5 of the difference
+   between its acceleration and the first one, times the time squared. */
 DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double tau,
                                   const dem__turning *turn, dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;

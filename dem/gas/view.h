@@ -212,12 +212,13 @@ static DEM__NOINLINE void dem__find_seen_body(const dem__seen *s, dem_vec flow, 
     const dem__rigid *r = dem__rigid_of(w, s->first);
     const dem__view *view = &field->view[field->view_of[s->first] - 1];
     const dem_vec v = dem__flow_direction(flow);
+    const dem_quaternion turn = dem__pose_at(w, r, s->tau).turn;
     double seen[2];
     if (view->facets.n > 0) {
-        dem__see_facets(&view->facets, view->surface, dem__to_body(dem__turn_of_polyhedron(w, r, s->tau), v), psi);
+        dem__see_facets(&view->facets, view->surface, dem__to_body(dem__turn_of_polyhedron(r, turn), v), psi);
         return;
     }
-    dem__read_view(view, dem__to_body(dem__pose_at(w, r, s->tau).turn, v), seen);
+    dem__read_view(view, dem__to_body(turn, v), seen);
     dem__sphericities_of(view->surface, seen[0], seen[1], psi);
 }
 
@@ -296,14 +297,14 @@ DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, de
     double surface, across = 0.0;
     psi[0] = psi[1] = psi[2] = 1.0;
     if (!r || (!s && r->pieces == 1)) return DEM_OK;
-    const double tau = dem__now(w, r->first);
+    const dem_vec v = dem__flow_direction(flow);
+    const dem_quaternion turn = dem__pose_at(w, r, dem__now(w, r->first)).turn;
     if (s) {
         surface = dem__find_facets(s, &facets);
-        dem__see_facets(&facets, surface, dem__to_body(dem__turn_of_polyhedron(w, r, tau), dem__flow_direction(flow)),
-                        psi);
+        dem__see_facets(&facets, surface, dem__to_body(dem__turn_of_polyhedron(r, turn), v), psi);
         return DEM_OK;
     }
-    const dem_vec u = dem__to_body(dem__pose_at(w, r, tau).turn, dem__flow_direction(flow));
+    const dem_vec u = dem__to_body(turn, v);
     dem__find_outline(w, r, &outline, &surface);
     for (int k = 0; k < DEM__VIEW_CIRCLE; k++)
         across += dem__seen_along(&outline, dem__across(u, k)) / (double)DEM__VIEW_CIRCLE;

@@ -62,7 +62,8 @@ static inline double dem__volume_in(const dem_world *w, const dem__measured *q, 
     const dem_convex *s = dem__shape_of(w, i);
     const double r = w->particle[i].radius;
     if (!s) return dem__ball_in(q->region, &q->inside, x, r);
-    const dem_quaternion turn = dem__turn_of_polyhedron(w, dem__rigid_of(w, i), dem__now(w, i));
+    const dem__rigid *body = dem__rigid_of(w, i);
+    const dem_quaternion turn = dem__turn_of_polyhedron(body, dem__pose_at(w, body, dem__now(w, i)).turn);
     return dem__polyhedron_in(q->region, &q->inside, s, x, turn) * (4.0 / 3.0 * RIDDLE_PI * r * r * r);
 }
 

@@ -12,7 +12,7 @@
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, i);
     const dem__pose p = dem__pose_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
-    const dem_quaternion turn = dem__turns(p.turn, dem__opposite_turn(r->frame));
+    const dem_quaternion turn = dem__turn_of_polyhedron(r, p.turn);
     dem__placed *place = &w->engine->convex.place[i];
     place->x = dem__in_box(w, p.x);
     place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn),

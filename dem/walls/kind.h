@@ -48,7 +48,7 @@ enum {
     DEM__SEARCH_KEYS = 3 * DEM__CROSSINGS_MAX * DEM_EDGES_MAX,    /* of a curved sheet */
     DEM__ELEMENT_KEYS = DEM_CORNERS_MAX + 2 + 3 * DEM__EDGE_KEYS, /* of a bar: all its keys */
     DEM__ELEMENTS_FROM = 1 << 18, /* added to the index of an element, which may be negative */
-    DEM__PLACE_DIRECTIONS = 150  /* directions of normals at a mesh, as places of corners */
+    DEM__PLACE_DIRECTIONS = 150   /* directions of normals at a mesh, as places of corners */
 };
 
 /* Flags of a kind. */

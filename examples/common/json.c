@@ -7,6 +7,7 @@
 
 #include "machine.h"
 #include "output.h"
+#include "utf8.h"
 
 enum { DEEPEST = 32 };
 
@@ -19,11 +20,9 @@ struct json {
 
 /* Bytes of the character in UTF-8 that begins here; 0: none, as in a file name of another encoding. */
 static int character_length(const unsigned char *c) {
-    const int n = c[0] < 0x80 ? 1 : c[0] < 0xc2 ? 0 : c[0] < 0xe0 ? 2 : c[0] < 0xf0 ? 3 : c[0] < 0xf5 ? 4 : 0;
-    for (int k = 1; k < n; k++)
-        if ((c[k] & 0xc0) != 0x80) return 0;
-    if (n == 3 && ((c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xed && c[1] > 0x9f))) return 0;
-    return n == 4 && ((c[0] == 0xf0 && c[1] < 0x90) || (c[0] == 0xf4 && c[1] > 0x8f)) ? 0 : n;
+    uint32_t code = 0;
+    const int n = (int)utf8_get(c, 4, &code);
+    return code >= 0xd800 && code < 0xe000 ? 0 : n; /* halves of UTF-16 */
 }
 
 static void write_text(json *j, const char *text) {

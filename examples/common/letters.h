@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "letters_data.h"
+#include "utf8.h"
 
 /* Where text goes: put(user, x, y, share) blends one pixel; share 0 .. 1 is how much of it the letter covers. */
 typedef struct letters_target {
@@ -30,17 +31,10 @@ typedef struct letters_box {
 
 /* The next character of a text; 0 for a byte that begins none. */
 static unsigned letters_next(const char **text) {
-    const unsigned char *c = (const unsigned char *)*text;
-    const int more = *c < 0x80 ? 0 : (*c & 0xE0) == 0xC0 ? 1 : (*c & 0xF0) == 0xE0 ? 2 : (*c & 0xF8) == 0xF0 ? 3 : -1;
-    unsigned code = more <= 0 ? *c : *c & (0x3Fu >> more);
-    *text += 1;
-    if (more < 0) return 0;
-    for (int k = 1; k <= more; k++) {
-        if ((c[k] & 0xC0) != 0x80) return 0;
-        code = code << 6 | (c[k] & 0x3Fu);
-        *text += 1;
-    }
-    return code;
+    uint32_t code = 0;
+    const size_t n = utf8_get((const unsigned char *)*text, 4, &code);
+    *text += n ? n : 1;
+    return n ? code : 0;
 }
 
 /* Row of the table; that of the space for what the font has not. */

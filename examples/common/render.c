@@ -685,7 +685,7 @@ int picture_write(picture *s, const char *folder, const char *name) {
 struct movie {
     FILE *pipe;
     apng *frames;                    /* of an animated PNG; NULL: the pipe to ffmpeg */
-    char temporary[1000], path[900]; /* a folder that program_start has accepted, and a name */
+    char temporary[1000], path[900]; /* a folder that program_start has accepted, and a name; PNG: folder, name */
     int rate, width, height;
     bool failed;
 };
@@ -723,9 +723,13 @@ static int close_png(movie *m) {
     return status;
 }
 
-movie *movie_open(const char *folder, const char *name, int frames_per_second) {
+int movie_is_animation(const char *name) {
     const size_t length = strlen(name);
-    if (length > 4 && strcmp(name + length - 4, ".png") == 0) return open_png(folder, name, frames_per_second);
+    return length > 4 && strcmp(name + length - 4, ".png") == 0;
+}
+
+movie *movie_open(const char *folder, const char *name, int frames_per_second) {
+    if (movie_is_animation(name)) return open_png(folder, name, frames_per_second);
     if (system("command -v ffmpeg >/dev/null 2>&1") != 0) {
         common_print("%s is left out: ffmpeg is not installed\n", name);
         return NULL;

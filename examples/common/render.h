@@ -56,6 +56,7 @@ int picture_width(const picture *s);
 int picture_height(const picture *s);
 
 typedef struct movie movie;
+int movie_is_animation(const char *name); /* an animated PNG */
 movie *movie_open(const char *folder, const char *name, int frames_per_second);
 void movie_add(movie *m, picture *s); /* all of one size */
 int movie_close(movie *m);            /* the file is whole or absent */

@@ -9,6 +9,7 @@
 
 #include "csv.h"
 #include "sheet_words.h"
+#include "utf8.h"
 
 /* No control characters to a terminal. */
 static int clean(char *message) {
@@ -57,19 +58,6 @@ static size_t put_rune(char *out, uint32_t c) {
     return 4;
 }
 
-/* A character in UTF-8 and its length; 0: these bytes are none. */
-static size_t get_rune(const unsigned char *at, size_t left, uint32_t *c) {
-    static const uint32_t least[5] = {0, 0, 0x80, 0x800, 0x10000};
-    const size_t n = at[0] < 0x80 ? 1 : at[0] >> 5 == 6 ? 2 : at[0] >> 4 == 14 ? 3 : at[0] >> 3 == 30 ? 4 : 0;
-    if (n == 0 || n > left) return 0;
-    *c = n == 1 ? at[0] : at[0] & (0x7fu >> n);
-    for (size_t k = 1; k < n; k++) {
-        if (at[k] >> 6 != 2) return 0;
-        *c = *c << 6 | (at[k] & 63u);
-    }
-    return *c >= least[n] && *c < 0x110000 ? n : 0;
-}
-
 /* 0 for 8 bits a character, else the byte order of UTF-16: 1 little, 2 big. */
 static int wide_order(const unsigned char *bytes, size_t size) {
     if (size >= 2 && bytes[0] == 0xff && bytes[1] == 0xfe) return 1;
@@ -91,7 +79,7 @@ static char *to_utf8(const char *raw, size_t size) {
     uint32_t c;
     bool utf8 = true;
     if (!text) return NULL;
-    for (size_t i = 0; i < size && !wide && utf8; i += length) utf8 = (length = get_rune(bytes + i, size - i, &c)) > 0;
+    for (size_t i = 0; i < size && !wide && utf8; i += length) utf8 = (length = utf8_get(bytes + i, size - i, &c)) > 0;
     if (wide) {
         for (size_t i = 0; i + 1 < size; i += 2) {
             c = wide == 1 ? (uint32_t)(bytes[i] | bytes[i + 1] << 8) : (uint32_t)(bytes[i + 1] | bytes[i] << 8);
@@ -99,7 +87,7 @@ static char *to_utf8(const char *raw, size_t size) {
         }
     } else if (utf8) {
         for (size_t i = 0; i < size; i += length)
-            length = get_rune(bytes + i, size - i, &c), n += put_rune(text + n, c);
+            length = utf8_get(bytes + i, size - i, &c), n += put_rune(text + n, c);
     } else {
         for (size_t i = 0; i < size; i++) n += put_rune(text + n, latin(bytes[i]));
     }
@@ -255,7 +243,7 @@ void sheet_fold(const char *text, char *out, size_t size) {
     size_t n = 0, left = strlen(text), length;
     uint32_t c = 0;
     while (left > 0 && n + 4 < size) {
-        if ((length = get_rune(at, left, &c)) == 0) length = 1, c = '?';
+        if ((length = utf8_get(at, left, &c)) == 0) length = 1, c = '?';
         at += length, left -= length;
         if (c < 0x80) {
             out[n++] = (char)(c >= 'A' && c <= 'Z' ? c + 32 : c);

@@ -13,7 +13,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 typedef struct picture_def {
     const char *names[8]; /* of the groups, for the legend */
@@ -112,9 +111,8 @@ typedef struct world_movie {
 } world_movie;
 
 static inline world_movie world_movie_open(const char *folder, const char *name, const picture_def *look) {
-    const size_t length = strlen(name);
-    const int animation = length > 4 && strcmp(name + length - 4, ".png") == 0; /* for a page: fewer frames */
-    world_movie m = {movie_open(folder, name, animation ? 12 : 25), NULL, look};
+    /* an animation is for a page: fewer frames */
+    world_movie m = {movie_open(folder, name, movie_is_animation(name) ? 12 : 25), NULL, look};
     if (m.film) m.s = world_scene(look);
     return m;
 }
