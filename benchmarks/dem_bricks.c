@@ -9,55 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "brick_bed.h"
 #include "common.h"
 #include "dem.h"
 #include "riddle_io.h"
 #include "dem_io.h"
 #include "measure.h"
 
-static const double edge = 2e-3, density = 2500.0, stiffness = 1e4, spacing = 5.2e-3;
-enum { ACROSS = 7 }; /* bodies of a layer, along each side */
 static const char *const shapes[] = {"brick", "clump", "sphere"};
-
-/* What a bed is made of. */
-typedef struct kind {
-    int shape, number; /* one of `shapes`; of the brick in the world */
-    dem_clump clump;
-    double diameter; /* of a sphere of the brick's volume [m] */
-} kind;
-
-static dem_status prepare(dem_world *w, int shape, kind *k) {
-    dem_convex brick;
-    const double two = 0.25 * 1.58740105196820 * edge * 1.58375586998611; /* radius of each of a clump's spheres [m] */
-    const double centres[6] = {0, 0, -two, 0, 0, two}, diameters[2] = {2.0 * two, 2.0 * two};
-    k->shape = shape, k->number = 0, k->diameter = edge * 1.58375586998611;
-    dem_status status = dem_make_brick(&brick, dem_vec3(edge, edge, 2.08 * edge), 0.03, NULL);
-    if (status == DEM_OK) status = dem_make_clump(2, centres, diameters, &k->clump);
-    if (status == DEM_OK && shape == 0) k->number = dem_add_shape(w, &brick);
-    return k->number < 0 ? (dem_status)-k->number : status;
-}
-
-static dem_status add_body(dem_world *w, const kind *k, dem_vec x, dem_quaternion turn, dem_vec velocity,
-                           dem_vec spin) {
-    const double at[3] = {x.x, x.y, x.z}, q[4] = {turn.w, turn.x, turn.y, turn.z};
-    dem_status status;
-    if (k->shape == 0) status = dem_add_convex(w, k->number, 1, at, q, 0, 0);
-    else if (k->shape == 1) status = dem_add_clumps(w, 1, &k->clump, at, NULL, q, 0, 0);
-    else status = dem_add_spheres(w, 1, at, &k->diameter, 0, 0);
-    return status == DEM_OK ? dem_set_motion(w, w->count - 1, velocity, spin) : status;
-}
-
-static dem_status add_bodies(dem_world *w, int shape, int n, uint64_t seed) {
-    kind own;
-    dem_status status = prepare(w, shape, &own);
-    for (int k = 0; k < n && status == DEM_OK; k++) {
-        const int layer = k / (ACROSS * ACROSS);
-        const dem_vec at =
-            dem_vec3((0.5 + k % ACROSS) * spacing, (0.5 + k / ACROSS % ACROSS) * spacing, (0.6 + layer) * spacing);
-        status = add_body(w, &own, at, dem__random_turn(&seed), dem_vec3(0, 0, -0.3), dem_vec3(0, 0, 0));
-    }
-    return status;
-}
 
 /* The bodies' states: centre, quaternion of the shape's principal axes, velocity, spin. */
 static void write_state(const dem_world *w, const char *out) {
@@ -189,9 +148,10 @@ static dem_status add_pairs(dem_world *w, int shape, int n, int on_face, uint64_
             turn[m] = on_face ? dem__quaternion(cos(angle), dem_vec3(sin(angle), 0, 0)) : dem__random_turn(random);
             q[4 * m] = turn[m].w, q[4 * m + 1] = turn[m].x, q[4 * m + 2] = turn[m].y, q[4 * m + 3] = turn[m].z;
         }
-        for (int a = 1; a < 3; a++) x[a] = 0.2 * edge * (dem__uniform(random) - 0.5);
+        for (int a = 1; a < 3; a++) x[a] = 0.2 * brick_edge * (dem__uniform(random) - 0.5);
         x[0] = touching_distance(s, turn[0], turn[1], x[1], x[2]);
-        for (int m = 0; m < 2; m++) x[3 * m] += 10.0 * edge * (k % 32), x[3 * m + 1] += 10.0 * edge * (k / 32);
+        for (int m = 0; m < 2; m++)
+            x[3 * m] += 10.0 * brick_edge * (k % 32), x[3 * m + 1] += 10.0 * brick_edge * (k / 32);
         status = dem_add_convex(w, shape, 2, x, q, 0, 0);
     }
     return status;
@@ -220,12 +180,13 @@ static dem_status time_pairs(int n, int on_face, uint64_t random, double ns[3], 
     dem_def def = dem_default_def();
     dem_world w;
     dem_convex brick;
-    const int m = dem_add_material(&def, density, 1e7, 0.3);
-    dem_pair(&def, m, m)->stiffness = stiffness, dem_pair(&def, m, m)->restitution = 0.3,
+    const int m = dem_add_material(&def, brick_density, 1e7, 0.3);
+    dem_pair(&def, m, m)->stiffness = brick_stiffness, dem_pair(&def, m, m)->restitution = 0.3,
                       dem_pair(&def, m, m)->friction = 0.5;
     def.dt = 1e-9, def.threads = 1, def.gravity = dem_vec3(0, 0, 0); /* nothing moves far */
     dem_status status = dem_init(&w, &def, NULL);
-    if (status == DEM_OK) status = dem_make_brick(&brick, dem_vec3(edge, edge, 2.08 * edge), 0.03, NULL);
+    if (status == DEM_OK)
+        status = dem_make_brick(&brick, dem_vec3(brick_edge, brick_edge, 2.08 * brick_edge), 0.03, NULL);
     const int shape = status == DEM_OK ? dem_add_shape(&w, &brick) : 0;
     if (status == DEM_OK) status = shape < 0 ? (dem_status)-shape : add_pairs(&w, shape, n, on_face, &random);
     if (status == DEM_OK) status = dem_run(&w, 10 * def.dt, DEM_LINEAR | DEM_FRICTION);
@@ -300,40 +261,6 @@ static dem_status settle_down(dem_world *w, const program *self, double time) {
     return status;
 }
 
-/* A box without bodies. */
-static dem_status make_box(dem_world *w, double side, int *floor_wall) {
-    dem_def def = dem_default_def();
-    const int material = dem_add_material(&def, density, 1e7, 0.3);
-    dem_pair_def *pair = dem_pair(&def, material, material);
-    pair->stiffness = stiffness, pair->restitution = 0.3, pair->friction = 0.5;
-    def.dt = 3e-6, def.threads = 1;
-    def.periodic[0] = def.periodic[1] = 1;
-    def.high.x = def.high.y = side;
-    const dem_status status = dem_init(w, &def, NULL);
-    *floor_wall = status == DEM_OK ? dem_add_plane(w, material, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) : 0;
-    return *floor_wall < 0 ? (dem_status) - *floor_wall : status;
-}
-
-/* Replaces a world by tiles x tiles copies of it beside each other, which fit, as it is periodic. */
-static dem_status repeat(dem_world *w, int shape, int tiles, double side, int *floor_wall) {
-    dem_world wide;
-    kind own;
-    memset(&wide, 0, sizeof wide);
-    dem_status status = make_box(&wide, tiles * side, floor_wall);
-    if (status == DEM_OK) status = prepare(&wide, shape, &own);
-    for (int tile = 0; tile < tiles * tiles; tile++) {
-        for (ptrdiff_t i = 0; i < w->count && status == DEM_OK; i++) {
-            const dem_body b = dem_get_body(w, i);
-            const dem_vec at =
-                dem_vec3(b.position.x + tile % tiles * side, b.position.y + tile / tiles * side, b.position.z);
-            if (b.first == i) status = add_body(&wide, &own, at, b.orientation, b.velocity, b.spin);
-        }
-    }
-    dem_free(w);
-    *w = wide;
-    return status;
-}
-
 /* Times steps, says what they took and writes it down. */
 static dem_status time_steps(dem_world *w, const char *shape, int bodies, int steps, json *report) {
     const double dt = w->def.dt;
@@ -377,10 +304,11 @@ int main(int argc, char **argv) {
     dem_world world;
     int floor_wall;
     memset(&world, 0, sizeof world);
-    dem_status status = make_box(&world, ACROSS * spacing, &floor_wall);
-    if (status == DEM_OK) status = add_bodies(&world, shape, bodies, self.seed);
+    dem_status status = brick_box(&world, BRICKS_ACROSS * brick_spacing, &floor_wall);
+    if (status == DEM_OK) status = brick_add_layers(&world, shape, bodies, self.seed);
     status = status == DEM_OK ? settle_down(&world, &self, settle) : status;
-    if (status == DEM_OK && tiles > 1) status = repeat(&world, shape, tiles, ACROSS * spacing, &floor_wall);
+    if (status == DEM_OK && tiles > 1)
+        status = brick_repeat(&world, shape, tiles, BRICKS_ACROSS * brick_spacing, &floor_wall);
     bodies *= tiles * tiles;
     if (status == DEM_OK) write_state(&world, self.out);
     if (status == DEM_OK && shape == 0) draw(&world, self.out);

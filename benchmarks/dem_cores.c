@@ -8,21 +8,23 @@
 
    Beds: those of dem_beds, 20 000 and 100 000 spheres, at rest and vibrated, with friction; 1 million are
    the 20 000, 50 times along x. A sphere is where the file has it in memory, or its number is drawn at random
-   (--shuffled). Beside the bound: what two real threads take, and as many as --asked on the processors that are here,
-   with a pool of the host's. */
+   (--shuffled). Other scenes, of 20 000 or so: the bed on a vibrating screen, dry and with liquid bridges; what of it
+   fits into a drum of triangles that turns; bricks at rest. Beside the bound: what two real threads take, and as many
+   as --asked on the processors that are here, with a pool of the host's. */
 #include <pthread.h>
 #include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bed.h"
+#include "brick_bed.h"
 #include "common.h"
 #include "dem.h"
+#include "dem_wet.h"
 #include "measure.h"
 
-enum { COUNTS = 7, BEDS = 6, REPEATS_MAX = 25, PIECE = 10, FEATURES = DEM_LINEAR | DEM_FRICTION };
+enum { COUNTS = 7, REPEATS_MAX = 25, PIECE = 10, FEATURES = DEM_LINEAR | DEM_FRICTION };
 static const int counts[COUNTS] = {1, 2, 4, 8, 16, 32, 64};
-static const int bed_spheres[BEDS] = {20000, 20000, 100000, 100000, 1000000, 1000000};
 static const double waking = 5e-6; /* [s] a loop, for the second bound */
 
 /* ---- the bound ---- */
@@ -159,9 +161,31 @@ static void run_in_pool(void *user, int tasks, void (*task)(void *context, int i
 
 /* ---- scenes ---- */
 
-/* A scene when the clock starts: a saved world. */
+typedef enum place { FLOOR, VIBRATED_FLOOR, DRY_SCREEN, WET_SCREEN, DRUM, BRICKS } place;
+
+/* What is measured. */
+typedef struct plan {
+    const char *name;
+    place where;
+    int spheres; /* of the bed that it begins with */
+} plan;
+static const plan plans[] = {
+    {"20 000 at rest", FLOOR, 20000},      {"20 000 vibrated", VIBRATED_FLOOR, 20000},
+    {"100 000 at rest", FLOOR, 100000},    {"100 000 vibrated", VIBRATED_FLOOR, 100000},
+    {"1 million at rest", FLOOR, 1000000}, {"1 million vibrated", VIBRATED_FLOOR, 1000000},
+    {"dry screen", DRY_SCREEN, 20000},     {"wet screen", WET_SCREEN, 20000},
+    {"drum of triangles", DRUM, 20000},    {"bricks at rest", BRICKS, 20000},
+};
+enum { SCENES = sizeof plans / sizeof *plans, BEDS = 6 };
+
+/* A scene when the clock starts: a saved world. Liquid is not in the save: a wet scene begins with films and
+   without contacts. */
 typedef struct start {
-    int spheres, vibrated, steps;
+    const plan *what;
+    int bodies, steps;
+    double dt;         /* [s] */
+    double *diameters; /* [bodies] [m] */
+    int *group;        /* [bodies] */
     unsigned char *bytes;
     size_t size;
 } start;
@@ -180,24 +204,123 @@ static void shuffle(bed *b, uint64_t seed) {
     }
 }
 
+/* A deck of square openings of 3 mm instead of the floor; the pattern repeats with the box. */
+static dem_status lay_screen(dem_world *w, const bed *b, const dem_def *def) {
+    const char *field;
+    dem_screen screen = dem_default_screen();
+    screen.aperture = 3e-3, screen.wire = 0.5e-3, screen.circular = 0;
+    screen.half_x = screen.half_y = 25 * (screen.aperture + screen.wire);
+    screen.centre = dem_vec3(0.5 * b->length_x, 0.5 * b->length_y, -0.5 * screen.wire);
+    dem_status status = dem_init(w, def, &field);
+    if (status != DEM_OK) return status;
+    const int deck = dem_add_screen(w, 1, &screen);
+    if (deck < 0) return (dem_status)-deck;
+    status =
+        dem_vibrate(w, deck, dem_vec3(0.0, 0.0, bed_amplitude), dem_vec3(0.0, 0.0, -0.5 * RIDDLE_PI), bed_frequency);
+    return status == DEM_OK ? dem_add_spheres(w, b->n, b->centres, b->diameters, 0, 0) : status;
+}
+
+/* A tube of triangles about the y axis, in 64 strips, that turns once in 2 s. */
+static dem_status add_drum(dem_world *w, double radius, double length) {
+    enum { STRIPS = 64 };
+    double vertex[6 * STRIPS];
+    int32_t triangle[6 * STRIPS];
+    dem_mesh mesh;
+    memset(&mesh, 0, sizeof mesh);
+    for (int k = 0; k < STRIPS; k++) {
+        const double angle = 2.0 * RIDDLE_PI * k / STRIPS;
+        const int32_t a = 2 * k, b = 2 * ((k + 1) % STRIPS);
+        const int32_t pair[6] = {a, a + 1, b, b, a + 1, b + 1};
+        for (int end = 0; end < 2; end++) {
+            double *v = vertex + 3 * (2 * k + end);
+            v[0] = radius * cos(angle), v[1] = (1.1 * end - 0.05) * length, v[2] = radius * sin(angle);
+        }
+        memcpy(triangle + 6 * k, pair, sizeof pair);
+    }
+    mesh.vertices = mesh.triangles = 2 * STRIPS, mesh.vertex = vertex, mesh.triangle = triangle;
+    const int wall = dem_add_mesh(w, 1, &mesh);
+    return wall < 0 ? (dem_status)-wall : dem_rotate(w, wall, dem_vec3(0, 0, 0), dem_vec3(0, 1, 0), RIDDLE_PI);
+}
+
+/* The spheres of three beds beside each other that lie within a drum, periodic along its axis. */
+static dem_status fill_drum(dem_world *w, const bed *b, dem_def def) {
+    const double radius = 0.1, free = radius * cos(RIDDLE_PI / 64) - 0.5 * bed_diameter;
+    const char *field;
+    def.periodic[0] = 0;
+    dem_status status = dem_init(w, &def, &field);
+    if (status == DEM_OK) status = add_drum(w, radius, b->length_y);
+    for (int k = 0; k < 3 * b->n && status == DEM_OK; k++) {
+        const double *c = b->centres + 3 * (k % b->n),
+                     at[3] = {c[0] + (k / b->n - 1.5) * b->length_x, c[1], c[2] - radius};
+        if (at[0] * at[0] + at[2] * at[2] < free * free) status = dem_add_spheres(w, 1, at, &bed_diameter, 0, 0);
+    }
+    return status;
+}
+
+/* 245 bricks that settle, 81 times beside each other. */
+static dem_status lay_bricks(dem_world *w, const program *self) {
+    enum { POURED = 5 * BRICKS_ACROSS * BRICKS_ACROSS };
+    const double side = BRICKS_ACROSS * brick_spacing;
+    int floor_wall;
+    dem_status status = brick_box(w, side, &floor_wall);
+    if (status == DEM_OK) status = brick_add_layers(w, 0, self->quick ? POURED / 5 : POURED, self->seed);
+    if (status == DEM_OK) status = dem_run(w, self->quick ? 0.01 : 0.12, FEATURES);
+    return status == DEM_OK ? brick_repeat(w, 0, self->quick ? 2 : 9, side, &floor_wall) : status;
+}
+
+static dem_status build(dem_world *w, place where, const bed *b, const dem_def *def, const program *self) {
+    switch (where) {
+    case DRY_SCREEN:
+    case WET_SCREEN: return lay_screen(w, b, def);
+    case DRUM: return fill_drum(w, b, *def);
+    case BRICKS: return lay_bricks(w, self);
+    default: return bed_world(w, b, def, where == VIBRATED_FLOOR);
+    }
+}
+
+/* Films on all spheres of a world, 1 % of their mass. */
+static dem_status moisten(const start *s, dem_world *w, wet_scene *scene) {
+    const double class_diameter[WET_CLASSES] = {bed_diameter, bed_diameter, bed_diameter};
+    const double mass = s->bodies * dem_mass(w, 0);
+    w->user = scene;
+    return wet_init(scene, s->bodies, s->group, s->diameters, class_diameter, 0.01, mass, 0, w, false, WET_STEEL) ==
+                   BRIDGE_OK
+               ? DEM_OK
+               : DEM_BAD_ARGUMENT;
+}
+
+static dem_status run_for(const start *s, dem_world *w, int steps) {
+    return s->what->where == WET_SCREEN ? wet_run(w, steps * s->dt, 0) : dem_run(w, steps * s->dt, FEATURES);
+}
+
 static int prepare(start *s, const char *folder, int shuffled, const program *self) {
     char message[1200];
     bed b;
     dem_world world;
     memset(&world, 0, sizeof world);
-    if (bed_read(&b, folder, s->spheres, message, sizeof message) != 0) return common_fail("%s", message);
+    if (bed_read(&b, folder, self->quick ? 2000 : s->what->spheres, message, sizeof message) != 0)
+        return common_fail("%s", message);
     if (shuffled) shuffle(&b, self->seed);
     dem_def def = bed_def(&b, 0.2, DEM_NAIVE);
     def.skin = 0.35;
-    dem_status status = bed_world(&world, &b, &def, s->vibrated);
+    dem_status status = build(&world, s->what->where, &b, &def, self);
     bed_free(&b);
-    if (status == DEM_OK) status = dem_run(&world, 100 * bed_dt, FEATURES);
+    s->dt = world.def.dt, s->bodies = (int)world.count;
+    if (status == DEM_OK && s->what->where != WET_SCREEN) status = dem_run(&world, 100 * s->dt, FEATURES);
     s->size = status == DEM_OK ? dem_save(&world, NULL, 0) : 0;
     s->bytes = malloc(s->size);
-    if (!s->bytes && status == DEM_OK) status = DEM_OUT_OF_MEMORY;
+    s->diameters = malloc((size_t)s->bodies * sizeof *s->diameters);
+    s->group = calloc((size_t)s->bodies, sizeof *s->group);
+    if (status == DEM_OK && !(s->bytes && s->diameters && s->group)) status = DEM_OUT_OF_MEMORY;
     if (status == DEM_OK) dem_save(&world, s->bytes, s->size);
+    for (int i = 0; i < s->bodies && status == DEM_OK; i++) s->diameters[i] = 2.0 * dem_radius(&world, i);
     dem_free(&world);
-    return status == DEM_OK ? 0 : common_fail("%d spheres: %s", s->spheres, dem_status_text(status));
+    return status == DEM_OK ? 0 : common_fail("%s: %s", s->what->name, dem_status_text(status));
+}
+
+static void start_free(start *s) {
+    free(s->bytes), free(s->diameters), free(s->group);
+    s->bytes = NULL, s->diameters = NULL, s->group = NULL;
 }
 
 /* Runs a scene from its start with a host's threads. timed: NULL, or the path that `user` is. Returns seconds of
@@ -205,22 +328,26 @@ static int prepare(start *s, const char *folder, int shuffled, const program *se
 static double run_scene(const start *s, int threads, void (*parallel)(void *, int, void (*)(void *, int), void *),
                         void *user, path *timed, dem_status *status) {
     dem_world world;
+    wet_scene liquid;
     double took = 0.0;
+    memset(&liquid, 0, sizeof liquid);
     if (*status != DEM_OK) return 0.0;
     *status = dem_load(&world, s->bytes, s->size, NULL);
     if (*status != DEM_OK) return 0.0;
     world.def.threads = threads, world.def.parallel = threads > 1 ? parallel : NULL, world.def.parallel_user = user;
     if (threads == 1) world.def.parallel = parallel;
-    *status = dem_run(&world, 2 * PIECE * bed_dt, FEATURES); /* lists are made */
+    if (s->what->where == WET_SCREEN) *status = moisten(s, &world, &liquid);
+    if (*status == DEM_OK) *status = run_for(s, &world, 2 * PIECE); /* lists are made */
     if (timed) timed->at = timed->loops = 0;
     for (int done = 0; done < s->steps && *status == DEM_OK; done += PIECE) { /* cuts the time outside into pieces */
         const double began = machine_seconds();
         if (timed) timed->mark = began;
-        *status = dem_run(&world, PIECE * bed_dt, FEATURES);
+        *status = run_for(s, &world, PIECE);
         if (timed) note(timed, machine_seconds() - timed->mark, 0);
         took += machine_seconds() - began;
     }
     dem_free(&world);
+    wet_free(&liquid);
     return took;
 }
 
@@ -229,13 +356,12 @@ static int find_bound(const start *s, int threads, int repeats, bound *b, progre
     dem_status status = DEM_OK;
     for (; p.repeat < repeats && status == DEM_OK && !common_interrupted(); p.repeat++) {
         run_scene(s, threads, time_tasks, &p, &p, &status);
-        progress_add(bar, 1.0 * s->steps * s->spheres);
+        progress_add(bar, 1.0 * s->steps * s->what->spheres);
     }
     *b = bound_of(&p, threads, s->steps);
     free(p.least), free(p.loop);
     if (p.failed) status = DEM_OUT_OF_MEMORY;
-    return status == DEM_OK ? 0
-                            : common_fail("%d spheres on %d threads: %s", s->spheres, threads, dem_status_text(status));
+    return status == DEM_OK ? 0 : common_fail("%s, %d threads: %s", s->what->name, threads, dem_status_text(status));
 }
 
 /* The least time of several runs with a pool of threads [s]. */
@@ -276,20 +402,20 @@ static double least_work(const row *r) {
 }
 
 static void report_row(const row *r, int asked, riddle_io_table *t, riddle_io_file *file, json *report) {
-    const double one = least_work(r), each = 1e9 * one / r->scene.steps / r->scene.spheres;
+    const double one = least_work(r), each = 1e9 * one / r->scene.steps / r->scene.bodies;
     json_object_begin(report, NULL);
-    json_integer(report, "spheres", r->scene.spheres);
-    json_bool(report, "vibrated", r->scene.vibrated);
+    json_string(report, "scene", r->scene.what->name);
+    json_integer(report, "bodies", r->scene.bodies);
     json_number(report, "particle_step_ns", each);
     json_number(report, "two_threads_speedup", r->one / r->two);
     json_integer(report, "asked", asked);
     json_number(report, "asked_over_two", r->many / r->two);
     json_array_begin(report, "bounds");
-    riddle_io_table_cell(t, "%d %s", r->scene.spheres, r->scene.vibrated ? "vibrated" : "at rest");
+    riddle_io_table_cell(t, "%s", r->scene.what->name);
     riddle_io_table_cell(t, "%.0f", each);
     for (int k = 0; k < COUNTS; k++) {
         const bound *b = &r->of[k];
-        csv_line(file, "%d,%d,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", r->scene.spheres, r->scene.vibrated, b->threads,
+        csv_line(file, "%s,%d,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", r->scene.what->name, r->scene.bodies, b->threads,
                  b->work, b->outside, b->loops, one / b->path, one / b->woken, each);
         json_object_begin(report, NULL);
         json_integer(report, "threads", b->threads);
@@ -312,10 +438,8 @@ static void draw(const program *self, const row *rows, int n) {
     riddle_plot_panel(figure, 0, 0, "threads [-]", "speedup [-]");
     riddle_plot_log_x(figure);
     for (int r = 0; r < n; r++) {
-        char name[80];
-        snprintf(name, sizeof name, "%d %s", rows[r].scene.spheres, rows[r].scene.vibrated ? "vibrated" : "at rest");
         for (int k = 0; k < COUNTS; k++) threads[k] = counts[k], speedup[k] = least_work(&rows[r]) / rows[r].of[k].path;
-        riddle_plot_line(figure, name, threads, speedup, COUNTS);
+        riddle_plot_line(figure, rows[r].scene.what->name, threads, speedup, COUNTS);
         riddle_plot_style(figure, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
     }
     riddle_plot_write(figure, self->out, "dem_cores.svg");
@@ -324,13 +448,14 @@ static void draw(const program *self, const row *rows, int n) {
 int main(int argc, char **argv) {
     char found[1000];
     const char *folder = output_find(found, sizeof found, "tests/reference/beds");
-    int most = 100000, steps = 100, repeats = 5, asked = 64, n = 0;
+    int most = 100000, steps = 100, repeats = 5, asked = 64, others = 0, n = 0;
     bool shuffled = false;
-    row rows[BEDS];
+    row rows[SCENES];
     double work_of_all = 0.0;
     option options[] = {
         option_string("beds", "DIR", &folder, "folder of the start files"),
-        option_int("spheres", "N", &most, 2000, 1000000, "largest bed"),
+        option_choice("scenes", &others, "all|beds|others", "which are measured"),
+        option_int("spheres", "N", &most, 20000, 1000000, "largest bed"),
         option_int("steps", "N", &steps, PIECE, 100000, "time steps of 20 000 spheres; 1 million take a fifth"),
         option_int("repeats", "N", &repeats, 1, REPEATS_MAX, "runs of each; the least times count"),
         option_int("asked", "N", &asked, 2, 64, "threads asked for on the processors that are here"),
@@ -338,18 +463,17 @@ int main(int argc, char **argv) {
     };
     program self = program_start("dem_cores", "dem.h: a bound of the speedup by more cores than are here.", options,
                                  sizeof options / sizeof *options, argc, argv);
-    if (self.quick && !is_given(&self, "spheres")) most = 2000;
+    if (self.quick && !is_given(&self, "spheres")) most = 20000;
     if (self.quick && !is_given(&self, "steps")) steps = PIECE;
     if (self.quick && !is_given(&self, "repeats")) repeats = 2;
     program_need_spheres(&self, "spheres", most);
     memset(rows, 0, sizeof rows);
-    for (int k = 0; k < BEDS; k++) {
-        const int spheres = most < 20000 ? 2000 : bed_spheres[k];
-        if (spheres > most || (k > 1 && most < 20000)) continue;
-        const int wanted = spheres > 100000 ? steps / 5 : steps;
-        rows[n].scene.spheres = spheres, rows[n].scene.vibrated = k % 2;
+    for (int k = 0; k < SCENES; k++) {
+        if (plans[k].spheres > most || others == (k < BEDS ? 2 : 1)) continue;
+        const int wanted = plans[k].spheres > 100000 ? steps / 5 : steps;
+        rows[n].scene.what = &plans[k];
         rows[n].scene.steps = wanted < PIECE ? PIECE : wanted / PIECE * PIECE;
-        work_of_all += (double)COUNTS * repeats * rows[n].scene.steps * spheres;
+        work_of_all += (double)COUNTS * repeats * rows[n].scene.steps * plans[k].spheres;
         n++;
     }
     progress bar;
@@ -357,20 +481,19 @@ int main(int argc, char **argv) {
     for (int k = 0; k < n && !common_interrupted(); k++) {
         if (prepare(&rows[k].scene, folder, shuffled, &self) != 0 || measure(&rows[k], repeats, asked, &bar) != 0)
             break;
-        free(rows[k].scene.bytes);
-        rows[k].scene.bytes = NULL;
+        start_free(&rows[k].scene);
     }
     progress_end(&bar);
-    for (int k = 0; k < n; k++) free(rows[k].scene.bytes);
+    for (int k = 0; k < n; k++) start_free(&rows[k].scene);
     if (common_exit_status() != 0) return common_exit_status();
 
     json *report = json_open(self.json);
     riddle_io_file *file =
         csv_open(self.out, "dem_cores.csv",
-                 "spheres,vibrated,threads,work_s,outside_s,loops_a_step,speedup,speedup_with_waking,particle_step_ns");
+                 "scene,bodies,threads,work_s,outside_s,loops_a_step,speedup,speedup_with_waking,particle_step_ns");
     riddle_io_table t =
-        riddle_io_table_begin("bed|ns a particle-step|2 threads|4|8|16|32|64|2 real threads|as many as asked over 2");
-    json_array_begin(report, "beds");
+        riddle_io_table_begin("scene|ns a particle-step|2 threads|4|8|16|32|64|2 real threads|as many as asked over 2");
+    json_array_begin(report, "scenes");
     for (int k = 0; k < n; k++) report_row(&rows[k], asked, &t, file, report);
     json_array_end(report);
     table_end(&t);

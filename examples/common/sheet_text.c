@@ -76,7 +76,7 @@ static char *to_utf8(const char *raw, size_t size) {
     char *text = malloc(3 * size + 8);
     const int wide = wide_order(bytes, size);
     size_t n = 0, length;
-    uint32_t c;
+    uint32_t c = 0;
     bool utf8 = true;
     if (!text) return NULL;
     for (size_t i = 0; i < size && !wide && utf8; i += length) utf8 = (length = utf8_get(bytes + i, size - i, &c)) > 0;
