@@ -182,10 +182,10 @@ enum { SCENES = sizeof plans / sizeof *plans, BEDS = 6 };
    without contacts. */
 typedef struct start {
     const plan *what;
-    int bodies, steps;
-    double dt;         /* [s] */
-    double *diameters; /* [bodies] [m] */
-    int *group;        /* [bodies] */
+    int bodies, steps, whole; /* steps of a run for the bound; of one for the wall clock */
+    double dt;                /* [s] */
+    double *diameters;        /* [bodies] [m] */
+    int *group;               /* [bodies] */
     unsigned char *bytes;
     size_t size;
 } start;
@@ -339,10 +339,11 @@ static double run_scene(const start *s, int threads, void (*parallel)(void *, in
     if (s->what->where == WET_SCREEN) *status = moisten(s, &world, &liquid);
     if (*status == DEM_OK) *status = run_for(s, &world, 2 * PIECE); /* lists are made */
     if (timed) timed->at = timed->loops = 0;
-    for (int done = 0; done < s->steps && *status == DEM_OK; done += PIECE) { /* cuts the time outside into pieces */
+    const int steps = timed ? s->steps : s->whole, piece = timed ? PIECE : steps; /* cuts the time outside */
+    for (int done = 0; done < steps && *status == DEM_OK; done += piece) {
         const double began = machine_seconds();
         if (timed) timed->mark = began;
-        *status = run_for(s, &world, PIECE);
+        *status = run_for(s, &world, piece);
         if (timed) note(timed, machine_seconds() - timed->mark, 0);
         took += machine_seconds() - began;
     }
@@ -384,14 +385,15 @@ typedef struct row {
     double one, two, many; /* real threads [s]; NaN without */
 } row;
 
-static int measure(row *r, int repeats, int asked, progress *bar) {
-    for (int k = 0; k < COUNTS && !common_interrupted(); k++) {
+static int measure(row *r, int bounds, int repeats, int asked, progress *bar) {
+    for (int k = 0; k < COUNTS && bounds && !common_interrupted(); k++) {
         if (find_bound(&r->scene, counts[k], repeats, &r->of[k], bar) != 0) return -1;
     }
-    r->one = r->two = r->many = (double)NAN;
+    const int real = repeats < 3 ? repeats : 3;
+    r->two = r->many = (double)NAN;
+    r->one = find_real(&r->scene, 1, real);
     if (machine_cores() < 2) return 0;
-    r->one = find_real(&r->scene, 1, repeats), r->two = find_real(&r->scene, 2, repeats),
-    r->many = find_real(&r->scene, asked, repeats);
+    r->two = find_real(&r->scene, 2, real), r->many = find_real(&r->scene, asked, real);
     return 0;
 }
 
@@ -402,17 +404,20 @@ static double least_work(const row *r) {
 }
 
 static void report_row(const row *r, int asked, riddle_io_table *t, riddle_io_file *file, json *report) {
-    const double one = least_work(r), each = 1e9 * one / r->scene.steps / r->scene.bodies;
+    const double one = least_work(r), each = one > 0.0 ? 1e9 * one / r->scene.steps / r->scene.bodies : (double)NAN,
+                 whole = 1e9 * r->one / r->scene.whole / r->scene.bodies; /* one thread, one call of dem_run */
     json_object_begin(report, NULL);
     json_string(report, "scene", r->scene.what->name);
     json_integer(report, "bodies", r->scene.bodies);
     json_number(report, "particle_step_ns", each);
+    json_number(report, "whole_run_ns", whole);
     json_number(report, "two_threads_speedup", r->one / r->two);
     json_integer(report, "asked", asked);
     json_number(report, "asked_over_two", r->many / r->two);
     json_array_begin(report, "bounds");
     riddle_io_table_cell(t, "%s", r->scene.what->name);
     riddle_io_table_cell(t, "%.0f", each);
+    riddle_io_table_cell(t, "%.0f", whole);
     for (int k = 0; k < COUNTS; k++) {
         const bound *b = &r->of[k];
         csv_line(file, "%s,%d,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", r->scene.what->name, r->scene.bodies, b->threads,
@@ -448,7 +453,7 @@ static void draw(const program *self, const row *rows, int n) {
 int main(int argc, char **argv) {
     char found[1000];
     const char *folder = output_find(found, sizeof found, "tests/reference/beds");
-    int most = 100000, steps = 100, repeats = 5, asked = 64, others = 0, n = 0;
+    int most = 100000, steps = 100, repeats = 5, asked = 64, others = 0, bounds = 0, n = 0;
     bool shuffled = false;
     row rows[SCENES];
     double work_of_all = 0.0;
@@ -459,6 +464,7 @@ int main(int argc, char **argv) {
         option_int("steps", "N", &steps, PIECE, 100000, "time steps of 20 000 spheres; 1 million take a fifth"),
         option_int("repeats", "N", &repeats, 1, REPEATS_MAX, "runs of each; the least times count"),
         option_int("asked", "N", &asked, 2, 64, "threads asked for on the processors that are here"),
+        option_choice("bounds", &bounds, "yes|no", "no: real threads alone are timed"),
         option_flag("shuffled", &shuffled, "spheres in memory in an order drawn at random"),
     };
     program self = program_start("dem_cores", "dem.h: a bound of the speedup by more cores than are here.", options,
@@ -472,14 +478,15 @@ int main(int argc, char **argv) {
         if (plans[k].spheres > most || others == (k < BEDS ? 2 : 1)) continue;
         const int wanted = plans[k].spheres > 100000 ? steps / 5 : steps;
         rows[n].scene.what = &plans[k];
-        rows[n].scene.steps = wanted < PIECE ? PIECE : wanted / PIECE * PIECE;
+        rows[n].scene.steps = wanted < PIECE ? PIECE : wanted / PIECE * PIECE, rows[n].scene.whole = steps;
         work_of_all += (double)COUNTS * repeats * rows[n].scene.steps * plans[k].spheres;
         n++;
     }
     progress bar;
     progress_begin(&bar, "measuring", work_of_all);
     for (int k = 0; k < n && !common_interrupted(); k++) {
-        if (prepare(&rows[k].scene, folder, shuffled, &self) != 0 || measure(&rows[k], repeats, asked, &bar) != 0)
+        if (prepare(&rows[k].scene, folder, shuffled, &self) != 0 ||
+            measure(&rows[k], bounds == 0, repeats, asked, &bar) != 0)
             break;
         start_free(&rows[k].scene);
     }
@@ -491,14 +498,14 @@ int main(int argc, char **argv) {
     riddle_io_file *file =
         csv_open(self.out, "dem_cores.csv",
                  "scene,bodies,threads,work_s,outside_s,loops_a_step,speedup,speedup_with_waking,particle_step_ns");
-    riddle_io_table t =
-        riddle_io_table_begin("scene|ns a particle-step|2 threads|4|8|16|32|64|2 real threads|as many as asked over 2");
+    riddle_io_table t = riddle_io_table_begin(
+        "scene|ns a particle-step|in one run|2 threads|4|8|16|32|64|2 real threads|as many as asked over 2");
     json_array_begin(report, "scenes");
     for (int k = 0; k < n; k++) report_row(&rows[k], asked, &t, file, report);
     json_array_end(report);
     table_end(&t);
     riddle_io_close(file);
-    draw(&self, rows, n);
+    if (bounds == 0) draw(&self, rows, n);
     json_program(report, &self);
     json_close(report);
     return common_exit_status();
