@@ -339,7 +339,8 @@ static double run_scene(const start *s, int threads, void (*parallel)(void *, in
     if (s->what->where == WET_SCREEN) *status = moisten(s, &world, &liquid);
     if (*status == DEM_OK) *status = run_for(s, &world, 2 * PIECE); /* lists are made */
     if (timed) timed->at = timed->loops = 0;
-    const int steps = timed ? s->steps : s->whole, piece = timed ? PIECE : steps; /* cuts the time outside */
+    /* one thread has no loops whose times are noted: pieces cut its run */
+    const int steps = timed ? s->steps : s->whole, piece = timed && threads == 1 ? PIECE : steps;
     for (int done = 0; done < steps && *status == DEM_OK; done += piece) {
         const double began = machine_seconds();
         if (timed) timed->mark = began;
