@@ -827,7 +827,7 @@ int main(int argc, char **argv) {
         status = go(&self, &r, &t, stop, &f);
         riddle_io_series_close(f.particles), riddle_io_series_close(f.flow);
     } else common_fail("%s", filtration_status_text(status));
-    if (status == FILTRATION_OK && r.c->samples > 0) {
+    if (status == FILTRATION_OK && (r.c->samples > 0 || !common_interrupted())) {
         const findings found = evaluate(&r);
         json *report = json_open(common_interrupted() ? NULL : self.json); /* which tells of a whole run */
         print_run(&r, &found);
