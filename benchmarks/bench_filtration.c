@@ -470,7 +470,7 @@ int main(int argc, char **argv) {
     if (part == ALL || part == DRAG) drag_errors(&self, report);
     if (part == ALL || part == RATES) {
         rates(&self, report);
-        if (self.threads > 1) speedups(&self, report);
+        if (is_given(&self, "threads") && self.threads > 1) speedups(&self, report);
     }
     if (part == ALL || part == MOVING) {
         noise(&self, report);
