@@ -58,11 +58,13 @@ static double jet_speed(const duty *d) {
 }
 
 /* Jets above a Reynolds number of the opening of 100 become unsteady (162 did, 78 stayed steady up to the limit of the
-   lattice). From half of that limit on the exact Lambda lets waves of a few nodes grow in them until the run stops. */
-static int needs_damping(const duty *d, double cell) {
-    const int unsteady = jet_speed(d) * d->opening * d->density > 100.0 * d->viscosity;
-    return cell > 0.5 * resolved && (unsteady || d->first_share < 1.0);
+   lattice). Others near the limit are damped, too. */
+static int has_fast_jets(const duty *d) {
+    return d->first_share < 1.0 || jet_speed(d) * d->opening * d->density > 100.0 * d->viscosity;
 }
+
+/* From half of the limit on the exact Lambda lets waves of a few nodes grow in such jets until the run stops. */
+static int needs_damping(const duty *d, double cell) { return has_fast_jets(d) && cell > 0.5 * resolved; }
 
 /* The paper's numbers; number shares are the specification's conversion of its Figure 9. */
 static duty paper_duty(void) {
@@ -367,9 +369,9 @@ static filtration_status choose_step(run *r) {
    a pump of limited rate. */
 static filtration_status follow_jets(run *r) {
     cake *c = r->c;
-    if (r->fluid.time < r->d.ramp) return FILTRATION_OK;
+    if (!has_fast_jets(&r->d)) return FILTRATION_OK;
     const double cell = filtration_fluid_max_speed(&r->fluid) * r->d.voxel * r->d.density / r->d.viscosity;
-    if (r->d.first_share < 1.0) {
+    if (r->d.first_share < 1.0 && r->fluid.time >= r->d.ramp) {
         c->share = fmin(c->share * (cell < 0.95 * resolved ? 1.01 : cell > resolved ? 0.98 : 1.0), 1.0);
         if (c->share < 1.0) c->limited_time = r->fluid.time, c->limited_filtrate = c->filtrate;
     }
