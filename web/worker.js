@@ -1,4 +1,5 @@
-// worker.js: the simulation, beside the page, so that pictures come as fast as they can. It runs slices and posts what is to be shown.
+// worker.js: the simulation, beside the page, so that pictures come as fast as they can. It runs slices and posts what
+// the page shows.
 "use strict";
 let c, memory, wanted = null, running = true, asked = true, changed = null, lastFit = 0, fits = null;
 
@@ -29,10 +30,21 @@ function fit() {
 }
 
 function tell() {
-    const samples = c.web_samples(), count = c.web_count(), points = new Float32Array(memory.buffer, c.web_points(), 5 * count).slice();
+    const samples = c.web_samples(), count = c.web_count(),
+          points = new Float32Array(memory.buffer, c.web_points(), 5 * count).slice();
     const retained = [0, 1, 2].map(k => doubles(c.web_retained(k), samples));
-    postMessage({points, count, deck: c.web_deck(), time: c.web_time(), steps: c.web_steps(), bridges: c.web_bridges(),
-                 sampled: doubles(c.web_sample_times(), samples), retained, fits}, [points.buffer]);
+    postMessage({
+        points,
+        count,
+        deck: c.web_deck(),
+        time: c.web_time(),
+        steps: c.web_steps(),
+        bridges: c.web_bridges(),
+        sampled: doubles(c.web_sample_times(), samples),
+        retained,
+        fits
+    },
+                [points.buffer]);
 }
 
 function slice() {
@@ -63,6 +75,7 @@ onmessage = event => {
     const {instance} = await WebAssembly.instantiate(bytes, {});
     c = instance.exports, memory = c.memory;
     const began = performance.now(), hash = hex(c.web_check());
-    postMessage({hash, exact: c.web_is_exact(), took: performance.now() - began, radius: c.web_radius(), wire: c.web_wire()});
+    postMessage(
+        {hash, exact: c.web_is_exact(), took: performance.now() - began, radius: c.web_radius(), wire: c.web_wire()});
     slice();
 })().catch(e => postMessage({failed: String(e)}));

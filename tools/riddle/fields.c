@@ -45,8 +45,10 @@ static const unit units[] = {
     {UNIT_FREQUENCY, "Hz", 1.0},
     {UNIT_FREQUENCY, "1/s", 1.0},
     {UNIT_FREQUENCY, "1/min", 1.0 / 60.0},
+    {UNIT_FREQUENCY, "rpm", 1.0 / 60.0},
     {UNIT_SPIN, "rad/s", 1.0},
     {UNIT_SPIN, "rpm", 0.0},
+    {UNIT_SPIN, "1/min", 0.0},
     {UNIT_SPEED, "m/s", 1.0},
     {UNIT_SPEED, "mm/s", 1e-3},
     {UNIT_ACCELERATION, "m/s2", 1.0},
@@ -398,7 +400,7 @@ static int set_default(tree_file *file, const scene_field *f, void *into) {
     if (f->kind == FIELD_NUMBER || f->kind == FIELD_WHOLE) *(double *)at = (double)NAN;
     if (f->kind == FIELD_VECTOR) ((double *)at)[0] = ((double *)at)[1] = ((double *)at)[2] = (double)NAN;
     if (!f->fallback || !f->fallback[0] || f->kind >= FIELD_POINTS) return 0;
-    tree text = {TREE_TEXT, 0, 0, f->fallback, 0, 0, 0, 0, NULL, NULL};
+    tree text = {TREE_TEXT, 0, 0, f->fallback, 0, 0, 0, 0, NULL, NULL, NULL};
     if (f->kind != FIELD_VECTOR) return read_value(file, &text, f, into);
     double *xyz = at; /* "[0, 0, 1]": only bare numbers */
     return sscanf(f->fallback, "[%lf, %lf, %lf]", &xyz[0], &xyz[1], &xyz[2]) == 3
