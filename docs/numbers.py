@@ -678,13 +678,16 @@ def brick_pairs(r, csv, json):
 
 def rocks(r, csv, json):
     beds = csv("300/rocks.csv")
+    other = {x["corners"]: x["step_s"] for x in csv("yade.csv")}
     return {
         "rows": table(csv("rocks.csv"),
             [("corners", "corners", ".0f"), ("of the core", "core_corners", ".0f"),
                 ("deviation over diameter [%]", lambda x: 100 * x["deviation"], ".1f"),
                 ("to make one [ms]", lambda x: 1e3 * x["make_s"], ".1f"), ("points a pair", "points", ".1f"),
                 ("to find them [ns]", lambda x: 1e9 * x["points_s"], ".0f"),
-                ("all of a step [ns]", lambda x: 1e9 * x["step_s"], ".0f")]),
+                ("all of a step [ns]", lambda x: 1e9 * x["step_s"], ".0f"),
+                ("YADE, all of a step [ns]",
+                    lambda x: f"{1e9 * other[x['corners']]:.0f}" if x["corners"] in other else "-", "")]),
         "beds": table(beds,
             [("corners", "corners", ".0f"), ("porosity", "porosity", ".3f"), ("contacts a rock", "contacts", ".1f"),
                 ("particle-steps per second", "particle_steps_per_s", ".3g"),
