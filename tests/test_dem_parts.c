@@ -31,6 +31,12 @@ static dem_def definition(double dt, double k, double e, double mu, dem_vec grav
     def.dt = dt, def.gravity = gravity;
     return def;
 }
+/* By names that the compiler knows, so that it compiles only these kernels. */
+static void run(dem_world *w, double time, int is_hertz) {
+    const dem_status status =
+        is_hertz ? dem_run(w, time, DEM_HERTZ | DEM_FRICTION | DEM_ENERGY) : dem_run(w, time, BOOKED);
+    assert_int_equal(status, DEM_OK);
+}
 static void start(dem_world *w, dem_def def) { assert_int_equal(dem_init(w, &def, NULL), DEM_OK); }
 
 /* A box by its lower corner and its lengths, in the frame of the whole body [mm]. */
@@ -171,7 +177,6 @@ static void test_refusals(void **state) {
     assert_int_equal(dem_add_compounds(&w, 1, &c, at, NULL, 1, 0), DEM_BAD_ARGUMENT);
     assert_int_equal(dem_add_compounds(&w, PTRDIFF_MAX / 8, &c, at, NULL, 0, 0), DEM_TOO_MANY);
     assert_int_equal(w.count, 0);
-    assert_int_equal(dem_run(&w, 1e-5, DEM_LINEAR), DEM_POLYHEDRON);
     dem_free(&w);
 }
 
@@ -226,7 +231,6 @@ static void test_flat_landing(void **state) {
     (void)state;
     static const box slab = {{-4, -3, -1}, {8, 6, 2}};
     for (int n = 0; n < 12; n++) {
-        const int law = n % 2 ? DEM_HERTZ : DEM_LINEAR;
         const double e = n / 2 % 2 ? 0.3 : 0.9;
         box part[16];
         dem_world w;
@@ -238,14 +242,14 @@ static void test_flat_landing(void **state) {
         put(&w, &c, dem_vec3(0, 0, 1.002e-3), NULL);
         assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0, 0, -0.1), none), DEM_OK);
         for (int q = 0; q < 700; q++) {
-            assert_int_equal(dem_run(&w, 1e-6, law | DEM_FRICTION), DEM_OK);
+            run(&w, 1e-6, n % 2);
             deep = fmax(deep, 1e-3 - dem_get_body(&w, 0).position.z);
         }
         const dem_body b = dem_get_body(&w, 0);
         near(b.velocity.z, 0.1 * e, 5e-4);
         near(dem__length(b.spin), 0.0, 1e-9);
         const double soft = 0.95 * 0.1 * sqrt(b.mass / 2e4); /* a face of several parts has up to twice the stiffness */
-        if (law == DEM_LINEAR && e == 0.9) close_to(deep, soft * (n < 4 ? 1.0 : sqrt(0.5)), 0.02);
+        if (n % 2 == 0 && e == 0.9) close_to(deep, soft * (n < 4 ? 1.0 : sqrt(0.5)), 0.02);
         dem_free(&w);
     }
 }
@@ -256,7 +260,6 @@ static void test_flat_landing(void **state) {
 static void test_tumble(void **state) {
     (void)state;
     for (int n = 0; n < 4; n++) {
-        const int features = (n % 2 ? DEM_HERTZ : DEM_LINEAR) | DEM_FRICTION | DEM_ENERGY;
         const dem_def def = definition(5e-7, 1e5, 1.0, 0.0, down);
         dem_world w;
         double q[4];
@@ -270,10 +273,10 @@ static void test_tumble(void **state) {
         turned(q);
         put(&w, &c, none, q);
         assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0.3, 0.4, 0.2), dem_vec3(100, -50, 30)), DEM_OK);
-        assert_int_equal(dem_run(&w, 0.0, features), DEM_OK);
+        run(&w, 0.0, n % 2);
         const double begin = energy(&w);
         for (int k = 0; k < 6; k++) {
-            assert_int_equal(dem_run(&w, 0.01, features), DEM_OK);
+            run(&w, 0.01, n % 2);
             close_to(energy(&w), begin, 1e-3);
         }
         assert_true(w.contact_steps > 500 && dem_core_overlap_steps(&w) == 0);
@@ -292,7 +295,6 @@ static void test_hits(void **state) {
     (void)state;
     int hits = 0, several = 0;
     for (int n = 0; n < 20; n++) {
-        const int features = (n % 2 ? DEM_HERTZ : DEM_LINEAR) | DEM_FRICTION | DEM_ENERGY;
         const double e = n < 12 ? 1.0 : 0.6, mu = n < 12 ? 0.0 : 0.4;
         dem_world w;
         double q[4];
@@ -303,11 +305,11 @@ static void test_hits(void **state) {
         const ptrdiff_t j = put(&w, &d, dem_vec3(0.014, uniform(-2e-3, 2e-3), uniform(-2e-3, 2e-3)), q);
         assert_int_equal(dem_set_motion(&w, 0, dem_vec3(1, 0, 0), any_vector(50)), DEM_OK);
         assert_int_equal(dem_set_motion(&w, j, none, any_vector(50)), DEM_OK);
-        assert_int_equal(dem_run(&w, 0.0, features), DEM_OK);
+        run(&w, 0.0, n % 2);
         const double begin = energy(&w);
         const dem_vec p = dem_momentum(&w), l = dem__add(angular_momentum(&w, 0), angular_momentum(&w, j));
         for (int k = 0; k < 120; k++) {
-            assert_int_equal(dem_run(&w, 1e-4, features), DEM_OK);
+            run(&w, 1e-4, n % 2);
             several += dem_contact_count(&w) > 1;
         }
         hits += w.contact_steps > 0;
@@ -456,9 +458,7 @@ static void in_scene(void (*build)(dem_world *w, int threads), double time) {
             dem_free(&w), w = again;
         }
         assert_int_equal(dem_run(&w, 0.5 * time, BOOKED), DEM_OK);
-        print_message("    %d contacts and steps, %d of overlapping cores\n", (int)w.contact_steps,
-                      (int)dem_core_overlap_steps(&w));
-        assert_true(w.contact_steps > 500);
+        assert_true(w.contact_steps > 500 && dem_core_overlap_steps(&w) > 0); /* deep ones, too */
         const dem_energy_ledger l = dem_energy(&w);
         assert_true(fabs(l.error) < 5e-3 * (l.released + fabs(l.wall_work)));
         hash[run] = dem_hash(&w);
