@@ -2382,7 +2382,7 @@ typedef struct dem__convex_calls {
 typedef struct dem__convex_state {
     const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;
-    int shapes;
+    int shapes, has_parts;  /* has_parts: whether there has been a compound */
     int32_t *shape_of;      /* for a particle: index of its shape + 1, or 0 for a sphere; NULL without shapes */
     dem_quaternion *part;   /* for a part of a compound: from its own axes to the principal axes of its body; else 0 */
     dem__placed *place;     /* for a polyhedron: its placement at the end of the present step */
@@ -2852,7 +2852,7 @@ DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
 /* Returns whether particle i is a part of a compound: a polyhedron with a place and a turn of its own in its body. */
 DEM_INLINE int dem__is_part(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;
-    if (convex->shapes == 0) return 0;
+    if (!convex->has_parts) return 0;
     const dem_quaternion *q = &convex->part[i];
     return q->w != 0.0 || q->x != 0.0 || q->y != 0.0 || q->z != 0.0;
 }
@@ -21673,8 +21673,10 @@ static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, d
 
 /* Checks the bodies whose shapes are polyhedra. Rigid bodies are loaded before them. */
 static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w, dem__group *g) {
-    const dem__convex_state *convex = &w->engine->convex;
+    dem__convex_state *convex = &w->engine->convex;
+    const dem_quaternion none = dem__quaternion(0.0, dem_vec3(0.0, 0.0, 0.0));
     (void)file, (void)g;
+    for (ptrdiff_t i = 0; i < w->count; i++) convex->has_parts |= memcmp(&convex->part[i], &none, sizeof none) != 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem__rigid *r = dem__rigid_of(w, i);
         const dem_quaternion q = convex->part[i];
@@ -22507,6 +22509,7 @@ static inline void dem__put_compound(dem_world *w, const dem_compound *c, const 
     dem__convex_state *convex = &w->engine->convex;
     const ptrdiff_t first = dem__add_body(w, def);
     const dem_quaternion axes = dem__rigid_of(w, first)->frame;
+    convex->has_parts = 1;
     for (int k = 0; k < c->parts; k++) {
         dem_quaternion turn = c->turn[k];
         dem__unit_turn(turn, &turn);

@@ -19,7 +19,7 @@ DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
 /* Returns whether particle i is a part of a compound: a polyhedron with a place and a turn of its own in its body. */
 DEM_INLINE int dem__is_part(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;
-    if (convex->shapes == 0) return 0;
+    if (!convex->has_parts) return 0;
     const dem_quaternion *q = &convex->part[i];
     return q->w != 0.0 || q->x != 0.0 || q->y != 0.0 || q->z != 0.0;
 }

@@ -73,7 +73,7 @@ typedef struct dem__convex_calls {
 typedef struct dem__convex_state {
     const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;
-    int shapes;
+    int shapes, has_parts;  /* has_parts: whether there has been a compound */
     int32_t *shape_of;      /* for a particle: index of its shape + 1, or 0 for a sphere; NULL without shapes */
     dem_quaternion *part;   /* for a part of a compound: from its own axes to the principal axes of its body; else 0 */
     dem__placed *place;     /* for a polyhedron: its placement at the end of the present step */

@@ -110,8 +110,10 @@ static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, d
 
 /* Checks the bodies whose shapes are polyhedra. Rigid bodies are loaded before them. */
 static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w, dem__group *g) {
-    const dem__convex_state *convex = &w->engine->convex;
+    dem__convex_state *convex = &w->engine->convex;
+    const dem_quaternion none = dem__quaternion(0.0, dem_vec3(0.0, 0.0, 0.0));
     (void)file, (void)g;
+    for (ptrdiff_t i = 0; i < w->count; i++) convex->has_parts |= memcmp(&convex->part[i], &none, sizeof none) != 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem__rigid *r = dem__rigid_of(w, i);
         const dem_quaternion q = convex->part[i];

@@ -193,6 +193,7 @@ static inline void dem__put_compound(dem_world *w, const dem_compound *c, const 
     dem__convex_state *convex = &w->engine->convex;
     const ptrdiff_t first = dem__add_body(w, def);
     const dem_quaternion axes = dem__rigid_of(w, first)->frame;
+    convex->has_parts = 1;
     for (int k = 0; k < c->parts; k++) {
         dem_quaternion turn = c->turn[k];
         dem__unit_turn(turn, &turn);
