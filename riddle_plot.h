@@ -73,6 +73,8 @@ RIDDLE_PLOT_API void riddle_plot_equal(riddle_plot *p);          /* same length 
 /* Says that the panel is drawn to scale, as a section of a machine: as riddle_plot_equal, and a bar of a round length
    in the given unit, such as "mm", instead of axes and their labels. NULL: axes. */
 RIDDLE_PLOT_API void riddle_plot_scale_bar(riddle_plot *p, const char *unit);
+/* Returns the length of such a bar: 1, 2 or 5 times a power of ten, at most `most` (above 0). */
+RIDDLE_PLOT_API double riddle_plot_round_length(double most);
 /* right of the panel; default: inside where no data are, else outside */
 RIDDLE_PLOT_API void riddle_plot_legend_outside(riddle_plot *p);
 
@@ -1423,14 +1425,15 @@ static inline void riddle_plot__draw_frame(riddle_io_file *f, const riddle_plot_
     riddle_plot__text_at(f, at->x, at->y - above, "start", "title", a->title);
 }
 
+RIDDLE_PLOT_API double riddle_plot_round_length(double most) {
+    const double power = pow(10.0, floor(log10(most)));
+    return power * (most >= 5.0 * power ? 5.0 : most >= 2.0 * power ? 2.0 : 1.0);
+}
+
 /* Draws a bar of a round length, at most a quarter of the panel, below its lower left corner. */
 static inline void riddle_plot__draw_scale_bar(riddle_io_file *f, const riddle_plot__panel *a) {
-    const double unit = a->at.width / (a->x.high - a->x.low), most = 0.25 * a->at.width / unit,
-                 power = pow(10.0, floor(log10(most)));
-    const double length = power * (most >= 5.0 * power   ? 5.0
-                                   : most >= 2.0 * power ? 2.0
-                                                         : 1.0),
-                 y = a->at.y + a->at.height + 26.0;
+    const double unit = a->at.width / (a->x.high - a->x.low), y = a->at.y + a->at.height + 26.0,
+                 length = riddle_plot_round_length(0.25 * (a->x.high - a->x.low));
     char text[60];
     if (!(length > 0.0 && length < 1e300)) return;
     snprintf(text, sizeof text, "%.6g %.30s", length, a->unit);

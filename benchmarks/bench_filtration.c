@@ -4,7 +4,8 @@
       error of four places of the centre within a voxel against processor time, over voxel, lattice, precision, boundary
       and relaxation time. One row has an interpolation that needs no second fluid node.
    2. Node updates a second: bare, with faces, with beds of spheres at rest and moving, against the limit of memory:
-      every population of the same memory read, changed and written back, in the same run.
+      every population of the same memory read, changed and written back, in the same run. With --threads N also the
+      speedup on N threads.
    3. A sphere that moves through liquid at rest: fluctuations of its drag and of the pressure beside it as it crosses
       the lattice, over the bulk viscosity; change of the liquid's mass; largest speed of a stable run. */
 #include <math.h>
@@ -240,15 +241,15 @@ static int place_spheres(moving_spheres *s, rate_case what, int n, double voxel,
     return count;
 }
 
-/* Millions of node updates a second. */
-static double rate(int n, int single, rate_case what) {
+/* Millions of node updates a second of a clock: processor time, or for several threads that on the wall. */
+static double rate(int n, int single, rate_case what, int threads, double (*clock)(void)) {
     static moving_spheres s;
     filtration_fluid_def def = filtration_fluid_default_def();
     filtration_fluid fluid;
     double best = HUGE_VAL;
     def.nodes[0] = def.nodes[1] = def.nodes[2] = n;
     def.precision = single ? FILTRATION_FLOAT : FILTRATION_DOUBLE;
-    def.skip = 0;
+    def.skip = 0, def.threads = threads;
     if (what == BULK) def.bulk_ratio = 20.0;
     if (what == FACES) def.face[FILTRATION_LOW_Z] = def.face[FILTRATION_HIGH_Z] = FILTRATION_PRESSURE;
     for (int f = 0; f < 6 && what == WALLS; f++) def.face[f] = FILTRATION_WALL;
@@ -257,12 +258,12 @@ static double rate(int n, int single, rate_case what) {
     const int count = place_spheres(&s, what, n, def.voxel, fluid.dt);
     const filtration_spheres spheres = {count, s.centre, s.velocity, s.spin, s.radius, s.force, s.torque};
     for (int round = 0; round < 5; round++) {
-        const double began = machine_processor_seconds();
+        const double began = clock();
         for (int k = 0; k < 4; k++) {
             if (filtration_fluid_step(&fluid, &spheres) != FILTRATION_OK) best = (double)NAN;
             for (int i = 0; i < 3 * count; i++) s.centre[i] += s.velocity[i] * fluid.dt;
         }
-        const double spent = machine_processor_seconds() - began;
+        const double spent = clock() - began;
         if (round > 0 && spent < best) best = spent;
     }
     filtration_fluid_free(&fluid);
@@ -282,13 +283,31 @@ static void rates(const program *self, json *report) {
         const double limit = memory_limit(n, single);
         double bare = 0.0;
         for (int what = 0; what < RATE_CASES && !common_interrupted(); what++) {
-            const double mlups = rate(n, single, (rate_case)what);
+            const double mlups = rate(n, single, (rate_case)what, 1, machine_processor_seconds);
             if (what == BARE) bare = mlups;
             results_row(t, TEXTS(single ? "float" : "double", rate_keys[what], rate_names[what]), mlups, mlups / bare,
                         mlups / limit);
         }
     }
     results_write(t, report, "rates", self->out, "rates.csv");
+    results_free(t);
+}
+
+/* Doubles on several threads and on one, by the clock on the wall. Only a machine without other work tells. */
+static void speedups(const program *self, json *report) {
+    const int n = self->quick ? 64 : 128;
+    static const result_column columns[] = {{"case", NULL, "%s"},
+                                            {NULL, "what", "%s"},
+                                            {"threads", "threads", "%.0f"},
+                                            {"mlups", "MLUPS", "%.1f"},
+                                            {"over_one", "over one thread", "%.2f"}};
+    result_table *t = RESULTS(columns);
+    for (int what = 0; what < RATE_CASES && !common_interrupted(); what++) {
+        const double one = rate(n, 0, (rate_case)what, 1, machine_seconds),
+                     all = rate(n, 0, (rate_case)what, self->threads, machine_seconds);
+        results_row(t, TEXTS(rate_keys[what], rate_names[what]), self->threads, all, all / one);
+    }
+    results_write(t, report, "speedups", self->out, "speedups.csv");
     results_free(t);
 }
 
@@ -449,7 +468,10 @@ int main(int argc, char **argv) {
         options, 1, argc, argv);
     json *report = json_open(self.json);
     if (part == ALL || part == DRAG) drag_errors(&self, report);
-    if (part == ALL || part == RATES) rates(&self, report);
+    if (part == ALL || part == RATES) {
+        rates(&self, report);
+        if (is_given(&self, "threads") && self.threads > 1) speedups(&self, report);
+    }
     if (part == ALL || part == MOVING) {
         noise(&self, report);
         masses(&self, report);

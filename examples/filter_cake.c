@@ -8,6 +8,8 @@
    Your own particles:       --sizes sizes.csv     columns diameter_um and number_share, volume_share or q3
    Long runs:                --checkpoint FILE --stop-ms 20, then --resume FILE: the same bits as without a stop
 
+   A run that Ctrl-C ends writes what it has, but for --json.
+
    series.csv and velocity.svg (filtrate velocity in time), curve.svg (t / V over V, scaled to 20 cm2, with its line),
    spheres.svg (height and velocity of each), slice.svg (speed in a cut), particles.pvd and flow.pvd for ParaView: the
    paper's Figs 18 to 21. */
@@ -35,10 +37,34 @@ typedef struct duty {
     double diameter[MOST_CLASSES], share[MOST_CLASSES]; /* by number, adding up to 1 */
 } duty;
 
-/* Lambda of the two relaxation times. Jets near that limit need the smaller one, which damps what the lattice does not
-   resolve; through pores of four voxels the clean cloth then resists a quarter more, so it goes once the cake has
-   slowed the jets. */
+/* Lambda of the two relaxation times. Fast jets need the smaller one, which damps what the lattice does not resolve.
+   The clean cloth then resists more, by a quarter where pores are four voxels wide, by 15 % where they are ten, so it
+   goes once the cake has slowed the jets. */
 static const double exact_magic = 3.0 / 16.0, jet_magic = 0.03;
+
+/* Largest u dx / nu that the lattice resolves: faster jets become unsteady between the wires, and the run stops. */
+static const double resolved = 18.0;
+
+/* What viscosity takes from the speed of a jet [m/s]. */
+static double jet_friction(const duty *d) {
+    return 8.0 * d->viscosity * d->wire / (d->opening * d->opening) / d->density;
+}
+
+/* Largest speed in the pores of the clean cloth [m/s]: that of a free jet and a fifth more, less what viscosity takes
+   (fitted to the paper's twill from 500 to 5000 Pa). */
+static double jet_speed(const duty *d) {
+    const double friction = jet_friction(d);
+    return sqrt(friction * friction + 1.44 * 2.0 * d->pressure / d->density) - friction;
+}
+
+/* Jets above a Reynolds number of the opening of 100 become unsteady (162 did, 78 stayed steady up to the limit of the
+   lattice). Others near the limit are damped, too. */
+static int has_fast_jets(const duty *d) {
+    return d->first_share < 1.0 || jet_speed(d) * d->opening * d->density > 100.0 * d->viscosity;
+}
+
+/* From half of the limit on the exact Lambda lets waves of a few nodes grow in such jets until the run stops. */
+static int needs_damping(const duty *d, double cell) { return has_fast_jets(d) && cell > 0.5 * resolved; }
 
 /* The paper's numbers; number shares are the specification's conversion of its Figure 9. */
 static duty paper_duty(void) {
@@ -339,18 +365,17 @@ static filtration_status choose_step(run *r) {
     return tau > 1.1 * (now - 0.5) + 0.5 || tau < now ? filtration_fluid_set_tau(&r->fluid, tau) : FILTRATION_OK;
 }
 
-/* Largest u dx / nu that the lattice resolves: faster jets become unsteady between the wires, and the run stops. */
-static const double resolved = 18.0;
-
-/* As a pump of limited rate does: where the jets through the clean cloth are too fast for the lattice, part of the
-   pressure waits for the cake. */
-static filtration_status limit_pressure(run *r) {
+/* Where the jets through the clean cloth are too fast for the lattice, part of the pressure waits for the cake, as with
+   a pump of limited rate. */
+static filtration_status follow_jets(run *r) {
     cake *c = r->c;
-    if (!(r->d.first_share < 1.0) || r->fluid.time < r->d.ramp) return FILTRATION_OK;
+    if (!has_fast_jets(&r->d)) return FILTRATION_OK;
     const double cell = filtration_fluid_max_speed(&r->fluid) * r->d.voxel * r->d.density / r->d.viscosity;
-    c->share = fmin(c->share * (cell < 0.95 * resolved ? 1.01 : cell > resolved ? 0.98 : 1.0), 1.0);
-    if (c->share < 1.0) c->limited_time = r->fluid.time, c->limited_filtrate = c->filtrate;
-    const double magic = c->share < 1.0 || cell > 0.5 * resolved ? jet_magic : exact_magic;
+    if (r->d.first_share < 1.0 && r->fluid.time >= r->d.ramp) {
+        c->share = fmin(c->share * (cell < 0.95 * resolved ? 1.01 : cell > resolved ? 0.98 : 1.0), 1.0);
+        if (c->share < 1.0) c->limited_time = r->fluid.time, c->limited_filtrate = c->filtrate;
+    }
+    const double magic = c->share < 1.0 || needs_damping(&r->d, cell) ? jet_magic : exact_magic;
     if (magic == r->d.magic) return FILTRATION_OK;
     r->d.magic = r->fluid.def.magic = magic;
     return filtration_fluid_set_tau(&r->fluid, r->fluid.def.tau);
@@ -388,7 +413,7 @@ static filtration_status step(run *r) {
             filtration_cloth_distance(&r->cloth, c->centre + 3 * i) < (1.0 + 2.0 * touching) * c->radius[i])
             c->first_touch = r->fluid.time;
     if (c->first_touch < 0.0) c->clean_velocity = fmax(c->clean_velocity, velocity / c->share);
-    if (r->fluid.steps % 64 == 0) status = limit_pressure(r);
+    if (r->fluid.steps % 64 == 0) status = follow_jets(r);
     if (status != FILTRATION_OK) return status;
     if (r->fluid.time >= c->next_sample && c->samples < MOST_SAMPLES) {
         c->time[c->samples] = r->fluid.time, c->volume[c->samples] = c->filtrate, c->velocity[c->samples++] = velocity;
@@ -546,9 +571,9 @@ static void print_run(const run *r, const findings *f) {
                      "the start, less than the "
                      "whole until %.3g ms, as with a pump of limited rate; the line begins after that.\n",
                      r->d.first_share * r->d.pressure, 1e3 * c->limited_time);
-    if (r->d.first_share < 1.0)
-        common_print("R_M0 is then too high, by a quarter where pores are four voxels wide: finer voxels or a lower "
-                     "pressure give it.\n");
+    if (needs_damping(&r->d, jet_speed(&r->d) * r->d.voxel * r->d.density / r->d.viscosity))
+        common_print("R_M0 is too high, because fast jets were damped: by 15 %% where pores are ten voxels wide, by a "
+                     "quarter where they are four. Finer voxels or a lower pressure give it.\n");
     if (f->evaluated != FILTRATION_OK) common_print("No line: %s\n", filtration_status_text(f->evaluated));
     else if (line < 0.0)
         common_print("R_M from the line is below 0, which no medium has: the first spheres clog pores, and the line "
@@ -645,12 +670,10 @@ typedef struct typed {
     const char *sizes, *checkpoint, *resume;
 } typed;
 
-/* Start step from the largest speed in the pores: that of a free jet and a fifth more, less what viscosity takes
-   (fitted to the paper's twill from 500 to 5000 Pa), with the share of the pressure that the lattice resolves. Refuses
+/* Start step from the largest speed in the pores, with the share of the pressure that the lattice resolves. Refuses
    what has less than a third of it. */
 static void choose_start(const program *self, const typed *t, duty *d) {
-    const double friction = 8.0 * d->viscosity * d->wire / (d->opening * d->opening) / d->density;
-    const double jet = sqrt(friction * friction + 1.44 * 2.0 * d->pressure / d->density) - friction;
+    const double friction = jet_friction(d), jet = jet_speed(d);
     const double needed = jet * d->voxel * d->density / d->viscosity, cell = fmin(needed, resolved);
     const double reached = cell * d->viscosity / (d->voxel * d->density) + friction;
     char text[300];
@@ -751,7 +774,9 @@ int main(int argc, char **argv) {
     option options[] = {
         option_flag("unit-cell", &t.unit, "a box of one period of the weave, 240 um, instead of two"),
         option_flag("short", &t.brief, "unit cell, 7.5 um voxels, 5 ms: clean cloth and first spheres"),
-        option_positive("voxel-um", "L", &t.voxel, 1e3, "edge of a voxel [um]; default 2.5"),
+        option_positive("voxel-um", "L", &t.voxel, 1e3,
+                        "edge of a voxel [um]; default 2.5. Drag on spheres of 4 to 5 voxels is "
+                        "-13 to +5 % off"),
         option_positive("time-ms", "T", &t.time, 1e6, "time to filter [ms]; default 98"),
         option_positive("stop-ms", "T", &t.stop, 1e6, "stop before that [ms], with --checkpoint"),
         option_string("checkpoint", "FILE", &t.checkpoint,
@@ -804,9 +829,9 @@ int main(int argc, char **argv) {
         status = go(&self, &r, &t, stop, &f);
         riddle_io_series_close(f.particles), riddle_io_series_close(f.flow);
     } else common_fail("%s", filtration_status_text(status));
-    if (status == FILTRATION_OK && !common_interrupted()) {
+    if (status == FILTRATION_OK && (r.c->samples > 0 || !common_interrupted())) {
         const findings found = evaluate(&r);
-        json *report = json_open(self.json);
+        json *report = json_open(common_interrupted() ? NULL : self.json); /* which tells of a whole run */
         print_run(&r, &found);
         draw_curves(&self, &r, &found);
         draw_spheres(&self, &r);

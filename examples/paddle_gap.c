@@ -64,7 +64,7 @@ typedef struct record {
     double restitution_sum, restitution_square;
     double turned_sum, turned_square; /* angle between rebound and mirrored approach [rad] */
     ptrdiff_t rebounds;
-    int64_t overlaps; /* of cores, or of a core and a paddle: the most at a time */
+    int64_t overlaps; /* of cores, or of a core and a paddle: the most that were seen at a time */
 } record;
 
 static double omega(const gap *g) { return g->rpm * RIDDLE_PI / 30.0; }
@@ -362,7 +362,7 @@ static dem_status add_bricks(dem_world *w, gap *g) {
         const int number = status == DEM_OK ? dem_add_shape(w, &brick) : -(int)status;
         if (number < 0) return (dem_status)-number;
         if (k == 0) g->first_brick = number;
-        if (g->shape == BRICK) g->springs = brick.springs;
+        g->springs = brick.springs; /* spheres among bricks, too: so a contact of spheres lasts half as long */
     }
     return DEM_OK;
 }
@@ -554,8 +554,9 @@ static void separate(const gap *g, json *j, const double *share, int n, double r
 }
 
 static void report(const gap *g, const dem_world *w, const record *r) {
-    sum contacts = {0, 0, 0}, paddles = {0, 0, 0}, stay = {0, 0, 0}, radius = {0, 0, 0}, speed = {0, 0, 0};
-    double count[BINS] = {0}, mates[CLASSIFIER_BINS] = {0}, bin[BINS], outward = 0.0,
+    sum contacts = {0, 0, 0}, paddles = {0, 0, 0}, others = {0, 0, 0}, stay = {0, 0, 0}, radius = {0, 0, 0},
+        speed = {0, 0, 0}, half[2] = {{0, 0, 0}, {0, 0, 0}};
+    double count[BINS] = {0}, mates[CLASSIFIER_BINS] = {0}, bin[BINS], outward = 0.0, longest = 0.0,
            *hits = malloc(sizeof *hits * (size_t)(r->n + 1));
     int n = 0, of_hits = 0, unfinished = 0;
     riddle_io_file *file =
@@ -564,13 +565,15 @@ static void report(const gap *g, const dem_world *w, const record *r) {
     for (ptrdiff_t k = 0; k < r->n; k++) {
         const history *h = &r->of[k];
         if (!h->followed) continue;
+        longest = fmax(longest, (isnan(h->left) ? w->time : h->left) - h->entered);
         if (isnan(h->left)) {
             unfinished++;
             continue;
         }
         const int all = h->paddle + h->mates;
         n++, outward += h->outward;
-        add(&contacts, all), add(&paddles, h->paddle), add(&stay, h->left - h->entered);
+        add(&contacts, all), add(&paddles, h->paddle), add(&others, h->mates), add(&stay, h->left - h->entered);
+        add(&half[n > (g->particles + 1) / 2], h->mates);
         add(&radius, h->hit_radius), add(&speed, h->hit_speed);
         count[all < BINS ? all : BINS - 1] += 1.0;
         mates[h->mates < CLASSIFIER_BINS ? h->mates : CLASSIFIER_BINS - 1] += 1.0;
@@ -598,15 +601,21 @@ static void report(const gap *g, const dem_world *w, const record *r) {
     json_object_end(j);
     results_values(
         j, {"rpm", g->rpm}, {"cor", g->restitution}, {"particles", n}, {"unfinished", unfinished},
+        {"loading_kg_kg", g->loading}, {"depth_m", g->depth}, {"entered", (double)r->n}, {"time_s", w->time},
         {"contacts_mean", contacts.mean}, {"contacts_sd", deviation(&contacts)},
         {"contacts_standard_error", deviation(&contacts) / sqrt(contacts.n)}, {"paddle_contacts_mean", paddles.mean},
-        {"particle_contacts_mean", contacts.mean - paddles.mean}, {"impact_radius_mean_m", radius.mean},
-        {"impact_radius_sd_m", deviation(&radius)}, {"impact_speed_mean_m_s", speed.mean},
+        {"particle_contacts_mean", others.mean}, {"particle_contacts_sd", deviation(&others)},
+        {"particle_contacts_standard_error", deviation(&others) / sqrt(others.n)},
+        {"particle_contacts_first_half", half[0].n > 0.0 ? half[0].mean : (double)NAN},
+        {"particle_contacts_second_half", half[1].n > 0.0 ? half[1].mean : (double)NAN}, {"longest_stay_s", longest},
+        {"impact_radius_mean_m", radius.mean}, {"impact_radius_sd_m", deviation(&radius)},
+        {"impact_speed_mean_m_s", speed.mean},
         {"impact_speed_over_rim", speed.mean / (omega(g) * g->machine.wheel.outer_radius)}, {"cor_mean", cor},
         {"cor_sd", cor_sd}, {"rebound_angle_sd_deg", turned_sd}, {"rebounds", (double)r->rebounds},
         {"contact_time_s", g->contact_time}, {"outward_share", n > 0 ? outward / n : (double)NAN},
         {"present", (double)w->count}, {"steps", (double)w->step}, {"particle_steps", (double)w->particle_steps},
-        {"contact_steps", (double)w->contact_steps}, {"core_overlaps", (double)r->overlaps});
+        {"contact_steps", (double)w->contact_steps}, {"core_overlaps", (double)r->overlaps},
+        {"core_overlap_steps", (double)dem_core_overlap_steps(w)}, {"processor_s", machine_processor_seconds()});
     if (r->overlaps > 0)
         common_print("bricks overlap deeper than their rounding, in one another or in a paddle (%d at a time): shorten "
                      "--contact-ns\n",
@@ -616,9 +625,10 @@ static void report(const gap *g, const dem_world *w, const record *r) {
     common_print("contacts of a particle %.3f +- %.3f (standard error; sd %.2f): paddles %.3f, particles %.3f\n",
                  contacts.mean, deviation(&contacts) / sqrt(contacts.n), deviation(&contacts), paddles.mean,
                  contacts.mean - paddles.mean);
-    common_print("first hit at %.3f mm (sd %.3f), speed %.3f of the rim's; stay %.3f ms (sd %.3f); outward %.3f\n",
+    common_print("first hit at %.3f mm (sd %.3f), speed %.3f of the rim's; stay %.3f ms (sd %.3f, longest %.2f); "
+                 "outward %.3f\n",
                  1e3 * radius.mean, 1e3 * deviation(&radius), speed.mean / (omega(g) * g->machine.wheel.outer_radius),
-                 1e3 * stay.mean, 1e3 * deviation(&stay), n > 0 ? outward / n : (double)NAN);
+                 1e3 * stay.mean, 1e3 * deviation(&stay), 1e3 * longest, n > 0 ? outward / n : (double)NAN);
     common_print("restitution at a paddle %.3f (sd %.3f), angle off the mirrored one %.1f degrees (sd), %d rebounds\n",
                  cor, cor_sd, turned_sd, (int)r->rebounds);
     if (n > 0) separate(g, j, mates, CLASSIFIER_BINS, isnan(cor) ? g->restitution : cor, isnan(cor_sd) ? 0.01 : cor_sd);
@@ -644,15 +654,15 @@ static void report(const gap *g, const dem_world *w, const record *r) {
 int main(int argc, char **argv) {
     gap g;
     memset(&g, 0, sizeof g);
-    int cor = 0;
     bool brief = false;
     double depth = 1.0, smallest = 30.0, longest = 5.0, median = 50.0, contact = 100.0, warm = 0.3;
     g.particles = 10000, g.rpm = 9000.0, g.loading = 40.0, g.spread = 0.7;
-    g.shape = SPHERE, g.least = 0.05;
+    g.shape = SPHERE, g.least = 0.05, g.restitution = 0.29;
     option options[] = {
         option_choice("shape", &g.shape, "brick|sphere|clump|both",
                       "bricks 1 : 1 : 2.08, spheres, pairs of spheres, or half bricks"),
-        option_choice("cor", &cor, "0.29|0.65|0.75", "coefficient of restitution of contacts [-]"),
+        option_positive("cor", "X", &g.restitution, 1.0,
+                        "coefficient of restitution of contacts [-]; particles of 0.7 and more are glass beads"),
         option_choice("drag", &g.drag, "on|off", "drag of the gas that turns with the wheel (Schiller & Naumann)"),
         option_double("rpm", "RPM", &g.rpm, 100.0, 30000.0, "speed of the wheel [1/min]"),
         option_double("depth-mm", "MM", &depth, 0.1, 20.0, "depth of the slice along the axis, periodic [mm]"),
@@ -674,7 +684,8 @@ int main(int argc, char **argv) {
         option_double("least", "X", &g.least, 0.0, 1.0,
                       "approach over the speed of the rim from which a contact counts [-]"),
         option_flag("one-rate", &g.one_rate, "every particle takes the steps of contacts: for comparison"),
-        option_flag("short", &brief, "1000 histories in 0.5 mm, under a minute"),
+        option_flag("short", &brief,
+                    "1000 histories in 0.5 mm at a loading of 10, with bricks 200 at 3, under a minute"),
     };
     program self =
         program_start("paddle_gap", "Particles between two paddles of a deflector wheel: contacts, hits, residence.",
@@ -682,15 +693,16 @@ int main(int argc, char **argv) {
     const double ends_of[6] = {0.0, 0.0, -0.5, 0.0, 0.0, 0.5}, two[2] = {1.0, 1.0};
     dem_make_clump(2, ends_of, two, &g.clump);
     if ((self.quick || brief) && !is_given(&self, "depth-mm")) depth = g.shape == SPHERE ? 0.5 : 0.65;
-    if ((g.shape == BRICK || g.shape == BOTH) && !is_given(&self, "contact-ns")) contact = 30.0;
-    if (self.quick && !is_given(&self, "x-min-um")) smallest = g.shape == BRICK || g.shape == BOTH ? 90.0 : 60.0;
+    const bool bricks = g.shape == BRICK || g.shape == BOTH;
+    if (bricks && !is_given(&self, "contact-ns")) contact = 30.0;
+    if (self.quick && !is_given(&self, "x-min-um")) smallest = bricks ? 90.0 : 60.0;
+    if (brief && !is_given(&self, "loading")) g.loading = bricks ? 3.0 : 10.0;
     if ((self.quick || brief) && !is_given(&self, "warm-ms")) warm = self.quick ? 0.0 : 0.2;
-    if ((self.quick || brief) && !is_given(&self, "particles")) g.particles = self.quick ? 30 : 1000;
+    if ((self.quick || brief) && !is_given(&self, "particles")) g.particles = self.quick ? 30 : bricks ? 200 : 1000;
     g.self = &self;
     g.depth = 1e-3 * depth, g.smallest = 1e-6 * smallest, g.longest = 1e-3 * longest, g.median = 1e-6 * median;
     g.warm = 1e-3 * warm, g.contact_time = 1e-9 * contact;
-    g.restitution = cor == 0 ? 0.29 : cor == 1 ? 0.65 : 0.75;
-    g.machine = classifier_paper_def(cor == 2 ? CLASSIFIER_BEADS : CLASSIFIER_LIMESTONE, g.rpm, NULL);
+    g.machine = classifier_paper_def(g.restitution >= 0.7 ? CLASSIFIER_BEADS : CLASSIFIER_LIMESTONE, g.rpm, NULL);
     choose_sizes(&g);
     const double wide = 4.5 * reach(&g, g.shape == BOTH ? BRICK : g.shape, largest(&g));
     if (!(g.depth > wide)) {

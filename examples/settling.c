@@ -656,8 +656,8 @@ int main(int argc, char **argv) {
         common_fail("%s at %.3g ms: %s%s%s", s->name, 1e3 * r.fluid.time, filtration_status_text(status),
                     status == FILTRATION_DIVERGED ? ": " : "",
                     status == FILTRATION_DIVERGED ? filtration_cause_text(r.fluid.problem.cause) : "");
-    if (status == FILTRATION_OK && !common_interrupted()) {
-        json *report = json_open(self.json);
+    if (status == FILTRATION_OK) { /* after Ctrl-C: what it has, but for the file that tells of a whole run */
+        json *report = json_open(common_interrupted() ? NULL : self.json);
         t.terminal = terminal_velocity(&t, s->diameter);
         print_run(&r, &t);
         write_track(&self, s, &t);

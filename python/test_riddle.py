@@ -1149,6 +1149,9 @@ class Shown(unittest.TestCase):
         world = bed(3)
         screen_def = dem.default_screen()
         screen_def.aperture = -8e-3
+        heavy_and_bad = dem.def_(dt=1e-5)
+        for density in (7800.0, -1.0):
+            dem.add_material(heavy_and_bad, density, 5e10, 0.2)
         for use, said in ((lambda: world.add_plane(7, (0, 0, 0), (0, 0, 1)),
                            "material = 7: the world has no such material"),
                           (lambda: world.add_plane(0, (0, 0, 0), (0, 0, 0)), r"normal = .*: a direction of length 0"),
@@ -1160,7 +1163,12 @@ class Shown(unittest.TestCase):
                           (lambda: world.add_screen(0, screen_def), "screen.aperture = -0.008"),
                           (lambda: world.add_spheres([[0, 0, 1]], [-1e-3], 0), "diameters = .*: must be above 0"),
                           (lambda: world.add_spheres([[0, 0, np.nan]], [1e-3], 0), "centres = .*: not finite"),
-                          (lambda: dem.World(dem.def_(dt=-1.0)), "materials: is 0")):
+                          (lambda: world.run(-1.0, dem.LINEAR), "duration = -1: must not be below 0"),
+                          (lambda: world.run(1e-3, 0), "duration = 0.001, features = 0"),
+                          (lambda: world.prescribe(9, (0, 0, 0), lambda now: ((0, 0, 0), (0, 0, 0))),
+                           "wall = 9: the world has 1 walls"),
+                          (lambda: dem.World(dem.def_(dt=-1.0)), "materials: is 0"),
+                          (lambda: dem.World(heavy_and_bad), r"material.density: is .*7800.*-1")):
             with self.assertRaisesRegex(riddle.Error, said) as raised:
                 use()
             again = pickle.loads(pickle.dumps(raised.exception))

@@ -76,6 +76,7 @@ is_there() {
     libpng) pkg-config --exists libpng 2>/dev/null || pkgconf --exists libpng 2>/dev/null ;;
     wasi-libc) printf '#include <stdio.h>\nint main(void) { return 0; }\n' | clang --target=wasm32-wasi -x c -c - -o /dev/null >/dev/null 2>&1 ;;
     wasm-runtime) [ -n "$(find "$(clang -print-resource-dir)/lib" -name 'libclang_rt.builtins-wasm32.a' 2>/dev/null)" ] ;;
+    python3-*) /usr/bin/python3 -c "import ${1#python3-}" >/dev/null 2>&1 ;;
     *) command -v "$1" >/dev/null 2>&1 ;;
     esac
 }

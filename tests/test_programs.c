@@ -769,22 +769,30 @@ static void test_simulation(void **state) {
     assert_int_equal(n_parts, 0);
 }
 
-/* Bricks of paddle_gap that rebound strongly: none is pressed into a paddle or another one deeper than its rounding,
-   where it would stay. */
+/* Bricks of paddle_gap: none is pressed into a paddle or another one deeper than its rounding in any step, where it
+   would stay; --short takes few of them at a low loading; --cor may be any. */
 static void test_paddle_bricks(void **state) {
     if (!strstr(*state, "/paddle_gap")) skip();
     char json[LONGEST_PATH + 20];
     snprintf(json, sizeof json, "%s/result.json", folder);
-    const char *const words[] = {"--short", "--shape",   "brick",  "--cor",       "0.65", "--loading",
-                                 "3",       "--time-ms", "100",    "--particles", "10",   "--quiet",
-                                 "--out",   "out",       "--json", json,          NULL};
+    const char *const words[] = {"--short", "--shape", "brick", "--cor", "0.625",  "--time-ms", "100", "--particles",
+                                 "10",      "--quiet", "--out", "out",   "--json", json,        NULL};
     result r = run_program(*state, words, 0, 0.0);
     if (r.status != 0 || r.err[0]) fail_msg("status %d, said '%s'", r.status, r.err);
     forget(&r);
     char *text = file_text(json);
     assert_non_null(text);
-    assert_non_null(strstr(text, "\"core_overlaps\": 0,"));
+    static const char *const said[] = {"\"core_overlaps\": 0,", "\"core_overlap_steps\": 0,", "\"unfinished\": 0,",
+                                       "\"loading_kg_kg\": 3,", "\"cor\": 0.625,"};
+    for (size_t k = 0; k < sizeof said / sizeof *said; k++) assert_non_null(strstr(text, said[k]));
     free(text);
+    const char *const bad[][3] = {{"--cor", "0", NULL}, {"--cor", "1.01", NULL}, {"--cor", "nan", NULL}};
+    for (int k = 0; k < 3; k++) {
+        r = run_program(*state, bad[k], 0, 0.0);
+        if (r.status != 2 || lines(r.err) != 1 || !strstr(r.err, "--cor"))
+            fail_msg("%s: %d, %s", bad[k][1], r.status, r.err);
+        forget(&r);
+    }
 }
 
 /* What angle_of_repose is given for a funnel and cannot be one: each is named, with the reason. */

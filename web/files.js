@@ -1,7 +1,8 @@
-// files.js: the files of a program in WebAssembly (WASI, preview 1), in memory: what it reads and writes, its clock, its lines. Beside the page,
-// in a worker, or under node.
+// files.js: the files of a program in WebAssembly (WASI, preview 1), in memory: what it reads and writes, its clock,
+// its lines. It runs beside the page, in a worker, or under node.
 "use strict";
-const OK = 0, BAD_FILE = 8, EXISTS = 20, IS_FOLDER = 31, NOT_THERE = 44, NOT_EMPTY = 55, NO_SEEK = 70, FOLDER = 3, FILE = 4, TERMINAL = 2;
+const OK = 0, BAD_FILE = 8, EXISTS = 20, IS_FOLDER = 31, NOT_THERE = 44, NOT_EMPTY = 55, NO_SEEK = 70, FOLDER = 3,
+      FILE = 4, TERMINAL = 2;
 
 class Files {
     constructor(say) { // say(line, isError) is told each line that the program prints
@@ -9,9 +10,18 @@ class Files {
         this.open = [{kind: TERMINAL}, {kind: TERMINAL}, {kind: TERMINAL}, {kind: FOLDER, name: ""}]; // 3: the root
         this.decode = new TextDecoder();
     }
-    put(name, text) { const bytes = typeof text === "string" ? new TextEncoder().encode(text) : text; this.file.set(name, {bytes, size: bytes.length}); }
-    get(name) { const f = this.file.get(name); return f && f.bytes.slice(0, f.size); }
-    text(name) { const bytes = this.get(name); return bytes && this.decode.decode(bytes); }
+    put(name, text) {
+        const bytes = typeof text === "string" ? new TextEncoder().encode(text) : text;
+        this.file.set(name, {bytes, size: bytes.length});
+    }
+    get(name) {
+        const f = this.file.get(name);
+        return f && f.bytes.slice(0, f.size);
+    }
+    text(name) {
+        const bytes = this.get(name);
+        return bytes && this.decode.decode(bytes);
+    }
     names(folder) { return [...this.file.keys()].filter(name => name.startsWith(folder + "/")).sort(); }
 
     // ---- what the program sees
@@ -24,17 +34,22 @@ class Files {
     }
     append(d, bytes) {
         const f = d.file, end = d.at + bytes.length;
-        if (end > f.bytes.length) { const more = new Uint8Array(Math.max(end, 2 * f.bytes.length, 4096)); more.set(f.bytes.subarray(0, f.size)), f.bytes = more; }
+        if (end > f.bytes.length) {
+            const more = new Uint8Array(Math.max(end, 2 * f.bytes.length, 4096));
+            more.set(f.bytes.subarray(0, f.size)), f.bytes = more;
+        }
         f.bytes.set(bytes, d.at), d.at = end, f.size = Math.max(f.size, end);
     }
     print(fd, bytes) {
         this.line[fd] += this.decode.decode(bytes.slice());
         const lines = this.line[fd].split(/[\n\r]/);
         this.line[fd] = lines.pop();
-        for (const line of lines) if (line) this.say(line, fd === 2);
+        for (const line of lines)
+            if (line) this.say(line, fd === 2);
     }
     stat(at, kind, size) {
-        this.bytes(at, 64).fill(0), this.view.setUint8(at + 16, kind), this.view.setBigUint64(at + 24, 1n, true), this.view.setBigUint64(at + 32, BigInt(size), true);
+        this.bytes(at, 64).fill(0), this.view.setUint8(at + 16, kind), this.view.setBigUint64(at + 24, 1n, true),
+            this.view.setBigUint64(at + 32, BigInt(size), true);
         return OK;
     }
     imports() {
@@ -49,17 +64,27 @@ class Files {
                 this.view.setUint32(out, 0, true), this.view.setUint32(out + 4, 1, true);
                 return OK;
             },
-            fd_prestat_dir_name: (fd, at) => { this.bytes(at, 1)[0] = 47; return OK; },
+            fd_prestat_dir_name: (fd, at) => {
+                this.bytes(at, 1)[0] = 47;
+                return OK;
+            },
             fd_fdstat_get: (fd, out) => {
                 const d = this.open[fd];
                 if (!d) return BAD_FILE;
                 this.bytes(out, 24).fill(0), this.view.setUint8(out, d.kind);
-                for (const rights of [8, 16]) this.view.setBigUint64(out + rights, d.kind === TERMINAL ? 0x40n : 0x1fffffffn, true); // write; all
+                for (const rights of [8, 16])
+                    this.view.setBigUint64(out + rights, d.kind === TERMINAL ? 0x40n : 0x1fffffffn, true); // write; all
                 return OK;
             },
             fd_fdstat_set_flags: () => OK,
-            fd_filestat_get: (fd, out) => !this.open[fd] ? BAD_FILE : this.stat(out, this.open[fd].kind, this.open[fd].file ? this.open[fd].file.size : 0),
-            fd_close: fd => { if (!this.open[fd]) return BAD_FILE; this.open[fd] = undefined; return OK; },
+            fd_filestat_get: (fd, out) =>
+                !this.open[fd] ? BAD_FILE
+                               : this.stat(out, this.open[fd].kind, this.open[fd].file ? this.open[fd].file.size : 0),
+            fd_close: fd => {
+                if (!this.open[fd]) return BAD_FILE;
+                this.open[fd] = undefined;
+                return OK;
+            },
             fd_seek: (fd, offset, whence, out) => {
                 const d = this.open[fd];
                 if (!d) return BAD_FILE;
@@ -86,10 +111,13 @@ class Files {
             },
             path_filestat_get: (fd, flags, at, n, out) => {
                 const name = this.path(fd, at, n), f = this.file.get(name);
-                return f ? this.stat(out, FILE, f.size) : this.folders.has(name) ? this.stat(out, FOLDER, 0) : NOT_THERE;
+                return f                        ? this.stat(out, FILE, f.size)
+                       : this.folders.has(name) ? this.stat(out, FOLDER, 0)
+                                                : NOT_THERE;
             },
             path_open: (fd, how, at, n, flags, rights, inherited, mode, out) => {
-                const name = this.path(fd, at, n), [create, folder, exclusive, truncate] = [1, 2, 4, 8].map(bit => (flags & bit) !== 0);
+                const name = this.path(fd, at, n),
+                      [create, folder, exclusive, truncate] = [1, 2, 4, 8].map(bit => (flags & bit) !== 0);
                 let f = this.file.get(name);
                 if (!f && this.folders.has(name)) f = null;
                 else if (f && create && exclusive) return EXISTS;
@@ -123,7 +151,8 @@ class Files {
         let done = 0;
         if (!d || d.kind === FOLDER) return BAD_FILE;
         for (let k = 0; k < n; k++) {
-            const at = this.view.getUint32(list + 8 * k, true), size = this.view.getUint32(list + 8 * k + 4, true), moved = move(d, this.bytes(at, size));
+            const at = this.view.getUint32(list + 8 * k, true), size = this.view.getUint32(list + 8 * k + 4, true),
+                  moved = move(d, this.bytes(at, size));
             done += moved;
             if (moved < size) break;
         }
@@ -168,21 +197,31 @@ function crc(bytes) {
 }
 function chunk(kind, data) {
     const out = new Uint8Array(12 + data.length), view = new DataView(out.buffer);
-    view.setUint32(0, data.length), out.set(new TextEncoder().encode(kind), 4), out.set(data, 8), view.setUint32(8 + data.length, crc(out.subarray(4, 8 + data.length)));
+    view.setUint32(0, data.length), out.set(new TextEncoder().encode(kind), 4), out.set(data, 8),
+        view.setUint32(8 + data.length, crc(out.subarray(4, 8 + data.length)));
     return out;
 }
 async function pngOf(ppm) {
     const head = new TextDecoder().decode(ppm.slice(0, 40)).match(/^P6\n(\d+) (\d+)\n255\n/);
     if (!head) return ppm;
-    const [width, height] = [Number(head[1]), Number(head[2])], rows = new Uint8Array(height * (1 + 3 * width)), size = new Uint8Array(13);
-    for (let y = 0; y < height; y++) rows.set(ppm.subarray(head[0].length + 3 * width * y, head[0].length + 3 * width * (y + 1)), y * (1 + 3 * width) + 1);
-    new DataView(size.buffer).setUint32(0, width), new DataView(size.buffer).setUint32(4, height), size.set([8, 2, 0, 0, 0], 8);
-    const packed = new Uint8Array(await new Response(new Blob([rows]).stream().pipeThrough(new CompressionStream("deflate"))).arrayBuffer());
-    const parts = [Uint8Array.of(137, 80, 78, 71, 13, 10, 26, 10), chunk("IHDR", size), chunk("IDAT", packed), chunk("IEND", new Uint8Array(0))];
+    const [width, height] = [Number(head[1]), Number(head[2])], rows = new Uint8Array(height * (1 + 3 * width)),
+                  size = new Uint8Array(13);
+    for (let y = 0; y < height; y++)
+        rows.set(ppm.subarray(head[0].length + 3 * width * y, head[0].length + 3 * width * (y + 1)),
+                 y * (1 + 3 * width) + 1);
+    new DataView(size.buffer).setUint32(0, width), new DataView(size.buffer).setUint32(4, height),
+        size.set([8, 2, 0, 0, 0], 8);
+    const packed = new Uint8Array(
+        await new Response(new Blob([rows]).stream().pipeThrough(new CompressionStream("deflate"))).arrayBuffer());
+    const parts = [
+        Uint8Array.of(137, 80, 78, 71, 13, 10, 26, 10), chunk("IHDR", size), chunk("IDAT", packed),
+        chunk("IEND", new Uint8Array(0))
+    ];
     return new Uint8Array(await new Blob(parts).arrayBuffer());
 }
 async function drawPictures(files) {
-    for (const name of files.names("out")) if (name.endsWith(".png")) files.put(name, await pngOf(files.get(name)));
+    for (const name of files.names("out"))
+        if (name.endsWith(".png")) files.put(name, await pngOf(files.get(name)));
 }
 
 if (typeof module !== "undefined") module.exports = {Files, loadProgram, templatesOf, hashOf, drawPictures};

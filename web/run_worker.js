@@ -7,7 +7,8 @@ const say = (line, error) => postMessage({line, error});
 const numbers = (at, n) => new Float32Array(program.call.memory.buffer, at, n).slice();
 
 function tell() {
-    const c = program.call, points = numbers(c.page_points(), 5 * c.page_point_count()), corners = numbers(c.page_corners(), 4 * c.page_corner_count());
+    const c = program.call, points = numbers(c.page_points(), 5 * c.page_point_count()),
+          corners = numbers(c.page_corners(), 4 * c.page_corner_count());
     postMessage({points, corners, time: c.page_time(), particles: c.page_particles()}, [points.buffer, corners.buffer]);
     asked = false;
 }
@@ -18,15 +19,19 @@ function send(name, as) { // a file for the page
 function answer() { // what the page has asked for: csv, frame
     for (const what of wanted.splice(0)) {
         if (what === "csv") program.call.page_so_far(), send("out/measured.csv", "save measured.csv");
-        else program.call.page_frame(), program.files.names("out").filter(n => /\/frame_/.test(n)).forEach(n => send(n, "save " + n.slice(4)));
+        else
+            program.call.page_frame(),
+                program.files.names("out").filter(n => /\/frame_/.test(n)).forEach(n => send(n, "save " + n.slice(4)));
     }
 }
 async function end() {
     const status = program.call.page_end();
     await drawPictures(program.files);
     tell();
-    for (const name of program.files.names("out")) if (!/frame_|\.pvd$|_\d{4}\.vtp$|scene\.state$/.test(name)) send(name);
-    for (const name of program.files.names("out")) if (/\.pvd$|scene_\w*\d{4}\.vtp$/.test(name)) send(name);
+    for (const name of program.files.names("out"))
+        if (!/frame_|\.pvd$|_\d{4}\.vtp$|scene\.state$/.test(name)) send(name);
+    for (const name of program.files.names("out"))
+        if (/\.pvd$|scene_\w*\d{4}\.vtp$/.test(name)) send(name);
     ended = true;
     postMessage({ended: status, hash: hashOf(program)});
 }
@@ -37,8 +42,15 @@ function slice() {
     answer();
     if (!more) return void end().catch(failed);
     if (asked) tell();
-    if (running && performance.now() - drawn > 1000) program.call.page_so_far(), send("out/curves.svg"), drawn = performance.now();
-    setTimeout(() => { try { slice(); } catch (e) { failed(e); } }, running ? 0 : 50);
+    if (running && performance.now() - drawn > 1000)
+        program.call.page_so_far(), send("out/curves.svg"), drawn = performance.now();
+    setTimeout(() => {
+        try {
+            slice();
+        } catch (e) {
+            failed(e);
+        }
+    }, running ? 0 : 50);
 }
 function failed(e) { postMessage({line: String(e.message || e), error: true, ended: 1}); }
 
@@ -58,8 +70,16 @@ async function start(m) {
     if (program.call.page_open(m.quick ? 1 : 0)) return void postMessage({ended: 2});
     const c = program.call, groups = [];
     const colour = number => "#" + number.toString(16).padStart(6, "0");
-    for (let k = 0; k < Math.min(c.page_groups(), 8); k++) groups.push({name: program.text(c.page_group(k)), colour: colour(c.page_group_colour(k))});
-    postMessage({begun: {duration: c.page_duration(), groups, view: [0, 1, 2].map(k => c.page_view(k)), speed: c.page_top_speed(),
-                         scale: [0, 0.25, 0.5, 0.75, 1].map(v => colour(c.page_speed_colour(v)))}});
+    for (let k = 0; k < Math.min(c.page_groups(), 8); k++)
+        groups.push({name: program.text(c.page_group(k)), colour: colour(c.page_group_colour(k))});
+    postMessage({
+        begun: {
+            duration: c.page_duration(),
+            groups,
+            view: [0, 1, 2].map(k => c.page_view(k)),
+            speed: c.page_top_speed(),
+            scale: [0, 0.25, 0.5, 0.75, 1].map(v => colour(c.page_speed_colour(v)))
+        }
+    });
     slice();
 }

@@ -518,16 +518,10 @@ static void write_text(image *m, double x, double y, double size, const char *te
 
 static const picture_colour INK = {45, 48, 54};
 
-/* 1, 2 or 5 times a power of ten, at most `most`. */
-static double round_length(double most) {
-    const double power = pow(10.0, floor(log10(most)));
-    return power * (most >= 5.0 * power ? 5.0 : most >= 2.0 * power ? 2.0 : 1.0);
-}
-
 /* As long as it would be where the middle of the scene is. */
 static void draw_scale_bar(image *m, const picture *s, double size) {
     const double pixels_per_metre = 0.5 * m->width / FIELD / s->distance,
-                 length = round_length(0.25 * m->width / pixels_per_metre);
+                 length = riddle_plot_round_length(0.25 * m->width / pixels_per_metre);
     const double x = 1.5 * size, y = m->height - 1.6 * size, end = x + length * pixels_per_metre;
     char text[40];
     if (length >= 1.0) snprintf(text, sizeof text, "%.0f m", length);

@@ -827,15 +827,21 @@ def keep_of(keep, name):
 
 
 def of_field(field, arguments):
-    """'= -1.0' for a field of a definition that C has named."""
-    for value in arguments.values() if field else ():
+    """'is -1.0' for a field of a definition that C has named; of an array of structures all that are in use."""
+    for definition in arguments.values() if field else ():
+        value, used = definition, None
         try:
             for part in re.findall(r"\w+", field):
-                value = value[int(part)] if part.isdigit() else getattr(value, part)
+                if part.isdigit():
+                    value = value[int(part)]
+                elif isinstance(value, list):
+                    value = [getattr(one, part) for one in value[:used]]
+                else:
+                    value, used = getattr(value, part), getattr(value, part + "s", None)
         except (AttributeError, IndexError, TypeError):
             continue
         if not isinstance(value, Structure):
-            return f"is {short(value)}"
+            return f"is {short(np.asarray(value) if isinstance(value, list) else value)}"
     return None
 
 

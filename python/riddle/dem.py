@@ -157,7 +157,8 @@ class World(_core.Handle):
             if status == lib.DEM_PAIR_NOT_SET:
                 pair = tuple(lib.riddle_failed_material(self._alive, which) for which in (0, 1))
             error = _core.status_error("dem", status, f"materials {pair[0]} and {pair[1]}" if pair else None,
-                                       _core.wrong_arguments(given) if given else None)
+                                       _core.wrong_arguments(given)
+                                       if given and status == lib.DEM_BAD_ARGUMENT else None)
             error.materials = pair
             if status in (lib.DEM_NOT_FINITE, lib.DEM_TOO_FAST, lib.DEM_PAIR_NOT_SET):
                 error.particle = lib.riddle_failed_id(self._alive)
@@ -308,13 +309,14 @@ class World(_core.Handle):
     def run(self, duration, features, progress=None):
         """Advances by duration [s]. features: dem.LINEAR | dem.FRICTION | ... Ctrl-C stops between steps: the world is
         whole, and KeyboardInterrupt is raised. progress: called with the world now and then."""
-        self._advance(duration, lambda span: lib.dem_run(self._alive, span, features), progress)
+        self._advance(duration, lambda span: lib.dem_run(self._alive, span, features), progress, features=features)
 
-    def _advance(self, duration, run, progress):
+    def _advance(self, duration, run, progress, **given):
+        given = {"world": self, "duration": duration, **given}
         dt = self.dt
         end = self.step + round(min(duration / dt, 2.0**62)) if duration > 0.0 and np.isfinite(duration) else None
         if end is None:
-            self._do(run, duration)
+            self._do(run, duration, given=given)
             return
         steps, stopped = 64, []
         before = None
@@ -327,7 +329,7 @@ class World(_core.Handle):
             while owed > 0.0:
                 span = min(owed, steps * dt) if owed > 1.5 * steps * dt else owed
                 begun = _time.monotonic()
-                self._do(run, span)
+                self._do(run, span, given=given)
                 owed = owed - span if span < owed else 0.0
                 if progress is not None:
                     progress(self)
@@ -353,7 +355,8 @@ class World(_core.Handle):
         _pose(motion, self.time)
         made = _core._callback(ffi.typeof("dem_motion_fn"), pose, "motion")
         self._do(lib.dem_prescribe, self._alive, _core.number("int", wall, "prescribe: wall"),
-                 _core.vector(3, centre, "prescribe: centre"), made, ffi.NULL)
+                 _core.vector(3, centre, "prescribe: centre"), made, ffi.NULL,
+                 given={"world": self, "wall": wall, "centre": centre})
         self._callbacks[wall] = made
 
     def add_stl(self, material, source, scale=1e-3, weld=1e-6):
@@ -363,11 +366,12 @@ class World(_core.Handle):
             with open(source, "rb") as file:
                 source = file.read()
         mesh, report = ffi.new("dem_mesh *"), ffi.new("dem_stl_report *")
-        self._check(lib.dem_read_stl(bytes(source), len(source), scale, weld, ffi.NULL, mesh, report))
+        self._check(lib.dem_read_stl(bytes(source), len(source), scale, weld, ffi.NULL, mesh, report),
+                    {"world": self, "scale": scale, "weld": weld})
         wall = lib.dem_add_mesh(self._alive, material, mesh)
         lib.dem_free_mesh(mesh)
         if wall < 0:
-            self._check(-wall)
+            self._check(-wall, {"world": self, "material": material})
         return wall, _core._classes["dem_stl_report"]._of(report[0])
 
     def coarse_grain(self, cells):

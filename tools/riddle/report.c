@@ -243,22 +243,24 @@ static const char *const *unit_and_ending(const char *column) {
 static const char *unit_of(const char *column) { return unit_and_ending(column)[1]; }
 static const char *ending_of(const char *column) { return unit_and_ending(column)[0]; }
 
-/* A column's name as one says it; without its unit where that is the panel's. */
-static const char *title_of(const char *column, const char *unit, char *text, size_t size) {
+/* A column's name as one says it, without the unit that it ends with where the axis names a unit; where the axis says
+ * MIXED, with it. */
+static const char MIXED[] = "units as named";
+static const char *title_of(const char *column, const char *axis, char *text, size_t size) {
     char name[NAME];
-    const char *own = unit_of(column);
-    size_t length = strlen(column);
-    if (unit && strcmp(own, "-") != 0 && strcmp(own, unit) == 0) length -= strlen(ending_of(column));
+    const size_t length = strlen(column) - (axis ? strlen(ending_of(column)) : 0);
     snprintf(name, sizeof name, "%.*s", (int)length, column);
-    return said(name, text, size);
+    said(name, text, size);
+    if (axis == MIXED) snprintf(text + strlen(text), size - strlen(text), " [%s]", unit_of(column));
+    return text;
 }
 
-/* unit: the panel's. */
-static void draw_column(const report *r, riddle_plot *p, int c, const char *label, const char *unit, const double *x,
+/* axis: the unit of the panel. */
+static void draw_column(const report *r, riddle_plot *p, int c, const char *label, const char *axis, const double *x,
                         double *y) {
     char text[NAME + 40];
     for (int k = 0; k < r->rows.n; k++) y[k] = rows_at(&r->rows, k, c);
-    riddle_plot_line(p, title_of(label, unit, text, sizeof text), x, y, r->rows.n);
+    riddle_plot_line(p, title_of(label, axis, text, sizeof text), x, y, r->rows.n);
 }
 
 static bool is_zero(const report *r, int c) {
@@ -267,33 +269,33 @@ static bool is_zero(const report *r, int c) {
     return true;
 }
 
+/* Whether the panel whose words begin here draws a column. */
+static bool is_chosen(const char *at, const char *column) {
+    char word[NAME];
+    const char *end = at + strcspn(at, ";");
+    while ((at = next_word(at, word, sizeof word)) != NULL && at <= end)
+        if (means(word, column)) return true;
+    return false;
+}
+
 /* What `curves` names: a panel for each part between ';'. */
 static void draw_chosen(const report *r, riddle_plot *p, const double *x, double *y) {
-    char word[NAME], label[NAME + 40];
     int panel = 0;
     for (const char *at = r->s->def->output.curves; at; panel++) {
-        const char *end = strchr(at, ';'), *word_end;
-        const char *unit = NULL, *only = NULL;
+        char label[NAME + 40], title[NAME] = "";
+        const char *unit = NULL, *end = strchr(at, ';');
         int n = 0;
-        for (int c = 1; c < r->rows.columns; c++)
-            for (const char *w = at; (word_end = next_word(w, word, sizeof word)) != NULL && (!end || word_end <= end);
-                 w = word_end)
-                if (means(word, r->rows.column[c].name)) {
-                    unit = !unit || strcmp(unit, unit_of(r->rows.column[c].name)) == 0 ? unit_of(r->rows.column[c].name)
-                                                                                       : "units as named";
-                    only = r->rows.column[c].name;
-                    n++;
-                    break;
-                }
-        snprintf(label, sizeof label, "%s%s[%s]", n == 1 ? only : "", n == 1 ? " " : "", unit ? unit : "-");
+        for (int c = 1; c < r->rows.columns; c++) {
+            const char *name = r->rows.column[c].name;
+            if (!is_chosen(at, name)) continue;
+            unit = !unit || strcmp(unit, unit_of(name)) == 0 ? unit_of(name) : MIXED;
+            if (n++ == 0) title_of(name, unit, title, sizeof title);
+        }
+        if (unit == MIXED) snprintf(label, sizeof label, "%s", MIXED);
+        else snprintf(label, sizeof label, "%s%s[%s]", n == 1 ? title : "", n == 1 ? " " : "", unit ? unit : "-");
         riddle_plot_panel(p, 0, panel, "time [s]", label);
         for (int c = 1; c < r->rows.columns; c++)
-            for (const char *w = at; (word_end = next_word(w, word, sizeof word)) != NULL && (!end || word_end <= end);
-                 w = word_end)
-                if (means(word, r->rows.column[c].name)) {
-                    draw_column(r, p, c, r->rows.column[c].name, unit, x, y);
-                    break;
-                }
+            if (is_chosen(at, r->rows.column[c].name)) draw_column(r, p, c, r->rows.column[c].name, unit, x, y);
         at = end ? end + 1 : NULL;
     }
 }

@@ -564,7 +564,8 @@ int scene_read(tree_file *file, scene_def *scene) {
     if (fields_read(file, file->root, &scene_section, scene)) return -1;
     for (int k = 0; k < scene->materials.n; k++)
         if (scene_fill_material(file, (material_def *)scene->materials.item + k)) return -1;
-    tree none = {TREE_MAP, 1, 1, NULL, 0, 0, 0, 0, NULL, NULL}; /* what is not given has its defaults all the same */
+    /* what is not given has its defaults all the same */
+    tree none = {TREE_MAP, 1, 1, NULL, 0, 0, 0, 0, NULL, NULL, NULL};
     const tree *measure = scene->measure.part.where, *output = scene->output.part.where;
     if (!measure && fields_read(file, &none, &measure_section, &scene->measure)) return -1;
     if (!output && fields_read(file, &none, &output_section, &scene->output)) return -1;

@@ -16,15 +16,17 @@ typedef struct anchor {
 
 typedef struct reading {
     tree_file *file;
+    const char *set; /* see tree */
     yaml_parser_t parser;
     anchor *anchors;
     int n_anchors, anchor_room, values;
 } reading;
 
-/* "scene.yaml:3:7: what is said", without control characters. */
+/* "scene.yaml:3:7: what is said", or "scene.yaml: --set duration: ...", without control characters. */
 static void say(const tree_file *file, const tree *at, char *line, size_t size, const char *format, va_list arguments) {
-    int used = at ? snprintf(line, size, "%s:%d:%d: ", file->name, at->line, at->column)
-                  : snprintf(line, size, "%s: ", file->name);
+    int used = at && at->set ? snprintf(line, size, "%s: --set %.100s: ", file->name, at->set)
+               : at          ? snprintf(line, size, "%s:%d:%d: ", file->name, at->line, at->column)
+                             : snprintf(line, size, "%s: ", file->name);
     if (used < 0 || used >= (int)size) used = (int)size - 1;
     vsnprintf(line + used, size - (size_t)used, format, arguments);
     for (char *c = line; *c; c++)
@@ -88,11 +90,19 @@ static char *copied(tree_file *file, const char *text, size_t length) {
     return copy;
 }
 
+/* An empty value at a place, for messages too. */
+static tree value_at(const reading *r, tree_kind kind, yaml_mark_t mark) {
+    tree value;
+    memset(&value, 0, sizeof value);
+    value.kind = kind, value.set = r->set;
+    value.line = (int)mark.line + 1, value.column = (int)mark.column + 1;
+    return value;
+}
+
 static tree *new_value(reading *r, tree_kind kind, const yaml_event_t *event) {
     tree *value = tree_memory(r->file, sizeof *value);
     if (!value) return NULL;
-    value->kind = kind;
-    value->line = (int)event->start_mark.line + 1, value->column = (int)event->start_mark.column + 1;
+    *value = value_at(r, kind, event->start_mark);
     if (++r->values > VALUES_MAX) return tree_fail(r->file, value, "more than %d values", VALUES_MAX), NULL;
     return value;
 }
@@ -135,7 +145,7 @@ static int remember(reading *r, const yaml_char_t *name, tree *value) {
 static int next(reading *r, yaml_event_t *event) {
     if (yaml_parser_parse(&r->parser, event)) return 0;
     const yaml_mark_t mark = r->parser.problem ? r->parser.problem_mark : r->parser.mark;
-    tree at = {TREE_TEXT, (int)mark.line + 1, (int)mark.column + 1, NULL, 0, 0, 0, 0, NULL, NULL};
+    const tree at = value_at(r, TREE_TEXT, mark);
     return tree_fail(r->file, &at, "no YAML: %s", r->parser.problem ? r->parser.problem : "unreadable");
 }
 
@@ -172,8 +182,7 @@ static int read_map(reading *r, tree *map, int depth) {
 }
 
 static tree *read_alias(reading *r, const yaml_event_t *event) {
-    tree at = {TREE_TEXT, (int)event->start_mark.line + 1, (int)event->start_mark.column + 1, NULL, 0, 0, 0, 0, NULL,
-               NULL};
+    const tree at = value_at(r, TREE_TEXT, event->start_mark);
     const char *name = (const char *)event->data.alias.anchor;
     for (int k = r->n_anchors - 1; k >= 0; k--) {
         if (strcmp(r->anchors[k].name, name) != 0) continue;
@@ -216,8 +225,7 @@ static int read_document(reading *r) {
     for (;;) {
         if (next(r, &event)) return -1;
         const yaml_event_type_t type = event.type;
-        tree at = {TREE_MAP, (int)event.start_mark.line + 1, (int)event.start_mark.column + 1, NULL, 0, 0, 0, 0, NULL,
-                   NULL};
+        const tree at = value_at(r, TREE_MAP, event.start_mark);
         int bad = 0;
         if (type == YAML_DOCUMENT_START_EVENT && r->file->root) bad = tree_fail(r->file, &at, "a second document");
         else if (type != YAML_STREAM_START_EVENT && type != YAML_DOCUMENT_START_EVENT &&
@@ -269,11 +277,13 @@ static int refuse_path(tree_file *file, const char *path, const char *why) {
     return tree_fail(file, NULL, "--set %.100s: %s", path, why);
 }
 
-/* Reads a value into the file that it becomes a part of. */
-static tree *read_piece(tree_file *file, const char *text) {
-    tree_file piece = *file;
+/* Reads a value for a path into the file that it becomes a part of. */
+static tree *read_piece(tree_file *file, const char *path, const char *text) {
     reading r;
     memset(&r, 0, sizeof r);
+    r.set = copied(file, path, strlen(path));
+    if (!r.set) return NULL;
+    tree_file piece = *file;
     piece.root = NULL;
     r.file = &piece;
     if (!yaml_parser_initialize(&r.parser)) return tree_fail(file, NULL, "out of memory"), NULL;
@@ -304,7 +314,7 @@ static int element_between(const tree *list, const char *pair) {
 int tree_set(tree_file *file, const char *path, const char *value) {
     char key[80];
     int index;
-    tree **place = &file->root, *fresh = read_piece(file, value);
+    tree **place = &file->root, *fresh = read_piece(file, path, value);
     if (!fresh) return -1;
     const char *at = path;
     while (*at) {
@@ -331,13 +341,12 @@ int tree_set(tree_file *file, const char *path, const char *value) {
             r.file = file;
             tree *name = tree_memory(file, sizeof *name);
             if (!name) return -1;
-            name->line = now->line, name->column = now->column;
+            name->set = fresh->set;
             name->kind = TREE_TEXT, name->text = copied(file, key, strlen(key));
             if (!name->text || append(&r, now, name, fresh)) return -1;
         }
         place = &now->item[k];
     }
-    if (*place != fresh) fresh->line = (*place)->line, fresh->column = (*place)->column; /* where messages point */
     *place = fresh;
     return 0;
 }

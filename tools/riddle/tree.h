@@ -18,6 +18,7 @@ typedef struct tree {
     int n, room;      /* list, map: how many */
     struct tree **item;
     const struct tree **key; /* map */
+    const char *set;         /* the path of --set that it comes from; NULL: it stands in the file */
 } tree;
 
 typedef struct tree_file {
