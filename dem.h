@@ -25,8 +25,8 @@
              from the coefficient of restitution (Tsuji et al. 1992); tangential spring with Coulomb limit (Cundall &
              Strack 1979); rolling resistance with a lever arm in metres, relative and capped. A law of your own:
              dem_law and DEM_KERNEL below.
-   Bodies    spheres, clumps of them (dem_add_clumps, docs/dem_bodies.md), and convex polyhedra with rounded edges
-             (dem_add_convex, docs/dem_convex.md).
+   Bodies    spheres, clumps of them (dem_add_clumps, docs/dem_bodies.md), convex polyhedra with rounded edges
+             (dem_add_convex, docs/dem_convex.md), and bodies of several of these (dem_add_compounds).
    Walls     plane, cylinder, wire screen, cone, disc, sphere, box, triangle mesh (STL); each at rest, vibrating,
              turning, moving, prescribed or driven by a force or torque. A wall supplies geometry (normal, gap, surface
              velocity, inverse mass 0); everything after that is the pair's kernel.
@@ -160,9 +160,10 @@ extern double sqrt(double) __attribute__((const));
 #endif
 
 /* x86-64: the loops that vectorise are compiled twice, with AVX2 and without. The bits are the same, because neither
-   version fuses. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412); there -mavx2 for
-   the whole program gives the speed. */
-#if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
+   version fuses. Not at -O0, nor by gcc at -Os, where loops do not vectorise. Not on Windows, where gcc does not align
+   the stack for wide vectors (its bug 54412); there -mavx2 for the whole program gives the speed. */
+#if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32) && defined(__OPTIMIZE__) &&     \
+    (defined(__clang__) || !defined(__OPTIMIZE_SIZE__))
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
     __attribute__((target("avx2"))) DEM__FAST DEM__STATIC void name##_wide parameters { call; }                        \
     DEM__FAST DEM__STATIC void name parameters {                                                                       \
@@ -1449,6 +1450,39 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
    kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres,
                                   const double *orientations, int material, int group);
+
+#define DEM_PARTS_MAX 64 /* convex parts of a compound at most */
+/* A body of convex parts fixed to each other, concave as a whole. Made by dem_make_compound(). Volume, moments and axes
+   may be replaced by better ones; then make the centres relative to the true centre of mass. */
+typedef struct dem_compound {
+    int parts;                          /* 1 .. DEM_PARTS_MAX */
+    int shape[DEM_PARTS_MAX];           /* the world's shape of each part */
+    dem_vec centre[DEM_PARTS_MAX];      /* centroids, from the centre of mass, in the frame of the compound [m] */
+    dem_quaternion turn[DEM_PARTS_MAX]; /* from the frame in which a part was given to that of the compound */
+    dem_vec origin;                     /* the centre of mass, in the frame of the compound [m] */
+    double volume;                      /* sum over the parts [m3] */
+    dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
+    dem_quaternion axes; /* from the principal axes to the frame of the compound */
+} dem_compound;
+/* Makes a body of n convex parts, and adds their shapes to a world. n: 1 .. DEM_PARTS_MAX; parts: [n], made by
+   dem_make_hull and its like; places: [n][3], of the origin of the frame in which a part was given, in the frame of the
+   compound [m]; NULL: 0, for parts whose corners have one common origin; orientations: [n][4], quaternions of any
+   length but 0, scalar first, from a part's frame to the compound's; NULL: none is turned. Volume, centre of mass and
+   moments are sums over the parts, which should not overlap: what two have in common counts twice. Parts may lie apart.
+   All contacts of two bodies share the law of one pair, so a face of several parts is one contact. DEM_BAD_ARGUMENT,
+   with the cause in *reason (may be NULL): a number that is not finite, a part that is no polyhedron, or whose centroid
+   lies in another part. DEM_TOO_MANY beyond DEM_PARTS_MAX. DEM_OUT_OF_MEMORY. */
+DEM_API dem_status dem_make_compound(dem_world *world, int n, const dem_convex *parts, const double *places,
+                                     const double *orientations, dem_compound *compound, const char **reason);
+/* Adds n bodies at rest of a compound that was made with this world, or with the one whose save it was loaded from.
+   centres: of mass, shape [n][3] [m]. Each part is a particle, as each sphere of a clump is: they are consecutive, move
+   as one and do not touch each other; each has the mass of the body. All else as in dem_add_convex. */
+DEM_API dem_status dem_add_compounds(dem_world *world, ptrdiff_t n, const dem_compound *compound, const double *centres,
+                                     const double *orientations, int material, int group);
+/* Returns the orientation of the polyhedron of particle i, from the frame in which its shape was given; for a part of a
+   compound it differs from that of the body, which dem_orientation returns. */
+DEM_API dem_quaternion dem_shape_orientation(const dem_world *world, ptrdiff_t i);
+
 DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i); /* number of its shape; -1: it has none */
 DEM_API const dem_convex *dem_get_shape(const dem_world *world,
                                         int shape); /* owned by the world; NULL if there is none */
@@ -2309,12 +2343,14 @@ typedef struct dem__convex_pair {
     int32_t i, j, near;   /* near: index of its near pair, or -1 */
     int32_t first, count; /* of its points in the present step */
     int32_t is_close;     /* whether the spheres around the two touch in the present step */
+    int32_t lead, next;   /* for a part of a compound: the first pair of its two bodies, and the next pair; -1: none */
     int64_t skip_until;   /* step before which they cannot touch as long as both stay in flight and the wall is no
                              faster */
     int64_t origin[2];    /* origin steps of these flights */
     double speed, spin;   /* bounds of the wall's motion that this relies on [m/s], [rad/s] */
     dem__nearest_cache cache;
     dem_vec axis;   /* a direction in which the cores were apart at the last test; 0: none */
+    double depth;   /* of overlapping cores along it, in the present step [m]; 0: they do not overlap */
     double pull[9]; /* force by which the springs of its points exceed their parts in the law, over the stiffness: force
                        on i, torques on i and j */
 } dem__convex_pair;
@@ -2347,8 +2383,9 @@ typedef struct dem__convex_calls {
 typedef struct dem__convex_state {
     const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;
-    int shapes;
+    int shapes, has_parts;  /* has_parts: whether there has been a compound */
     int32_t *shape_of;      /* for a particle: index of its shape + 1, or 0 for a sphere; NULL without shapes */
+    dem_quaternion *part;   /* for a part of a compound: from its own axes to the principal axes of its body; else 0 */
     dem__placed *place;     /* for a polyhedron: its placement at the end of the present step */
     dem__convex_pair *pair; /* pairs of particles in the order of near pairs, then pairs with walls in the order of
                                particles and walls */
@@ -2811,6 +2848,14 @@ static inline void *dem__default_allocator(void *user, void *old, size_t old_siz
 DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     const dem__convex_state *convex = &w->engine->convex;
     return convex->shapes > 0 && convex->shape_of[i] > 0 ? &convex->shape[convex->shape_of[i] - 1] : NULL;
+}
+
+/* Returns whether particle i is a part of a compound: a polyhedron with a place and a turn of its own in its body. */
+DEM_INLINE int dem__is_part(const dem_world *w, ptrdiff_t i) {
+    const dem__convex_state *convex = &w->engine->convex;
+    if (!convex->has_parts) return 0;
+    const dem_quaternion *q = &convex->part[i];
+    return q->w != 0.0 || q->x != 0.0 || q->y != 0.0 || q->z != 0.0;
 }
 
 /* Returns the least distance of a face of a core from its centre [m]. */
@@ -3565,9 +3610,11 @@ DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, doubl
     return w->engine->bodies.calls->pose(w, r, tau);
 }
 
-/* Returns the orientation of a polyhedron's own axes, from that of its body, whose axes may have another order. */
-static inline dem_quaternion dem__turn_of_polyhedron(const dem__rigid *r, dem_quaternion turn) {
-    return dem__turns(turn, dem__opposite_turn(r->frame));
+/* Returns the orientation of a polyhedron's own axes, from that of its body. The body's axes may have another order; a
+   part of a compound has a turn of its own. */
+static inline dem_quaternion dem__turn_of_polyhedron(const dem_world *w, ptrdiff_t i, const dem__rigid *r,
+                                                     dem_quaternion turn) {
+    return dem__turns(turn, dem__is_part(w, i) ? w->engine->convex.part[i] : dem__opposite_turn(r->frame));
 }
 
 /* Return position and velocity of a particle of a rigid body, tau after its origin step [s]. */
@@ -3796,7 +3843,7 @@ DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
 /* Returns the rotation from the principal axes of the body of particle i to the frame in which its shape was given. */
 static inline dem_quaternion dem__given_frame(const dem_world *w, ptrdiff_t i, const dem__rigid *r) {
     const dem_convex *s = dem__shape_of(w, i);
-    if (!s) return r->frame;
+    if (!s || dem__is_part(w, i)) return r->frame;
     const dem_quaternion own = dem__turn_of_shape(s);
     return own.w != 1.0 ? dem__turns(own, r->frame) : r->frame;
 }
@@ -12264,6 +12311,13 @@ DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
                       dem__opposite_turn(dem__given_frame(world, i, r)));
 }
 
+DEM_API dem_quaternion dem_shape_orientation(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count || !dem__is_part(world, i)) return dem_orientation(world, i);
+    const dem__rigid *r = dem__rigid_of(world, i);
+    return dem__turns(dem__turn_of_polyhedron(world, i, r, dem__pose_at(world, r, dem__now(world, i)).turn),
+                      dem__opposite_turn(dem__turn_of_shape(dem__shape_of(world, i))));
+}
+
 DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     dem_body body;
     memset(&body, 0, sizeof body);
@@ -13619,7 +13673,8 @@ static DEM__NOINLINE void dem__find_seen_body(const dem__seen *s, dem_vec flow, 
     const dem_quaternion turn = dem__pose_at(w, r, s->tau).turn;
     double seen[2];
     if (view->facets.n > 0) {
-        dem__see_facets(&view->facets, view->surface, dem__to_body(dem__turn_of_polyhedron(r, turn), v), psi);
+        dem__see_facets(&view->facets, view->surface, dem__to_body(dem__turn_of_polyhedron(w, s->first, r, turn), v),
+                        psi);
         return;
     }
     dem__read_view(view, dem__to_body(turn, v), seen);
@@ -13671,7 +13726,7 @@ static inline int dem__find_views(dem_world *w) {
         double surface = 0.0;
         int is_new;
         if (!r || r->first != i || field->view_of[i] != 0) continue;
-        if (!s && r->pieces == 1) {
+        if ((!s && r->pieces == 1) || dem__is_part(w, i)) {
             field->view_of[i] = -1;
             continue;
         }
@@ -13700,12 +13755,12 @@ DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, de
     dem__outline outline;
     double surface, across = 0.0;
     psi[0] = psi[1] = psi[2] = 1.0;
-    if (!r || (!s && r->pieces == 1)) return DEM_OK;
+    if (!r || (!s && r->pieces == 1) || dem__is_part(w, i)) return DEM_OK;
     const dem_vec v = dem__flow_direction(flow);
     const dem_quaternion turn = dem__pose_at(w, r, dem__now(w, r->first)).turn;
     if (s) {
         surface = dem__find_facets(s, &facets);
-        dem__see_facets(&facets, surface, dem__to_body(dem__turn_of_polyhedron(r, turn), v), psi);
+        dem__see_facets(&facets, surface, dem__to_body(dem__turn_of_polyhedron(w, i, r, turn), v), psi);
         return DEM_OK;
     }
     const dem_vec u = dem__to_body(turn, v);
@@ -15708,15 +15763,19 @@ static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
 /* ----------------------------------------------------------------------------------------------- >>bodies/clumps.h */
 /* Clumps in a world: adds rigid bodies of spheres. Reads shapes; writes a world through dem__add_body. */
 
+/* Returns whether these are moments of a body: no moment exceeds the sum of the two others. */
+static inline int dem__are_moments(dem_vec m) {
+    if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
+    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z);
+    return 2.0 * m.x <= most && 2.0 * m.y <= most && 2.0 * m.z <= most;
+}
+
 static inline int dem__is_clump(const dem_clump *c) {
     dem_quaternion unit;
     if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) ||
         !dem__unit_turn(c->axes, &unit))
         return 0;
-    const dem_vec m = c->moments;
-    if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
-    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the sum of the two others */
-    if (2.0 * m.x > most || 2.0 * m.y > most || 2.0 * m.z > most) return 0;
+    if (!dem__are_moments(c->moments)) return 0;
     for (int k = 0; k < c->spheres; k++) {
         if (!dem__positive(c->radius[k]) || !dem__finite_vec(c->centre[k])) return 0;
     }
@@ -16940,11 +16999,13 @@ static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_
     return 1;
 }
 
-/* Returns the factor of a particle's volume: 1 for a sphere. The particles of a body may overlap; they share the body's
-   volume. */
+/* Returns the factor of a particle's volume: 1 for a sphere. The spheres of a body may overlap; they share the body's
+   volume. The parts of a compound have their own. */
 static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
+    const double radius = w->particle[i].radius;
     double sum = 0.0;
+    if (dem__is_part(w, i)) return dem__shape_of(w, i)->volume / (4.0 / 3.0 * RIDDLE_PI * radius * radius * radius);
     for (ptrdiff_t k = 0; r && k < r->pieces; k++)
         sum += dem__sphere_mass(w, w->material[i], w->particle[r->first + k].radius);
     return r ? r->mass / sum : 1.0;
@@ -16973,7 +17034,7 @@ static inline double dem__volume_in(const dem_world *w, const dem__measured *q, 
     const double r = w->particle[i].radius;
     if (!s) return dem__ball_in(q->region, &q->inside, x, r);
     const dem__rigid *body = dem__rigid_of(w, i);
-    const dem_quaternion turn = dem__turn_of_polyhedron(body, dem__pose_at(w, body, dem__now(w, i)).turn);
+    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, body, dem__pose_at(w, body, dem__now(w, i)).turn);
     return dem__polyhedron_in(q->region, &q->inside, s, x, turn) * (4.0 / 3.0 * RIDDLE_PI * r * r * r);
 }
 
@@ -19460,12 +19521,17 @@ static inline dem__shared dem__share_points(dem__convex_point *p, int n, double 
     return s;
 }
 
-/* Returns how much faster a force of 1 N with a moment about the centre of particle i moves i where it acts, because i
-   turns [1/kg]. */
+/* Returns how much faster a force of 1 N with a moment about the centre of particle i, or of its compound, moves i
+   where it acts, because i turns [1/kg]. */
 DEM_INLINE double dem__per_turning(const dem_world *w, ptrdiff_t i, dem_vec moment) {
     const dem_convex *s = dem__shape_of(w, i);
     if (!s || dem__is_fixed(w, i)) return 0.0;
-    const dem_vec t = dem__into_core(&w->engine->convex.place[i], moment);
+    dem_vec t = dem__into_core(&w->engine->convex.place[i], moment);
+    if (dem__is_part(w, i)) {
+        const dem__rigid *r = dem__rigid_of(w, i);
+        t = dem__to_lab(w->engine->convex.part[i], t); /* along the axes of the body */
+        return t.x * t.x / r->moments.x + t.y * t.y / r->moments.y + t.z * t.z / r->moments.z;
+    }
     const double sum = t.x * t.x / s->moment[0] + t.y * t.y / s->moment[1] + t.z * t.z / s->moment[2];
     return s->volume * sum / w->particle[i].mass;
 }
@@ -19497,26 +19563,43 @@ static inline void dem__set_pull(dem__convex_pair *pair, dem_vec apart, double r
     }
 }
 
+/* What the points of a pair have in common: the parts are raised so that friction, which they limit, counts on the
+   whole force; per: 1 over the sum of the parts before that. */
+typedef struct dem__settled {
+    double raise, per, damping;
+} dem__settled;
+
+/* Completes the sums of a pair that touches. apart: from the centre of j to that of i. */
+static inline dem__settled dem__settle(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__shared *s) {
+    dem__settled t;
+    t.raise = s->are_parts ? 1.0 : dem__clamp(s->springs / s->parts, 0.25, 4.0), t.per = 1.0 / s->parts;
+    s->springs = t.raise * s->parts, s->whole *= t.raise;
+    t.damping = dem__damping_of(w, pair, apart, s, w->engine->run.power);
+    return t;
+}
+
+/* Completes n points, and removes ends. Returns the number of points left. */
+static inline int dem__settle_points(dem__convex_point *p, int n, const dem__settled *t, int are_parts) {
+    if (are_parts) {
+        for (int k = 0; k < n; k++) p[k].damping = t->damping, p[k].pull = 0.0;
+        return n;
+    }
+    int kept = 0;
+    for (int k = 0; k < n; k++) {
+        p[k].damping = t->damping, p[k].pull = p[k].weight * t->per, p[k].weight *= t->raise;
+        if (p[k].count > 0.0) p[kept++] = p[k];
+    }
+    return kept;
+}
+
 /* Completes the n points of a pair, and removes ends. apart: from the centre of j to that of i. Returns the number of
    points left. */
 static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__shared *s,
                                      dem__convex_point *p, int n) {
     if (n == 0) return 0;
-    /* of the parts, so that friction, which they limit, counts on the whole force */
-    const double raise = s->are_parts ? 1.0 : dem__clamp(s->springs / s->parts, 0.25, 4.0), per = 1.0 / s->parts;
-    s->springs = raise * s->parts, s->whole *= raise;
-    const double damping = dem__damping_of(w, pair, apart, s, w->engine->run.power);
-    if (s->are_parts) {
-        for (int k = 0; k < n; k++) p[k].damping = damping, p[k].pull = 0.0;
-        return n;
-    }
-    int kept = 0;
-    dem__set_pull(pair, apart, raise, s);
-    for (int k = 0; k < n; k++) {
-        p[k].damping = damping, p[k].pull = p[k].weight * per, p[k].weight *= raise;
-        if (p[k].count > 0.0) p[kept++] = p[k];
-    }
-    return kept;
+    const dem__settled t = dem__settle(w, pair, apart, s);
+    if (!s->are_parts) dem__set_pull(pair, apart, t.raise, s);
+    return dem__settle_points(p, n, &t, s->are_parts);
 }
 
 /* ------------------------------------------------------------------------------------------- >>polyhedra/entered.h */
@@ -19623,16 +19706,22 @@ DEM_INLINE void dem__skip_until(const dem_world *w, dem__convex_pair *p, int64_t
 DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
     return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
 }
-/* Returns the greatest speed of particle i relative to the centre of its clump, from its rotation [m/s]. */
+/* Returns the greatest speed of particle i relative to the centre of its clump or compound, from its rotation [m/s]. */
 DEM_INLINE double dem__turning_speed_of(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
+    const dem__rigid *r = dem__shape_of(w, i) && !dem__is_part(w, i) ? NULL : dem__rigid_of(w, i);
     return r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
+}
+/* Returns the distance of the farthest point of a polyhedron that is within `reach` of its centre from the centre of
+   its body [m]. */
+DEM_INLINE double dem__reach_in_body(const dem_world *w, ptrdiff_t i, double reach) {
+    return dem__is_part(w, i) ? dem__length(w->engine->bodies.offset[i]) + reach : reach;
 }
 /* Returns the greatest speed of the surface of particle i, or of a clump's sphere, relative to the centre of its body
    [m/s]. */
 DEM_INLINE double dem__surface_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
-    return s ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, i), s->reach) : dem__turning_speed_of(w, i);
+    return s ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, i), dem__reach_in_body(w, i, s->reach))
+             : dem__turning_speed_of(w, i);
 }
 /* Returns the time from the origin step of particle i to a step [s]. */
 DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
@@ -19643,7 +19732,8 @@ DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step
 DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step) {
     const double tau = dem__flown_until(w, i, step);
     if (!dem__shape_of(w, i)) return dem__at(w, i, tau);
-    return w->engine->bodies.activity[i] == DEM__FLYING ? dem__centre_at(w, i, tau) : w->engine->convex.place[i].x;
+    if (w->engine->bodies.activity[i] != DEM__FLYING) return w->engine->convex.place[i].x;
+    return dem__is_part(w, i) ? dem__at(w, i, tau) : dem__centre_at(w, i, tau);
 }
 
 /* Returns whether a pair may be skipped: both particles are in flight. */
@@ -19738,16 +19828,18 @@ DEM_INLINE int dem__may_skip_wall(const dem_world *w, ptrdiff_t i) {
 static inline void dem__skip_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap,
                                   double reach) {
     const dem_wall *wall = &w->wall[-1 - p->j];
-    const double slack = w->engine->pairs.position_tolerance;
+    const double slack = w->engine->pairs.position_tolerance, tau = dem__flown_until(w, p->i, step);
     if (!(gap > slack)) return;
     const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
-    const dem_vec v = dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), a = dem__centre_pull(w, p->i);
-    const dem__approach q = dem__approach_to(w, wall, x, v, a);
+    const dem_vec v = dem__drift_at(w, p->i, tau), a = dem__centre_pull(w, p->i),
+                  centre = dem__is_part(w, p->i) ? dem__in_box(w, dem__centre_at(w, p->i, tau)) : x;
+    const dem__approach q = dem__approach_to(w, wall, centre, v, a);
+    const double arm = dem__reach_in_body(w, p->i, reach);
     const double surface_speed =
-        reach > 0.0 ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound
-                    : 0.0;
+        arm > 0.0 ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, p->i), arm) + arm * wall->spin_bound : 0.0;
     const double touch = dem__time_to_cover(gap - slack, q.speed + surface_speed, q.pull),
-                 cross = dem__time_to_cover(crossing - slack, dem__length(v), dem__length(a));
+                 cross = dem__time_to_cover(crossing - slack, dem__length(v) + dem__turning_speed_of(w, p->i),
+                                            dem__length(a));
     const int steps = dem__steps_until(w, cross < touch ? cross : touch);
     p->speed = wall->speed_bound, p->spin = wall->spin_bound;
     dem__skip_until(w, p, step, steps < q.most ? steps : q.most);
@@ -19776,6 +19868,287 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
     if (!p->is_close && may_rest) dem__skip_wall(w, p, step, x, least, 0.0);
 }
 
+/* --------------------------------------------------------------------------------------- >>polyhedra/pair_points.h */
+/* The points of one pair. Reads placed bodies and walls; writes the pair and its points. Promises: they depend only on
+   the pair and the step. */
+
+/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch; then
+   only gap and normal are set. sphere_first: the sphere is a, the polyhedron b. */
+static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius,
+                                        int sphere_first, dem__convex_point *out) {
+    dem_vec n;
+    const double distance = dem__from_core(s, place, x, HUGE_VAL, &n);
+    out->gap = distance - radius - s->radius;
+    out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
+    if (!(out->gap < 0.0)) return 0;
+    out->key = 0;
+    dem__count_point(out, 1.0, out->gap);
+    out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
+    return 1;
+}
+
+/* Returns the vector from the centre of particle j of a pair to that of i at a step. */
+static inline dem_vec dem__apart_in(const dem_world *w, const dem__convex_pair *p, int64_t step) {
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem_vec xi =
+        dem__shape_of(w, p->i) ? convex->place[p->i].x : dem__at(w, p->i, dem__flown_until(w, p->i, step));
+    const dem_vec xj =
+        dem__shape_of(w, p->j) ? convex->place[p->j].x : dem__at(w, p->j, dem__flown_until(w, p->j, step));
+    return dem__nearest_image(w, dem__sub(xi, xj));
+}
+
+/* Finds the points of two particles that are d apart, and how deep their cores overlap; `at` is relative to the centre
+   of i. Returns how many. */
+static inline int dem__find_pair_points(dem_world *w, dem__convex_pair *p, int64_t step, dem_vec d,
+                                        dem__convex_point *out, int64_t *overlaps) {
+    const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem_particle *particle = w->particle;
+    const double reach = particle[p->i].radius + particle[p->j].radius;
+    p->depth = 0.0;
+    if (!(dem__dot(d, d) < reach * reach)) return 0;
+    dem__placed pa = convex->place[p->i], pb = convex->place[p->j];
+    pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
+    if (!a || !b) {
+        const double radius = particle[a ? p->j : p->i].radius;
+        const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
+                        : dem__points_of_sphere(b, &pb, d, radius, 1, out);
+        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* the sphere's centre is in the core */
+        if (n == 0) dem__skip_pair(w, p, step, d, out->gap, out->normal);
+        return n;
+    }
+    const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
+    pb.x = dem__scale(-1.0, d);
+    /* A direction only decides which features are tested. That of an earlier step serves as long as the cores are
+       nearly as far apart along it. */
+    double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
+    if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
+    dem__gap_of_cores gap;
+    gap.overlap = 0;
+    if (!(apart > good)) {
+        dem__find_gap(a, &pa, b, &pb, DEM__WINDOW * radii, &p->cache, &gap);
+        *overlaps += gap.overlap;
+        apart = gap.separation, p->axis = gap.normal;
+        p->depth = gap.overlap && apart < 0.0 ? -apart : 0.0;
+    }
+    int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
+    n -= gap.overlap && n == DEM__POINTS_MAX; /* there is one more then */
+    if (n == 0 && !(p->depth > 0.0)) dem__skip_pair(w, p, step, d, apart - radii, p->axis);
+    return n;
+}
+
+/* Adds to n points the one that pushes the overlapping cores of a pair apart. xi, xj: the centres, relative to the
+   points' origin. Returns the number of points. */
+static DEM__NOINLINE int dem__push_pair_apart(const dem_world *w, const dem__convex_pair *p, dem_vec xi, dem_vec xj,
+                                              dem__shared *sums, dem__convex_point *out, int n) {
+    dem__placed pa = w->engine->convex.place[p->i], pb = w->engine->convex.place[p->j];
+    dem__gap_of_cores gap;
+    memset(&gap, 0, sizeof gap);
+    pa.x = xi, pb.x = xj;
+    gap.overlap = 1, gap.separation = -p->depth, gap.normal = p->axis;
+    return dem__push_apart(dem__shape_of(w, p->i), &pa, dem__shape_of(w, p->j), &pb, &gap, w->engine->run.power, sums,
+                           out, n);
+}
+
+/* Finds the points of two particles, with their parts in the law. Returns how many. */
+static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
+                                      int64_t *overlaps) {
+    const dem_vec d = dem__apart_in(w, p, step);
+    int n = dem__find_pair_points(w, p, step, d, out, overlaps);
+    dem__shared sums = dem__share_points(out, n, w->engine->run.power);
+    if (p->depth > 0.0) n = dem__push_pair_apart(w, p, dem_vec3(0.0, 0.0, 0.0), dem__scale(-1.0, d), &sums, out, n);
+    return dem__finish_points(w, p, d, &sums, out, n);
+}
+
+/* Finds the points of a particle at a wall, both at the end of the step. Returns how many. may_cut: whether the wall
+   may cut the core. */
+static inline int dem__find_wall_points(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
+                                        int *may_cut) {
+    const dem_wall *wall = &w->wall[-1 - p->j];
+    const dem_convex *s = dem__shape_of(w, p->i);
+    const dem__placed *place = &w->engine->convex.place[p->i];
+    const int n = dem__touch_with_polyhedron(wall, s, place, out, may_cut);
+    p->depth = 0.0;
+    if (n == 0 && dem__may_skip_wall(w, p->i))
+        dem__skip_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
+    return n;
+}
+/* Returns whether a wall cuts the core of a particle with these n points. */
+static inline int dem__is_cut_at(const dem_world *w, const dem__convex_pair *p, const dem__convex_point *out, int n,
+                                 int may_cut) {
+    const dem_convex *s = dem__shape_of(w, p->i);
+    int is_cut = 0;
+    for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
+    return is_cut || (may_cut && dem__core_passes(&w->wall[-1 - p->j], s, &w->engine->convex.place[p->i]));
+}
+/* Finds these points with their parts in the law. Returns how many. cuts: 1 more if the wall cuts the core. */
+static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
+                                      int64_t *cuts) {
+    int may_cut, n = dem__find_wall_points(w, p, step, out, &may_cut);
+    dem__shared sums = dem__share_points(out, n, w->engine->run.power);
+    n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), &sums, out, n);
+    *cuts += dem__is_cut_at(w, p, out, n, may_cut);
+    return n;
+}
+
+/* ------------------------------------------------------------------------------------ >>polyhedra/compound_pairs.h */
+/* Pairs of compounds. All points of two bodies, or of a body and a wall, share the law of one pair, whatever parts they
+   belong to: a floor drawn by three parts is one face. Reads pairs and bodies; chains pairs of the same two bodies, and
+   writes their points. Promises: one thread finds the points of two bodies, in the order of particles, so bits depend
+   neither on threads nor on the order of the list. */
+
+/* Returns the first part of the compound of particle i, or i, or the wall -1 - i. */
+DEM_INLINE int32_t dem__first_part(const dem_world *w, int32_t i) {
+    return i >= 0 && dem__is_part(w, i) ? dem__rigid_of(w, i)->first : i;
+}
+
+/* Returns whether two pairs are between the same bodies. */
+DEM_INLINE int dem__same_bodies(const dem_world *w, const dem__convex_pair *p, const dem__convex_pair *q) {
+    return dem__first_part(w, p->i) == dem__first_part(w, q->i) && dem__first_part(w, p->j) == dem__first_part(w, q->j);
+}
+
+/* Returns whether pair p comes before q: by bodies, then by particles. */
+static inline int dem__comes_first(const dem_world *w, const dem__convex_pair *p, const dem__convex_pair *q) {
+    const int32_t a[4] = {dem__first_part(w, p->i), dem__first_part(w, p->j), p->i, p->j},
+                  b[4] = {dem__first_part(w, q->i), dem__first_part(w, q->j), q->i, q->j};
+    for (int k = 0; k < 4; k++) {
+        if (a[k] != b[k]) return a[k] < b[k];
+    }
+    return 0;
+}
+
+/* Merges two sorted chains of pairs. Returns the first one. */
+static inline int32_t dem__merge_chains(const dem_world *w, int32_t a, int32_t b) {
+    dem__convex_pair *pair = w->engine->convex.pair;
+    int32_t first = -1, *end = &first;
+    while (a >= 0 && b >= 0) {
+        int32_t *low = dem__comes_first(w, &pair[b], &pair[a]) ? &b : &a;
+        *end = *low, end = &pair[*low].next, *low = *end;
+    }
+    *end = a >= 0 ? a : b;
+    return first;
+}
+
+/* Chains the pairs of compounds, those of two bodies next to each other, each with the first of these. */
+static inline void dem__chain_pairs(dem_world *w) {
+    const dem__convex_state *convex = &w->engine->convex;
+    int32_t chain[32], all = -1; /* chain k has 2^k pairs, or none */
+    for (int k = 0; k < 32; k++) chain[k] = -1;
+    for (int32_t q = 0; q < (int32_t)convex->pairs; q++) {
+        const dem__convex_pair *p = &convex->pair[q];
+        int32_t own = q;
+        int k = 0;
+        if (!dem__is_part(w, p->i) && !(p->j >= 0 && dem__is_part(w, p->j))) continue;
+        for (; chain[k] >= 0; k++) own = dem__merge_chains(w, chain[k], own), chain[k] = -1;
+        chain[k] = own;
+    }
+    for (int k = 0; k < 32; k++) all = chain[k] < 0 ? all : all < 0 ? chain[k] : dem__merge_chains(w, chain[k], all);
+    for (int32_t q = all, lead = all; q >= 0; q = convex->pair[q].next) {
+        if (!dem__same_bodies(w, &convex->pair[q], &convex->pair[lead])) lead = q;
+        convex->pair[q].lead = lead;
+    }
+}
+
+/* Returns the next pair of the same two bodies, or NULL. */
+DEM_INLINE dem__convex_pair *dem__next_of_bodies(const dem_world *w, const dem__convex_pair *p) {
+    dem__convex_pair *next = p->next < 0 ? NULL : &w->engine->convex.pair[p->next];
+    return next && next->lead == p->lead ? next : NULL;
+}
+
+/* Returns the vector from the centre of a compound to its part i, which has been placed; 0 for other particles and for
+   walls. */
+static inline dem_vec dem__arm_of_part(const dem_world *w, int32_t i) {
+    if (i < 0 || !dem__is_part(w, i)) return dem_vec3(0.0, 0.0, 0.0);
+    const dem__placed *place = &w->engine->convex.place[i];
+    const dem_vec own = dem__to_body(w->engine->convex.part[i], w->engine->bodies.offset[i]);
+    return dem__plus(dem__plus(dem__scale(own.x, place->axis[0]), own.y, place->axis[1]), own.z, place->axis[2]);
+}
+
+/* The points of two bodies. Their origin is the centre of the first one. */
+typedef struct dem__bodies_points {
+    dem__convex_pair *lead;   /* the first pair */
+    dem__convex_pair *touch;  /* the first one with points, or NULL */
+    dem__convex_point *point; /* [count] */
+    int count, deep;          /* deep: number of pairs whose cores overlap */
+    ptrdiff_t first;          /* of the world's points */
+    dem_vec apart;            /* from the centre of the second body to that of the first */
+    int may_cut;              /* whether a wall may cut a core */
+} dem__bodies_points;
+
+/* Finds the points of all pairs of two bodies, each with its own spring. Returns 0 if there is no room for them. */
+static inline int dem__find_bodies_points(dem_world *w, dem__bodies_points *b, int64_t step, ptrdiff_t room,
+                                          int64_t *overlaps) {
+    for (dem__convex_pair *p = b->lead; p; p = dem__next_of_bodies(w, p)) {
+        dem__convex_point *out = b->point + b->count;
+        int may_cut = 0;
+        dem_vec d = dem_vec3(0.0, 0.0, 0.0);
+        p->first = (int32_t)(b->first + b->count), p->depth = 0.0;
+        if (!p->is_close) continue;
+        if (room - b->count - b->deep < DEM__POINTS_MAX) return 0;
+        if (p->j >= 0) d = dem__apart_in(w, p, step);
+        p->count = p->j >= 0 ? dem__find_pair_points(w, p, step, d, out, overlaps)
+                             : dem__find_wall_points(w, p, step, out, &may_cut);
+        b->may_cut |= may_cut, b->deep += p->depth > 0.0;
+        if (!(p->count > 0 || p->depth > 0.0)) continue;
+        const dem_vec arm = dem__arm_of_part(w, p->i);
+        for (int k = 0; k < p->count; k++) out[k].at = dem__add(out[k].at, arm);
+        b->count += p->count;
+        if (b->touch) continue;
+        b->touch = p;
+        if (p->j >= 0) b->apart = dem__add(dem__sub(d, arm), dem__arm_of_part(w, p->j));
+    }
+    return 1;
+}
+
+/* Adds the points that push overlapping cores apart, each at the end of those of its pair. */
+static inline void dem__push_bodies_apart(dem_world *w, dem__bodies_points *b, int64_t step, dem__shared *sums) {
+    int added = 0;
+    for (dem__convex_pair *p = b->lead; p; p = dem__next_of_bodies(w, p)) {
+        p->first += added;
+        if (!(p->depth > 0.0)) continue;
+        const dem_vec arm = dem__arm_of_part(w, p->i);
+        const int n =
+            dem__push_pair_apart(w, p, arm, dem__sub(arm, dem__apart_in(w, p, step)), sums, b->point, b->count);
+        if (n == b->count) continue;
+        const ptrdiff_t at = p->first - b->first + p->count;
+        const dem__convex_point fresh = b->point[b->count];
+        memmove(b->point + at + 1, b->point + at, (size_t)(b->count - at) * sizeof fresh);
+        b->point[at] = fresh;
+        p->count++, b->count++, added++;
+    }
+}
+
+/* Moves the torques of a pull from the centres of two bodies to those of the parts of a pair. */
+static inline void dem__pull_at_parts(const dem_world *w, dem__convex_pair *p) {
+    const dem_vec f = dem__first(p->pull), on_i = dem__cross(dem__arm_of_part(w, p->i), f),
+                  on_j = dem__cross(dem__arm_of_part(w, p->j), f);
+    for (int a = 0; a < 3; a++) p->pull[3 + a] -= dem_axis(on_i, a), p->pull[6 + a] += dem_axis(on_j, a);
+}
+
+/* Finds the points of two bodies, whose first pair is number `lead`, with their parts in the law. They are put from
+   `first` on, below `limit`. Returns how much room they take, or -1 if there is not enough. */
+static DEM__NOINLINE ptrdiff_t dem__points_of_bodies(dem_world *w, ptrdiff_t lead, int64_t step, ptrdiff_t first,
+                                                     ptrdiff_t limit, int64_t *overlaps, int64_t *cuts) {
+    dem__bodies_points b;
+    dem__settled t;
+    memset(&b, 0, sizeof b), memset(&t, 0, sizeof t);
+    b.lead = &w->engine->convex.pair[lead], b.first = first, b.point = w->engine->convex.point + first;
+    if (!dem__find_bodies_points(w, &b, step, limit - first, overlaps)) return -1;
+    dem__shared sums = dem__share_points(b.point, b.count, w->engine->run.power);
+    if (b.deep > 0) dem__push_bodies_apart(w, &b, step, &sums);
+    if (b.count > 0) t = dem__settle(w, b.touch, b.apart, &sums);
+    for (dem__convex_pair *p = b.lead; p; p = dem__next_of_bodies(w, p)) {
+        dem__convex_point *own = w->engine->convex.point + p->first;
+        if (!p->is_close) continue;
+        const dem_vec arm = p->count > 0 ? dem__arm_of_part(w, p->i) : dem_vec3(0.0, 0.0, 0.0);
+        if (p->count > 0 && !sums.are_parts) dem__set_pull(p, b.apart, t.raise, &sums), dem__pull_at_parts(w, p);
+        p->count = dem__settle_points(own, p->count, &t, sums.are_parts);
+        for (int k = 0; k < p->count; k++) own[k].at = dem__sub(own[k].at, arm);
+        if (p->j < 0) *cuts += dem__is_cut_at(w, p, own, p->count, b.may_cut);
+    }
+    return b.count;
+}
+
 /* --------------------------------------------------------------------------------------------- >>polyhedra/pairs.h */
 /* Contacts of polyhedra: which pairs may have contacts, their points in a step, and the contacts that follow these
    points, begin and end. Reads bodies, walls and the list of near pairs; writes pairs, contacts and their places.
@@ -19786,9 +20159,10 @@ static inline void dem__look_at_wall(const dem_world *w, dem__convex_pair *p, in
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, i);
     const dem__pose p = dem__pose_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
-    const dem_quaternion turn = dem__turn_of_polyhedron(r, p.turn);
+    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, r, p.turn);
     dem__placed *place = &w->engine->convex.place[i];
-    place->x = dem__in_box(w, p.x);
+    place->x =
+        dem__in_box(w, dem__is_part(w, i) ? dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i])) : p.x);
     place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn),
     place->axis[2] = dem__third_axis(turn);
 }
@@ -19845,84 +20219,6 @@ static inline void dem__place_close(dem_world *w, int64_t step) {
 
 /* ---- points ---- */
 
-/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch; then
-   only gap and normal are set. sphere_first: the sphere is a, the polyhedron b. */
-static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius,
-                                        int sphere_first, dem__convex_point *out) {
-    dem_vec n;
-    const double distance = dem__from_core(s, place, x, HUGE_VAL, &n);
-    out->gap = distance - radius - s->radius;
-    out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
-    if (!(out->gap < 0.0)) return 0;
-    out->key = 0;
-    dem__count_point(out, 1.0, out->gap);
-    out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
-    return 1;
-}
-
-/* Finds the points of two particles; `at` is relative to the centre of i. Returns how many. */
-static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
-                                      int64_t *overlaps) {
-    const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
-    const dem__convex_state *convex = &w->engine->convex;
-    const dem_particle *particle = w->particle;
-    const double dt = w->engine->run.dt, reach = particle[p->i].radius + particle[p->j].radius;
-    const dem_vec xi = a ? convex->place[p->i].x : dem__at(w, p->i, (double)(step - particle[p->i].origin) * dt);
-    const dem_vec xj = b ? convex->place[p->j].x : dem__at(w, p->j, (double)(step - particle[p->j].origin) * dt);
-    const dem_vec d = dem__nearest_image(w, dem__sub(xi, xj));
-    if (!(dem__dot(d, d) < reach * reach)) return 0;
-    dem__placed pa = convex->place[p->i], pb = convex->place[p->j];
-    pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
-    if (!a || !b) {
-        const double radius = particle[a ? p->j : p->i].radius;
-        const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
-                        : dem__points_of_sphere(b, &pb, d, radius, 1, out);
-        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* the sphere's centre is in the core */
-        if (n == 0) dem__skip_pair(w, p, step, d, out->gap, out->normal);
-        dem__shared sums = dem__share_points(out, n, w->engine->run.power);
-        return dem__finish_points(w, p, d, &sums, out, n);
-    }
-    const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
-    pb.x = dem__scale(-1.0, d);
-    /* A direction only decides which features are tested. That of an earlier step serves as long as the cores are
-       nearly as far apart along it. */
-    double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
-    if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
-    dem__gap_of_cores gap;
-    gap.overlap = 0;
-    if (!(apart > good)) {
-        dem__find_gap(a, &pa, b, &pb, DEM__WINDOW * radii, &p->cache, &gap);
-        *overlaps += gap.overlap;
-        apart = gap.separation, p->axis = gap.normal;
-    }
-    int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
-    const double power = w->engine->run.power;
-    n -= gap.overlap && n == DEM__POINTS_MAX; /* there is one more then */
-    dem__shared sums = dem__share_points(out, n, power);
-    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &sums, out, n);
-    n = dem__finish_points(w, p, d, &sums, out, n);
-    if (n == 0) dem__skip_pair(w, p, step, d, apart - radii, p->axis);
-    return n;
-}
-
-/* Finds the points of a particle at a wall, both at the end of the step. Returns how many. cuts: 1 more if the wall
-   cuts the core. */
-static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
-                                      int64_t *cuts) {
-    const dem_wall *wall = &w->wall[-1 - p->j];
-    const dem_convex *s = dem__shape_of(w, p->i);
-    const dem__placed *place = &w->engine->convex.place[p->i];
-    int may_cut, is_cut = 0;
-    int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
-    dem__shared sums = dem__share_points(out, n, w->engine->run.power);
-    n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), &sums, out, n);
-    for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
-    *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
-    if (n == 0 && dem__may_skip_wall(w, p->i))
-        dem__skip_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
-    return n;
-}
-
 /* A test of all pairs by several threads, each of which has a share of the points. */
 typedef struct dem__convex_look {
     int64_t step, overlaps[DEM__PARTS_MAX], cuts[DEM__PARTS_MAX];
@@ -19938,6 +20234,17 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
     look->overlaps[part] = look->cuts[part] = look->full[part] = 0;
     for (ptrdiff_t q = first; q < end; q++) {
         dem__convex_pair *p = &convex->pair[q];
+        if (p->lead >= 0) { /* with the other pairs of two bodies */
+            const ptrdiff_t n = p->lead != q ? 0
+                                             : dem__points_of_bodies(w, q, look->step, at, limit, &look->overlaps[part],
+                                                                     &look->cuts[part]);
+            if (n < 0) {
+                look->full[part] = 1;
+                return;
+            }
+            at += n;
+            continue;
+        }
         if (!p->is_close) continue;
         p->first = (int32_t)at;
         if (limit - at < DEM__POINTS_MAX) {
@@ -20079,6 +20386,7 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     ptrdiff_t n = 0;
     dem__convex_pair p;
     memset(&p, 0, sizeof p);
+    p.lead = p.next = -1;
     for (ptrdiff_t k = 0; k < w->engine->pairs.count; k++) {
         const dem__near *q = &w->engine->pairs.near[k];
         if (!dem__shape_of(w, q->i) && !dem__shape_of(w, q->j)) continue;
@@ -20117,6 +20425,7 @@ static inline int dem__list_convex_pairs(dem_world *w) {
         convex->pair = fresh, convex->pair_capacity = larger;
     }
     convex->pairs = dem__put_convex_pairs(w, convex->pair, &convex->of_particles);
+    dem__chain_pairs(w);
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
         if (!dem__shape_of(w, i) && (j < 0 || !dem__shape_of(w, j))) continue;
@@ -21293,6 +21602,7 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
 static inline int dem__list_arrays_of_polyhedra(dem_world *w, dem__array *list) {
     dem__convex_state *convex = &w->engine->convex;
     const dem__array arrays[] = {{&convex->shape_of, sizeof *convex->shape_of},
+                                 {&convex->part, sizeof *convex->part},
                                  {&convex->place, sizeof *convex->place}};
     memcpy(list, arrays, sizeof arrays);
     return (int)(sizeof arrays / sizeof *arrays);
@@ -21307,7 +21617,10 @@ static inline void dem__release_polyhedra(dem_world *w) {
 }
 
 /* A polyhedron that has been removed may have had this entry. */
-static inline void dem__add_shapeless(dem_world *w, ptrdiff_t i) { w->engine->convex.shape_of[i] = 0; }
+static inline void dem__add_shapeless(dem_world *w, ptrdiff_t i) {
+    w->engine->convex.shape_of[i] = 0;
+    memset(&w->engine->convex.part[i], 0, sizeof w->engine->convex.part[i]);
+}
 
 /* Refuses kernels without friction, which compute no torques. */
 static inline dem_status dem__check_polyhedra(const dem_world *w, const dem_kernel *kernel) {
@@ -21324,7 +21637,9 @@ static inline void dem__world_fields_of_polyhedra(dem_world *w, dem__group *g) {
     dem__add_optional(g, fields, sizeof fields);
 }
 static inline void dem__particle_fields_of_polyhedra(dem_world *w, dem__group *g) {
-    const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
+    dem__convex_state *convex = &w->engine->convex;
+    const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", convex->shape_of[0], sizeof(int32_t)),
+                                      DEM__DOUBLES("particle.part", convex->part[0], sizeof *convex->part)};
     dem__add_optional(g, shape, sizeof shape);
 }
 
@@ -21359,12 +21674,18 @@ static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, d
 
 /* Checks the bodies whose shapes are polyhedra. Rigid bodies are loaded before them. */
 static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w, dem__group *g) {
-    const dem__convex_state *convex = &w->engine->convex;
+    dem__convex_state *convex = &w->engine->convex;
+    const dem_quaternion none = dem__quaternion(0.0, dem_vec3(0.0, 0.0, 0.0));
     (void)file, (void)g;
+    for (ptrdiff_t i = 0; i < w->count; i++) convex->has_parts |= memcmp(&convex->part[i], &none, sizeof none) != 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem__rigid *r = dem__rigid_of(w, i);
-        if (convex->shape_of[i] == 0) continue;
-        if (convex->shape_of[i] < 0 || convex->shape_of[i] > convex->shapes || !r || r->pieces != 1)
+        const dem_quaternion q = convex->part[i];
+        const int is_part = dem__is_part(w, i);
+        if (is_part && !(fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1.0) < 1e-6)) return DEM_BAD_DATA;
+        if (r && is_part != dem__is_part(w, r->first)) return DEM_BAD_DATA;
+        if (convex->shape_of[i] == 0 && !is_part) continue;
+        if (convex->shape_of[i] <= 0 || convex->shape_of[i] > convex->shapes || !r || (r->pieces != 1 && !is_part))
             return DEM_BAD_DATA;
     }
     return DEM_OK;
@@ -21995,6 +22316,241 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
     if ((features & DEM_HERTZ) && 0.2 * a.rayleigh < a.advised) a.advised = 0.2 * a.rayleigh;
     if (w->engine->convex.shapes > 0) a.advised *= 0.4; /* partial steps of their contacts are not corrected */
     return a;
+}
+
+/* ------------------------------------------------------------------------------------------ >>polyhedra/compound.h */
+/* Compounds: bodies of several convex parts. Reads shapes; adds copies of them and bodies to a world. Promises: a
+   compound of one part moves as the polyhedron itself; a face that several parts make is one contact (see
+   compound_pairs.h), of one to two times the stiffness of the pair. */
+
+#define DEM__SAME_FACE 0.1 /* distance of the planes of two faces that make one, over the rounding radius */
+
+/* A compound while it is made: its parts, along its principal axes, about its centre of mass. */
+typedef struct dem__builder {
+    int n;
+    const dem_convex *part;            /* [n] */
+    dem_quaternion own[DEM_PARTS_MAX]; /* from a part's planes and corners to the body's given frame */
+    dem_vec place[DEM_PARTS_MAX];      /* of its centroid, in that frame [m] */
+    dem_convex body;                   /* volume, moments and rate of the whole */
+} dem__builder;
+
+/* Returns where a corner or a plane's normal of a part points, in the frame in which the compound is given. */
+static inline dem_vec dem__of_part(const dem__builder *b, int k, const double *v) {
+    return dem__to_lab(b->own[k], dem__point(v));
+}
+
+/* Returns whether the centroid of part k lies in part o. */
+static inline int dem__is_inside_part(const dem__builder *b, int k, int o) {
+    const dem_convex *s = &b->part[o];
+    const dem_vec x = dem__to_body(b->own[o], dem__sub(b->place[k], b->place[o]));
+    for (int f = 0; f < s->faces; f++) {
+        if (!(dem__dot(dem__point(s->plane[f]), x) < s->plane[f][3])) return 0;
+    }
+    return 1;
+}
+
+/* Returns whether faces f of part k and g of part o lie in one plane and look to the same side. */
+static inline int dem__make_one_face(const dem__builder *b, int k, int f, int o, int g) {
+    const dem_convex *s = &b->part[k], *t = &b->part[o];
+    if (k == o) return f == g;
+    const dem_vec n = dem__of_part(b, k, s->plane[f]);
+    if (!(dem__dot(n, dem__of_part(b, o, t->plane[g])) > 1.0 - 1e-6)) return 0;
+    const double here = dem__dot(n, b->place[k]) + s->plane[f][3] + s->radius,
+                 there = dem__dot(n, b->place[o]) + t->plane[g][3] + t->radius;
+    return fabs(here - there) <= DEM__SAME_FACE * (s->radius < t->radius ? s->radius : t->radius);
+}
+
+/* Adds the corners of face g of part o to the modes of a face with a normal along the principal axes. at: the body's
+   centre of mass; axes: the principal axes. Returns the sum of their springs. */
+static inline double dem__add_face_modes(const dem__builder *b, int o, int g, dem_vec at, dem_quaternion axes,
+                                         dem_vec normal, dem__modes *m) {
+    const dem_convex *s = &b->part[o], *body = &b->body;
+    for (int k = s->face_start[g]; k < s->face_start[g + 1]; k++) {
+        const dem_vec x = dem__add(b->place[o], dem__of_part(b, o, s->corner[s->face_corner[k]]));
+        const dem_vec arm = dem__cross(dem__to_body(axes, dem__sub(x, at)), normal);
+        double u[4] = {1.0, 0.0, 0.0, 0.0};
+        for (int a = 0; a < 3; a++) u[1 + a] = dem_axis(arm, a) * sqrt(body->volume / body->moment[a]);
+        dem__add_spring(m, dem__part_of(s), u);
+    }
+    return (double)(s->face_start[g + 1] - s->face_start[g]) * dem__part_of(s);
+}
+
+/* Sets the highest rate of a contact of a compound: of a corner, or of a face that some parts make together. */
+static inline void dem__find_body_rate(dem__builder *b, dem_vec at, dem_quaternion axes) {
+    b->body.rate = 1.0;
+    for (int k = 0; k < b->n; k++) {
+        const dem_convex *s = &b->part[k];
+        for (int f = 0; f < s->faces; f++) {
+            const dem_vec normal = dem__to_body(axes, dem__of_part(b, k, s->plane[f]));
+            double springs = 0.0;
+            dem__modes m;
+            memset(&m, 0, sizeof m);
+            for (int o = 0; o < b->n; o++) {
+                for (int g = 0; g < b->part[o].faces; g++) {
+                    if (dem__make_one_face(b, k, f, o, g))
+                        springs += dem__add_face_modes(b, o, g, at, axes, normal, &m);
+                }
+            }
+            const double rate = dem__highest_rate(&m) / dem__divide(springs).by;
+            b->body.rate = rate > b->body.rate ? rate : b->body.rate;
+        }
+        b->body.springs = s->springs;
+        for (int c = 0; c < s->corners; c++) {
+            const dem_vec x = dem__add(b->place[k], dem__of_part(b, k, s->corner[c]));
+            const double rate = dem__rate_of_corner(&b->body, dem__to_body(axes, dem__sub(x, at)));
+            b->body.rate = rate > b->body.rate ? rate : b->body.rate;
+        }
+    }
+}
+
+/* Places the parts of a compound. Returns NULL, or what is wrong. */
+static inline const char *dem__place_parts(dem__builder *b, const double *places, const double *orientations,
+                                           dem_compound *c) {
+    for (int k = 0; k < b->n; k++) {
+        const dem_convex *s = &b->part[k];
+        const double *o = orientations ? orientations + 4 * k : NULL;
+        c->turn[k] = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+        if (!dem__is_sound_shape(s) || !dem__are_axes(s->axis)) return "a part is no polyhedron";
+        if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &c->turn[k]))
+            return "an orientation has no direction";
+        b->own[k] = s->along_axes ? dem__turns(c->turn[k], dem__turn_of_shape(s)) : c->turn[k];
+        b->place[k] = dem__to_lab(c->turn[k], s->centroid);
+        if (places) b->place[k] = dem__add(dem__point(places + 3 * k), b->place[k]);
+        if (!dem__finite_vec(b->place[k])) return "a place is not finite";
+        for (int o2 = 0; o2 < k; o2++) {
+            if (dem__is_inside_part(b, k, o2) || dem__is_inside_part(b, o2, k))
+                return "the centroid of a part lies in another part";
+        }
+    }
+    return NULL;
+}
+
+/* Sums volume, centre of mass and moments of the parts. */
+static inline void dem__sum_parts(dem__builder *b, dem_compound *c) {
+    double t[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    int order[3];
+    c->volume = 0.0;
+    dem_vec first = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < b->n; k++) {
+        c->volume += b->part[k].volume;
+        first = dem__plus(first, b->part[k].volume, dem__sub(b->place[k], b->place[0]));
+    }
+    c->origin = dem__plus(b->place[0], 1.0 / c->volume, first);
+    for (int k = 0; k < b->n; k++) {
+        const dem_convex *s = &b->part[k];
+        const dem_vec d = dem__sub(b->place[k], c->origin);
+        const double v = s->volume;
+        c->centre[k] = d;
+        t[0] += v * (d.y * d.y + d.z * d.z), t[1] += v * (d.z * d.z + d.x * d.x), t[2] += v * (d.x * d.x + d.y * d.y);
+        t[3] -= v * d.x * d.y, t[4] -= v * d.y * d.z, t[5] -= v * d.z * d.x;
+        for (int a = 0; a < 3; a++) {
+            const dem_vec u = dem__to_lab(c->turn[k], s->axis[a]);
+            const double m = s->moment[a];
+            t[0] += m * u.x * u.x, t[1] += m * u.y * u.y, t[2] += m * u.z * u.z;
+            t[3] += m * u.x * u.y, t[4] += m * u.y * u.z, t[5] += m * u.z * u.x;
+        }
+    }
+    c->moments = dem__clump_axes(t, &c->axes);
+    dem__merge_moments(&c->moments, 1e-12);
+    dem__order_moments(&c->moments, &c->axes, order);
+}
+
+/* Adds the parts of a compound to the shapes of a world, with the rate of the whole. */
+static inline dem_status dem__add_part_shapes(dem_world *w, const dem__builder *b, dem_compound *c) {
+    for (int k = 0; k < b->n; k++) {
+        dem_convex own = b->part[k];
+        own.rate = b->body.rate;
+        c->shape[k] = dem_add_shape(w, &own);
+        if (c->shape[k] < 0) return (dem_status)-c->shape[k];
+    }
+    return DEM_OK;
+}
+
+DEM_API dem_status dem_make_compound(dem_world *world, int n, const dem_convex *parts, const double *places,
+                                     const double *orientations, dem_compound *compound, const char **reason) {
+    dem__builder b;
+    dem_compound c;
+    if (reason) *reason = NULL;
+    if (dem__is_running(world)) return DEM_BUSY;
+    if (!world || !world->def.allocator.fn || !parts || !compound || n < 1) return DEM_BAD_ARGUMENT;
+    if (n > DEM_PARTS_MAX) return DEM_TOO_MANY;
+    memset(&b, 0, sizeof b), memset(&c, 0, sizeof c);
+    b.n = c.parts = n, b.part = parts;
+    const char *wrong = dem__place_parts(&b, places, orientations, &c);
+    if (!wrong) {
+        dem__sum_parts(&b, &c);
+        if (!dem__positive(c.volume) || !dem__are_moments(c.moments)) wrong = "mass or moments are not positive";
+    }
+    if (reason) *reason = wrong;
+    if (wrong) return DEM_BAD_ARGUMENT;
+    b.body.volume = c.volume;
+    for (int a = 0; a < 3; a++) b.body.moment[a] = dem_axis(c.moments, a);
+    dem__find_body_rate(&b, c.origin, c.axes);
+    const dem_status status = dem__add_part_shapes(world, &b, &c);
+    if (status == DEM_OK) *compound = c;
+    return status;
+}
+
+/* Returns whether a compound has shapes of a world, and valid numbers. */
+static inline int dem__is_compound(const dem_world *w, const dem_compound *c) {
+    dem_quaternion unit;
+    if (!c || c->parts < 1 || c->parts > DEM_PARTS_MAX || !dem__positive(c->volume) || !dem__are_moments(c->moments) ||
+        !dem__unit_turn(c->axes, &unit))
+        return 0;
+    for (int k = 0; k < c->parts; k++) {
+        if (c->shape[k] < 0 || c->shape[k] >= w->engine->convex.shapes || !dem__finite_vec(c->centre[k]) ||
+            !dem__unit_turn(c->turn[k], &unit))
+            return 0;
+    }
+    return 1;
+}
+
+/* Adds one compound, for which there is room. */
+static inline void dem__put_compound(dem_world *w, const dem_compound *c, const dem__body_def *def) {
+    dem__convex_state *convex = &w->engine->convex;
+    const ptrdiff_t first = dem__add_body(w, def);
+    const dem_quaternion axes = dem__rigid_of(w, first)->frame;
+    convex->has_parts = 1;
+    for (int k = 0; k < c->parts; k++) {
+        dem_quaternion turn = c->turn[k];
+        dem__unit_turn(turn, &turn);
+        turn = dem__turns(turn, dem__turn_of_shape(&convex->shape[c->shape[k]]));
+        convex->shape_of[first + k] = c->shape[k] + 1;
+        convex->part[first + k] = dem__kept_unit(dem__turns(dem__opposite_turn(axes), turn));
+    }
+}
+
+DEM_API dem_status dem_add_compounds(dem_world *world, ptrdiff_t n, const dem_compound *compound, const double *centres,
+                                     const double *orientations, int material, int group) {
+    dem_world *w = world;
+    const dem_compound *c = compound;
+    dem_vec offset[DEM_PARTS_MAX];
+    double radius[DEM_PARTS_MAX];
+    dem__body_def def;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials ||
+        !dem__is_compound(w, c) || !dem__are_turns(n, orientations))
+        return DEM_BAD_ARGUMENT;
+    if (n > (INT32_MAX / 4 - w->count) / c->parts) return DEM_TOO_MANY;
+    for (ptrdiff_t k = 0; k < 3 * n; k++) {
+        if (!dem__finite(centres[k])) return DEM_BAD_ARGUMENT;
+    }
+    const double density = w->def.material[material].density;
+    memset(&def, 0, sizeof def);
+    dem__unit_turn(c->axes, &def.frame);
+    for (int k = 0; k < c->parts; k++)
+        offset[k] = dem__to_body(def.frame, c->centre[k]), radius[k] = w->engine->convex.shape[c->shape[k]].reach;
+    def.mass = density * c->volume, def.moments = dem__scale(density, c->moments);
+    def.pieces = c->parts, def.offset = offset, def.radius = radius, def.material = material, def.group = group;
+    if (!dem__is_body_def(&def)) return DEM_BAD_ARGUMENT;
+    if (!dem__reserve_bodies(w, n, n * c->parts)) return DEM_OUT_OF_MEMORY;
+    for (ptrdiff_t k = 0; k < n; k++) {
+        const double *o = orientations ? orientations + 4 * k : NULL;
+        def.x = dem__point(centres + 3 * k), def.turn = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+        if (o) dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &def.turn);
+        dem__put_compound(w, c, &def);
+    }
+    return DEM_OK;
 }
 #endif
 

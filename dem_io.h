@@ -470,7 +470,7 @@ static inline dem_vec dem_io__given(const dem_convex *c, dem_vec v) {
 /* Adds a polyhedron: each face of its core moved outwards by the radius, strips between them, and corners. */
 static inline void dem_io__polyhedron(dem_io_surface *s, const dem_world *world, int index, const dem_convex *c) {
     const dem_vec x = dem_position(world, index);
-    const dem_quaternion q = dem_orientation(world, index);
+    const dem_quaternion q = dem_shape_orientation(world, index);
     const int first = s->vertices;
     for (int f = 0; f < c->faces; f++) {
         const dem_vec n = dem_vec3(c->plane[f][0], c->plane[f][1], c->plane[f][2]);

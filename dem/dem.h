@@ -24,8 +24,8 @@
              from the coefficient of restitution (Tsuji et al. 1992); tangential spring with Coulomb limit (Cundall &
              Strack 1979); rolling resistance with a lever arm in metres, relative and capped. A law of your own:
              dem_law and DEM_KERNEL below.
-   Bodies    spheres, clumps of them (dem_add_clumps, docs/dem_bodies.md), and convex polyhedra with rounded edges
-             (dem_add_convex, docs/dem_convex.md).
+   Bodies    spheres, clumps of them (dem_add_clumps, docs/dem_bodies.md), convex polyhedra with rounded edges
+             (dem_add_convex, docs/dem_convex.md), and bodies of several of these (dem_add_compounds).
    Walls     plane, cylinder, wire screen, cone, disc, sphere, box, triangle mesh (STL); each at rest, vibrating,
              turning, moving, prescribed or driven by a force or torque. A wall supplies geometry (normal, gap, surface
              velocity, inverse mass 0); everything after that is the pair's kernel.
@@ -96,6 +96,7 @@ extern "C" {
 #include "save/save.h"
 #include "save/load.h"
 #include "contacts/time_step.h"
+#include "polyhedra/compound.h"
 #endif
 
 #ifdef __cplusplus

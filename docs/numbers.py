@@ -461,19 +461,75 @@ def classifier_gas(r, csv, json):
 
 
 def paddle_gap(r, csv, json):
+    runs = csv("runs.csv")
+
+    def run(shape, cor, loading, rpm=9000, x_min=30):
+        return next(x for x in runs if (x["shape"], x["cor"], x["loading"], x["rpm"], x["x_min_um"], x["drag"]) ==
+                    (shape, cor, loading, rpm, x_min, "on") and x["contact_ns"] != 10)
+
+    def mean(x):
+        return f"{x['particles']:.2f} ± {1.96 * x['particles_error']:.2f}"
+
+    def ratio(a, b):
+        """Contacts between particles of a over those of b, with its 95 % interval."""
+        of = a["particles"] / b["particles"]
+        error = of * math.hypot(*(x["particles_error"] / x["particles"] for x in (a, b)))
+        return f"{of:.2f} ± {1.96 * error:.2f}"
+
+    whole = [x for x in runs if x["unfinished"] == 0]
+    bricks = [x for x in whole if x["shape"] in ("brick", "both")]
+    stopped = next(x for x in runs if x["unfinished"] > 0)
+    case = [("shape", "shape", ""), ("restitution", "cor", ".2f"), ("1/min", "rpm", ".0f"),
+        ("loading [kg/kg]", "loading", ".0f"), ("from [um]", "x_min_um", ".0f")]
+    kinds = [("bricks 0.50", "brick", 0.5), ("spheres 0.29", "sphere", 0.29), ("spheres 0.75", "sphere", 0.75)]
+
+    low, high = run("brick", 0.29, 3), run("brick", 0.5, 3)
+    matching = 0.29 + (0.5 - 0.29) * (0.29 - low["rebound"]) / (high["rebound"] - low["rebound"])
+
+    def beside(titles, rows):
+        """A table of contacts between particles; rows: cells, loading, 1/min, smallest size."""
+        rows = [[cells] + [run(shape, cor, *of) for _, shape, cor in kinds] for cells, *of in rows]
+        return table(rows, [(title, lambda x, k=k: x[0][k], "") for k, title in enumerate(titles)] + [
+                (name, lambda x, k=k: f"{mean(x[k])} (sd {x[k]['particles_sd']:.1f})", "")
+                for k, (name, _, _) in enumerate(kinds, 1)] + [
+                (f"{name} / bricks", lambda x, k=k: ratio(x[k], x[1]), "")
+                for k, (name, _, _) in enumerate(kinds, 1) if k > 1])
+
     return {
-        "rows": table(csv("runs.csv"), [("shape", "shape", ""), ("restitution", "cor", ""), ("drag", "drag", ""),
-                ("loading [kg/kg]", "loading", ""), ("contact [ns]", "contact_ns", ".0f"),
+        "rows": table(whole, case + [("drag", "drag", ""), ("contact [ns]", "contact_ns", ".0f"),
                 ("histories", "histories", ".0f"),
-                ("contacts", lambda x: f"{x['contacts']:.2f} +- {1.96 * x['contacts_error']:.2f}", ""),
+                ("contacts", lambda x: f"{x['contacts']:.2f} ± {1.96 * x['contacts_error']:.2f}", ""),
                 ("with paddles", "paddles", ".2f"), ("with particles", "particles", ".2f"),
                 ("first hit [mm]", "hit_mm", ".3f"), ("speed / rim", "speed_over_rim", ".3f"),
                 ("stay [ms]", "stay_ms", ".3f"), ("x50 [um]", "x50_um", ".2f")]),
-        "rebounds": table([x for x in csv("runs.csv") if x["drag"] == "on" and x["loading"] in (1, 3, "1", "3")],
-            [("shape", "shape", ""), ("restitution of contacts", "cor", ""), ("loading [kg/kg]", "loading", ""),
-                ("contact [ns]", "contact_ns", ".0f"),
+        "gaps": table([x for x in runs if x["drag"] == "on"], case + [("contact [ns]", "contact_ns", ".0f"),
+                ("slice [mm]", "depth_mm", ".2f"), ("time [ms]", "time_ms", ".1f"), ("entered", "entered", ".0f"),
+                ("inside at the end", "present", ".0f"), ("with particles, first half", "particles_early", ".2f"),
+                ("second half", "particles_late", ".2f"), ("longest stay [ms]", "longest_ms", ".2f"),
+                ("core overlaps", "core_overlaps", ".0f"), ("processor time [s]", "processor_s", ".0f")]),
+        "rebounds": table([x for x in whole if x["drag"] == "on"], case + [("contact [ns]", "contact_ns", ".0f"),
                 ("rebound from a paddle", lambda x: f"{x['rebound']:.2f} (sd {x['rebound_sd']:.2f})", ""),
-                ("angle off the mirrored one, sd [degrees]", "angle_deg", ".0f")]),
+                ("angle off the mirrored one, sd [degrees]", "angle_deg", ".0f"), ("rebounds", "rebounds", ".0f")]),
+        "speeds": beside(["1/min"], [([rpm], 40, rpm, 60) for rpm in (3000, 9000, 15000)]),
+        "loads": beside(["loading [kg/kg]", "from [um]"], [
+                ([loading, x_min], loading, 9000, x_min) for loading, x_min in ((3, 30), (10, 30), (40, 60))]),
+        "fifth_10": ratio(run("sphere", 0.75, 10), run("brick", 0.5, 10)).replace(" ", ""),
+        "fifth_40_60": ratio(run("sphere", 0.75, 40, x_min=60), run("brick", 0.5, 40, x_min=60)).replace(" ", ""),
+        "matching": f"{matching:.2f}",
+        "angle_beads": f"{run('sphere', 0.75, 40)['angle_deg']:.0f}",
+        "angle_bricks": f"{run('brick', 0.5, 40, x_min=60)['angle_deg']:.0f}",
+        "rebound_bricks": f"{run('brick', 0.5, 3)['rebound']:.2f}",
+        "rebound_bricks_40": f"{run('brick', 0.5, 40, x_min=60)['rebound']:.2f}",
+        "stay_beads": f"{run('sphere', 0.75, 3)['stay_ms']:.2f}",
+        "stay_spheres": f"{run('sphere', 0.29, 3)['stay_ms']:.2f}",
+        "stay_bricks": f"{run('brick', 0.5, 3)['stay_ms']:.2f}",
+        "bricks": f"{sum(x['histories'] for x in bricks):.0f}",
+        "overlapping": f"{sum(x['core_overlaps'] > 0 for x in bricks)}",
+        "brick_longest": f"{max(x['longest_ms'] for x in bricks):.1f}",
+        "stopped_inside": f"{stopped['present']:.0f}",
+        "stopped_entered": f"{stopped['entered']:.0f}",
+        "stopped_time": f"{stopped['time_ms']:.1f}",
+        "processor_minutes": f"{sum(x['processor_s'] for x in runs) / 60:.0f}",
     }
 
 

@@ -232,6 +232,20 @@ class Values(unittest.TestCase):
         face, circle = world.body_sphericities(0, (0.0, 0.0, -2.0)), np.pi / 4.0 * (36e-6 / np.pi) ** (2.0 / 3.0)
         np.testing.assert_allclose(face, [circle / 5.5e-4, circle / 2e-4, circle / (11e-4 - 18e-4 / np.pi)], rtol=1e-9)
 
+    def test_compound(self):
+        bar, leg = dem.make_brick((0.03, 0.01, 0.01), 0.03), dem.make_brick((0.01, 0.02, 0.01), 0.03)
+        world = bed(0)
+        ell = world.make_compound([bar, leg], [[0.015, 0.005, 0.005], [0.005, 0.02, 0.005]])
+        self.assertAlmostEqual(ell.volume, 5e-6, 15)
+        self.assertAlmostEqual(ell.origin.x, (3.0 * 0.015 + 2.0 * 0.005) / 5.0, 15)
+        world.add_compounds(ell, [[0.0, 0.0, 0.05], [0.0, 0.0, 0.1]], None, 0, 0)
+        self.assertEqual(world.positions().shape, (4, 3))
+        self.assertAlmostEqual(world.masses()[3], 2500.0 * 5e-6, 12)
+        self.assertEqual(world.get_body(3).first, 2)
+        with self.assertRaises(riddle.Error) as raised:
+            world.make_compound([bar, bar])
+        self.assertIn("centroid", raised.exception.field)
+
     def test_clump_of_a_mesh(self):
         outline = np.array([[0.0, 0.0], [0.03, 0.0], [0.03, 0.01], [0.01, 0.01], [0.01, 0.03], [0.0, 0.03]])
         corners = np.vstack([np.column_stack([outline, np.full(6, z)]) for z in (0.0, 0.01)])

@@ -149,9 +149,7 @@ EXPORT(web_count) int web_count(void) {
 }
 EXPORT(web_deck) double web_deck(void) { return s.world.wall[s.deck].position.z; }
 EXPORT(web_time) double web_time(void) { return s.world.time; }
-EXPORT(web_steps) double web_steps(void) { return (double)s.world.step; }
 EXPORT(web_bridges) int web_bridges(void) { return (int)dem_link_count(&s.world); }
-EXPORT(web_hash) uint64_t web_hash(void) { return dem_hash(&s.world); }
 EXPORT(web_samples) int web_samples(void) { return s.samples; }
 EXPORT(web_sample_times) const double *web_sample_times(void) { return s.time; }
 EXPORT(web_retained) const double *web_retained(int class) { return s.retained[class]; }
@@ -203,7 +201,6 @@ EXPORT(web_check) uint64_t web_check(void) {
     if (web_start(1e-3, 25.0, 0.02, 6e-3, 3.5e-3, 5e-3, 8e-3) != DEM_OK) return 0;
     return wet_run(&s.world, 1000.0 * DT, 0) == DEM_OK && s.world.step == 1000 ? dem_hash(&s.world) : 0;
 }
-EXPORT(web_is_exact) int web_is_exact(void) { return dem_build_is_deterministic(); }
 EXPORT(web_status_text) const char *web_status_text(int status) { return dem_status_text((dem_status)status); }
 EXPORT(web_default_spheres) int web_default_spheres(void) { return s.fed[0] + s.fed[1] + s.fed[2]; }
 EXPORT(web_wire) double web_wire(void) { return WIRE; }

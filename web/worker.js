@@ -19,13 +19,13 @@ function start(s) {
 }
 
 function fit() {
-    fits = {time: doubles(c.web_curve_times(), 100), model: []};
+    const model = [];
     for (let m = 0; m < 3; m++) {
         const classes = c.web_fit(m), curves = [];
         for (let k = 0; k < classes; k++) curves.push(doubles(c.web_curve(m, k), 100));
-        fits.model.push({curves, deviation: c.web_deviation(m)});
+        model.push({curves, deviation: c.web_deviation(m)});
     }
-    fits.time = doubles(c.web_curve_times(), 100);
+    fits = {time: doubles(c.web_curve_times(), 100), model};
     lastFit = performance.now();
 }
 
@@ -33,18 +33,11 @@ function tell() {
     const samples = c.web_samples(), count = c.web_count(),
           points = new Float32Array(memory.buffer, c.web_points(), 5 * count).slice();
     const retained = [0, 1, 2].map(k => doubles(c.web_retained(k), samples));
-    postMessage({
-        points,
-        count,
-        deck: c.web_deck(),
-        time: c.web_time(),
-        steps: c.web_steps(),
-        bridges: c.web_bridges(),
-        sampled: doubles(c.web_sample_times(), samples),
-        retained,
-        fits
-    },
-                [points.buffer]);
+    const state = {
+        points, count, sampled: doubles(c.web_sample_times(), samples), retained, fits,
+        deck: c.web_deck(), time: c.web_time(), bridges: c.web_bridges()
+    };
+    postMessage(state, [points.buffer]);
 }
 
 function slice() {
@@ -74,8 +67,6 @@ onmessage = event => {
     postMessage({loading: "Running the first batch ..."});
     const {instance} = await WebAssembly.instantiate(bytes, {});
     c = instance.exports, memory = c.memory;
-    const began = performance.now(), hash = hex(c.web_check());
-    postMessage(
-        {hash, exact: c.web_is_exact(), took: performance.now() - began, radius: c.web_radius(), wire: c.web_wire()});
+    postMessage({hash: hex(c.web_check()), radius: c.web_radius(), wire: c.web_wire()});
     slice();
 })().catch(e => postMessage({failed: String(e)}));

@@ -16,6 +16,14 @@ DEM_INLINE const dem_convex *dem__shape_of(const dem_world *w, ptrdiff_t i) {
     return convex->shapes > 0 && convex->shape_of[i] > 0 ? &convex->shape[convex->shape_of[i] - 1] : NULL;
 }
 
+/* Returns whether particle i is a part of a compound: a polyhedron with a place and a turn of its own in its body. */
+DEM_INLINE int dem__is_part(const dem_world *w, ptrdiff_t i) {
+    const dem__convex_state *convex = &w->engine->convex;
+    if (!convex->has_parts) return 0;
+    const dem_quaternion *q = &convex->part[i];
+    return q->w != 0.0 || q->x != 0.0 || q->y != 0.0 || q->z != 0.0;
+}
+
 /* Returns the least distance of a face of a core from its centre [m]. */
 static inline double dem__half_width(const dem_convex *s) {
     double least = s->reach;

@@ -99,9 +99,10 @@ extern double sqrt(double) __attribute__((const));
 #endif
 
 /* x86-64: the loops that vectorise are compiled twice, with AVX2 and without. The bits are the same, because neither
-   version fuses. Not on Windows, where gcc does not align the stack for wide vectors (its bug 54412); there -mavx2 for
-   the whole program gives the speed. */
-#if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32)
+   version fuses. Not at -O0, nor by gcc at -Os, where loops do not vectorise. Not on Windows, where gcc does not align
+   the stack for wide vectors (its bug 54412); there -mavx2 for the whole program gives the speed. */
+#if defined(__GNUC__) && defined(__x86_64__) && !defined(__AVX2__) && !defined(_WIN32) && defined(__OPTIMIZE__) &&     \
+    (defined(__clang__) || !defined(__OPTIMIZE_SIZE__))
 #define DEM__AVX2_CLONE(name, parameters, arguments, call)                                                             \
     __attribute__((target("avx2"))) DEM__FAST DEM__STATIC void name##_wide parameters { call; }                        \
     DEM__FAST DEM__STATIC void name parameters {                                                                       \

@@ -33,12 +33,14 @@ typedef struct dem__convex_pair {
     int32_t i, j, near;   /* near: index of its near pair, or -1 */
     int32_t first, count; /* of its points in the present step */
     int32_t is_close;     /* whether the spheres around the two touch in the present step */
+    int32_t lead, next;   /* for a part of a compound: the first pair of its two bodies, and the next pair; -1: none */
     int64_t skip_until;   /* step before which they cannot touch as long as both stay in flight and the wall is no
                              faster */
     int64_t origin[2];    /* origin steps of these flights */
     double speed, spin;   /* bounds of the wall's motion that this relies on [m/s], [rad/s] */
     dem__nearest_cache cache;
     dem_vec axis;   /* a direction in which the cores were apart at the last test; 0: none */
+    double depth;   /* of overlapping cores along it, in the present step [m]; 0: they do not overlap */
     double pull[9]; /* force by which the springs of its points exceed their parts in the law, over the stiffness: force
                        on i, torques on i and j */
 } dem__convex_pair;
@@ -71,8 +73,9 @@ typedef struct dem__convex_calls {
 typedef struct dem__convex_state {
     const dem__convex_calls *calls; /* NULL without shapes */
     dem_convex *shape;
-    int shapes;
+    int shapes, has_parts;  /* has_parts: whether there has been a compound */
     int32_t *shape_of;      /* for a particle: index of its shape + 1, or 0 for a sphere; NULL without shapes */
+    dem_quaternion *part;   /* for a part of a compound: from its own axes to the principal axes of its body; else 0 */
     dem__placed *place;     /* for a polyhedron: its placement at the end of the present step */
     dem__convex_pair *pair; /* pairs of particles in the order of near pairs, then pairs with walls in the order of
                                particles and walls */

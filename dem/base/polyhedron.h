@@ -84,6 +84,39 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
    kind. Links of polyhedra are refused with DEM_POLYHEDRON. */
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres,
                                   const double *orientations, int material, int group);
+
+#define DEM_PARTS_MAX 64 /* convex parts of a compound at most */
+/* A body of convex parts fixed to each other, concave as a whole. Made by dem_make_compound(). Volume, moments and axes
+   may be replaced by better ones; then make the centres relative to the true centre of mass. */
+typedef struct dem_compound {
+    int parts;                          /* 1 .. DEM_PARTS_MAX */
+    int shape[DEM_PARTS_MAX];           /* the world's shape of each part */
+    dem_vec centre[DEM_PARTS_MAX];      /* centroids, from the centre of mass, in the frame of the compound [m] */
+    dem_quaternion turn[DEM_PARTS_MAX]; /* from the frame in which a part was given to that of the compound */
+    dem_vec origin;                     /* the centre of mass, in the frame of the compound [m] */
+    double volume;                      /* sum over the parts [m3] */
+    dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
+    dem_quaternion axes; /* from the principal axes to the frame of the compound */
+} dem_compound;
+/* Makes a body of n convex parts, and adds their shapes to a world. n: 1 .. DEM_PARTS_MAX; parts: [n], made by
+   dem_make_hull and its like; places: [n][3], of the origin of the frame in which a part was given, in the frame of the
+   compound [m]; NULL: 0, for parts whose corners have one common origin; orientations: [n][4], quaternions of any
+   length but 0, scalar first, from a part's frame to the compound's; NULL: none is turned. Volume, centre of mass and
+   moments are sums over the parts, which should not overlap: what two have in common counts twice. Parts may lie apart.
+   All contacts of two bodies share the law of one pair, so a face of several parts is one contact. DEM_BAD_ARGUMENT,
+   with the cause in *reason (may be NULL): a number that is not finite, a part that is no polyhedron, or whose centroid
+   lies in another part. DEM_TOO_MANY beyond DEM_PARTS_MAX. DEM_OUT_OF_MEMORY. */
+DEM_API dem_status dem_make_compound(dem_world *world, int n, const dem_convex *parts, const double *places,
+                                     const double *orientations, dem_compound *compound, const char **reason);
+/* Adds n bodies at rest of a compound that was made with this world, or with the one whose save it was loaded from.
+   centres: of mass, shape [n][3] [m]. Each part is a particle, as each sphere of a clump is: they are consecutive, move
+   as one and do not touch each other; each has the mass of the body. All else as in dem_add_convex. */
+DEM_API dem_status dem_add_compounds(dem_world *world, ptrdiff_t n, const dem_compound *compound, const double *centres,
+                                     const double *orientations, int material, int group);
+/* Returns the orientation of the polyhedron of particle i, from the frame in which its shape was given; for a part of a
+   compound it differs from that of the body, which dem_orientation returns. */
+DEM_API dem_quaternion dem_shape_orientation(const dem_world *world, ptrdiff_t i);
+
 DEM_API int dem_shape_of(const dem_world *world, ptrdiff_t i); /* number of its shape; -1: it has none */
 DEM_API const dem_convex *dem_get_shape(const dem_world *world,
                                         int shape); /* owned by the world; NULL if there is none */

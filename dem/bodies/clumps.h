@@ -2,15 +2,19 @@
 #pragma once
 #include "add.h"
 
+/* Returns whether these are moments of a body: no moment exceeds the sum of the two others. */
+static inline int dem__are_moments(dem_vec m) {
+    if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
+    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z);
+    return 2.0 * m.x <= most && 2.0 * m.y <= most && 2.0 * m.z <= most;
+}
+
 static inline int dem__is_clump(const dem_clump *c) {
     dem_quaternion unit;
     if (!c || c->spheres < 1 || c->spheres > DEM_CLUMP_MAX || !dem__positive(c->volume) ||
         !dem__unit_turn(c->axes, &unit))
         return 0;
-    const dem_vec m = c->moments;
-    if (!dem__positive(m.x) || !dem__positive(m.y) || !dem__positive(m.z)) return 0;
-    const double most = (1.0 + 1e-6) * (m.x + m.y + m.z); /* no moment exceeds the sum of the two others */
-    if (2.0 * m.x > most || 2.0 * m.y > most || 2.0 * m.z > most) return 0;
+    if (!dem__are_moments(c->moments)) return 0;
     for (int k = 0; k < c->spheres; k++) {
         if (!dem__positive(c->radius[k]) || !dem__finite_vec(c->centre[k])) return 0;
     }

@@ -215,7 +215,8 @@ static DEM__NOINLINE void dem__find_seen_body(const dem__seen *s, dem_vec flow, 
     const dem_quaternion turn = dem__pose_at(w, r, s->tau).turn;
     double seen[2];
     if (view->facets.n > 0) {
-        dem__see_facets(&view->facets, view->surface, dem__to_body(dem__turn_of_polyhedron(r, turn), v), psi);
+        dem__see_facets(&view->facets, view->surface, dem__to_body(dem__turn_of_polyhedron(w, s->first, r, turn), v),
+                        psi);
         return;
     }
     dem__read_view(view, dem__to_body(turn, v), seen);
@@ -267,7 +268,7 @@ static inline int dem__find_views(dem_world *w) {
         double surface = 0.0;
         int is_new;
         if (!r || r->first != i || field->view_of[i] != 0) continue;
-        if (!s && r->pieces == 1) {
+        if ((!s && r->pieces == 1) || dem__is_part(w, i)) {
             field->view_of[i] = -1;
             continue;
         }
@@ -296,12 +297,12 @@ DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, de
     dem__outline outline;
     double surface, across = 0.0;
     psi[0] = psi[1] = psi[2] = 1.0;
-    if (!r || (!s && r->pieces == 1)) return DEM_OK;
+    if (!r || (!s && r->pieces == 1) || dem__is_part(w, i)) return DEM_OK;
     const dem_vec v = dem__flow_direction(flow);
     const dem_quaternion turn = dem__pose_at(w, r, dem__now(w, r->first)).turn;
     if (s) {
         surface = dem__find_facets(s, &facets);
-        dem__see_facets(&facets, surface, dem__to_body(dem__turn_of_polyhedron(r, turn), v), psi);
+        dem__see_facets(&facets, surface, dem__to_body(dem__turn_of_polyhedron(w, i, r, turn), v), psi);
         return DEM_OK;
     }
     const dem_vec u = dem__to_body(turn, v);

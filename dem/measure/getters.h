@@ -33,6 +33,13 @@ DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
                       dem__opposite_turn(dem__given_frame(world, i, r)));
 }
 
+DEM_API dem_quaternion dem_shape_orientation(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count || !dem__is_part(world, i)) return dem_orientation(world, i);
+    const dem__rigid *r = dem__rigid_of(world, i);
+    return dem__turns(dem__turn_of_polyhedron(world, i, r, dem__pose_at(world, r, dem__now(world, i)).turn),
+                      dem__opposite_turn(dem__turn_of_shape(dem__shape_of(world, i))));
+}
+
 DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
     dem_body body;
     memset(&body, 0, sizeof body);

@@ -30,11 +30,13 @@ static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_
     return 1;
 }
 
-/* Returns the factor of a particle's volume: 1 for a sphere. The particles of a body may overlap; they share the body's
-   volume. */
+/* Returns the factor of a particle's volume: 1 for a sphere. The spheres of a body may overlap; they share the body's
+   volume. The parts of a compound have their own. */
 static inline double dem__filled(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
+    const double radius = w->particle[i].radius;
     double sum = 0.0;
+    if (dem__is_part(w, i)) return dem__shape_of(w, i)->volume / (4.0 / 3.0 * RIDDLE_PI * radius * radius * radius);
     for (ptrdiff_t k = 0; r && k < r->pieces; k++)
         sum += dem__sphere_mass(w, w->material[i], w->particle[r->first + k].radius);
     return r ? r->mass / sum : 1.0;
@@ -63,7 +65,7 @@ static inline double dem__volume_in(const dem_world *w, const dem__measured *q, 
     const double r = w->particle[i].radius;
     if (!s) return dem__ball_in(q->region, &q->inside, x, r);
     const dem__rigid *body = dem__rigid_of(w, i);
-    const dem_quaternion turn = dem__turn_of_polyhedron(body, dem__pose_at(w, body, dem__now(w, i)).turn);
+    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, body, dem__pose_at(w, body, dem__now(w, i)).turn);
     return dem__polyhedron_in(q->region, &q->inside, s, x, turn) * (4.0 / 3.0 * RIDDLE_PI * r * r * r);
 }
 

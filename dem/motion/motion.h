@@ -64,9 +64,11 @@ DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, doubl
     return w->engine->bodies.calls->pose(w, r, tau);
 }
 
-/* Returns the orientation of a polyhedron's own axes, from that of its body, whose axes may have another order. */
-static inline dem_quaternion dem__turn_of_polyhedron(const dem__rigid *r, dem_quaternion turn) {
-    return dem__turns(turn, dem__opposite_turn(r->frame));
+/* Returns the orientation of a polyhedron's own axes, from that of its body. The body's axes may have another order; a
+   part of a compound has a turn of its own. */
+static inline dem_quaternion dem__turn_of_polyhedron(const dem_world *w, ptrdiff_t i, const dem__rigid *r,
+                                                     dem_quaternion turn) {
+    return dem__turns(turn, dem__is_part(w, i) ? w->engine->convex.part[i] : dem__opposite_turn(r->frame));
 }
 
 /* Return position and velocity of a particle of a rigid body, tau after its origin step [s]. */

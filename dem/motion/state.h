@@ -166,7 +166,7 @@ DEM_INLINE void dem__wake(dem_world *w, ptrdiff_t i) {
 /* Returns the rotation from the principal axes of the body of particle i to the frame in which its shape was given. */
 static inline dem_quaternion dem__given_frame(const dem_world *w, ptrdiff_t i, const dem__rigid *r) {
     const dem_convex *s = dem__shape_of(w, i);
-    if (!s) return r->frame;
+    if (!s || dem__is_part(w, i)) return r->frame;
     const dem_quaternion own = dem__turn_of_shape(s);
     return own.w != 1.0 ? dem__turns(own, r->frame) : r->frame;
 }

@@ -38,6 +38,7 @@ static inline int dem__is_sound_shape(const dem_convex *c) {
 static inline int dem__list_arrays_of_polyhedra(dem_world *w, dem__array *list) {
     dem__convex_state *convex = &w->engine->convex;
     const dem__array arrays[] = {{&convex->shape_of, sizeof *convex->shape_of},
+                                 {&convex->part, sizeof *convex->part},
                                  {&convex->place, sizeof *convex->place}};
     memcpy(list, arrays, sizeof arrays);
     return (int)(sizeof arrays / sizeof *arrays);
@@ -52,7 +53,10 @@ static inline void dem__release_polyhedra(dem_world *w) {
 }
 
 /* A polyhedron that has been removed may have had this entry. */
-static inline void dem__add_shapeless(dem_world *w, ptrdiff_t i) { w->engine->convex.shape_of[i] = 0; }
+static inline void dem__add_shapeless(dem_world *w, ptrdiff_t i) {
+    w->engine->convex.shape_of[i] = 0;
+    memset(&w->engine->convex.part[i], 0, sizeof w->engine->convex.part[i]);
+}
 
 /* Refuses kernels without friction, which compute no torques. */
 static inline dem_status dem__check_polyhedra(const dem_world *w, const dem_kernel *kernel) {
@@ -69,7 +73,9 @@ static inline void dem__world_fields_of_polyhedra(dem_world *w, dem__group *g) {
     dem__add_optional(g, fields, sizeof fields);
 }
 static inline void dem__particle_fields_of_polyhedra(dem_world *w, dem__group *g) {
-    const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", w->engine->convex.shape_of[0], sizeof(int32_t))};
+    dem__convex_state *convex = &w->engine->convex;
+    const dem__saved_field shape[] = {DEM__INTEGER("particle.shape", convex->shape_of[0], sizeof(int32_t)),
+                                      DEM__DOUBLES("particle.part", convex->part[0], sizeof *convex->part)};
     dem__add_optional(g, shape, sizeof shape);
 }
 
@@ -104,12 +110,18 @@ static inline dem_status dem__load_shapes(const dem__file *file, dem_world *w, d
 
 /* Checks the bodies whose shapes are polyhedra. Rigid bodies are loaded before them. */
 static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w, dem__group *g) {
-    const dem__convex_state *convex = &w->engine->convex;
+    dem__convex_state *convex = &w->engine->convex;
+    const dem_quaternion none = dem__quaternion(0.0, dem_vec3(0.0, 0.0, 0.0));
     (void)file, (void)g;
+    for (ptrdiff_t i = 0; i < w->count; i++) convex->has_parts |= memcmp(&convex->part[i], &none, sizeof none) != 0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem__rigid *r = dem__rigid_of(w, i);
-        if (convex->shape_of[i] == 0) continue;
-        if (convex->shape_of[i] < 0 || convex->shape_of[i] > convex->shapes || !r || r->pieces != 1)
+        const dem_quaternion q = convex->part[i];
+        const int is_part = dem__is_part(w, i);
+        if (is_part && !(fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1.0) < 1e-6)) return DEM_BAD_DATA;
+        if (r && is_part != dem__is_part(w, r->first)) return DEM_BAD_DATA;
+        if (convex->shape_of[i] == 0 && !is_part) continue;
+        if (convex->shape_of[i] <= 0 || convex->shape_of[i] > convex->shapes || !r || (r->pieces != 1 && !is_part))
             return DEM_BAD_DATA;
     }
     return DEM_OK;

@@ -4,17 +4,16 @@
    near = -2 - q. */
 #pragma once
 #include "../search/bounds.h"
-#include "share.h"
-#include "entered.h"
-#include "skip.h"
+#include "compound_pairs.h"
 
 /* Places a polyhedron at a step. */
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, i);
     const dem__pose p = dem__pose_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
-    const dem_quaternion turn = dem__turn_of_polyhedron(r, p.turn);
+    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, r, p.turn);
     dem__placed *place = &w->engine->convex.place[i];
-    place->x = dem__in_box(w, p.x);
+    place->x =
+        dem__in_box(w, dem__is_part(w, i) ? dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i])) : p.x);
     place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn),
     place->axis[2] = dem__third_axis(turn);
 }
@@ -71,84 +70,6 @@ static inline void dem__place_close(dem_world *w, int64_t step) {
 
 /* ---- points ---- */
 
-/* Finds the point of a sphere at x, relative to the polyhedron's centre. Returns 1, or 0 if they do not touch; then
-   only gap and normal are set. sphere_first: the sphere is a, the polyhedron b. */
-static inline int dem__points_of_sphere(const dem_convex *s, const dem__placed *place, dem_vec x, double radius,
-                                        int sphere_first, dem__convex_point *out) {
-    dem_vec n;
-    const double distance = dem__from_core(s, place, x, HUGE_VAL, &n);
-    out->gap = distance - radius - s->radius;
-    out->normal = dem__scale(sphere_first ? 1.0 : -1.0, n);
-    if (!(out->gap < 0.0)) return 0;
-    out->key = 0;
-    dem__count_point(out, 1.0, out->gap);
-    out->at = sphere_first ? dem_vec3(0.0, 0.0, 0.0) : dem__plus(x, -distance, n); /* from the centre of a */
-    return 1;
-}
-
-/* Finds the points of two particles; `at` is relative to the centre of i. Returns how many. */
-static inline int dem__points_of_pair(dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
-                                      int64_t *overlaps) {
-    const dem_convex *a = dem__shape_of(w, p->i), *b = dem__shape_of(w, p->j);
-    const dem__convex_state *convex = &w->engine->convex;
-    const dem_particle *particle = w->particle;
-    const double dt = w->engine->run.dt, reach = particle[p->i].radius + particle[p->j].radius;
-    const dem_vec xi = a ? convex->place[p->i].x : dem__at(w, p->i, (double)(step - particle[p->i].origin) * dt);
-    const dem_vec xj = b ? convex->place[p->j].x : dem__at(w, p->j, (double)(step - particle[p->j].origin) * dt);
-    const dem_vec d = dem__nearest_image(w, dem__sub(xi, xj));
-    if (!(dem__dot(d, d) < reach * reach)) return 0;
-    dem__placed pa = convex->place[p->i], pb = convex->place[p->j];
-    pa.x = pb.x = dem_vec3(0.0, 0.0, 0.0);
-    if (!a || !b) {
-        const double radius = particle[a ? p->j : p->i].radius;
-        const int n = a ? dem__points_of_sphere(a, &pa, dem__scale(-1.0, d), radius, 0, out)
-                        : dem__points_of_sphere(b, &pb, d, radius, 1, out);
-        *overlaps += n > 0 && out->gap < -(radius + (a ? a : b)->radius); /* the sphere's centre is in the core */
-        if (n == 0) dem__skip_pair(w, p, step, d, out->gap, out->normal);
-        dem__shared sums = dem__share_points(out, n, w->engine->run.power);
-        return dem__finish_points(w, p, d, &sums, out, n);
-    }
-    const double radii = a->radius + b->radius, good = DEM__GOOD_AXIS * radii;
-    pb.x = dem__scale(-1.0, d);
-    /* A direction only decides which features are tested. That of an earlier step serves as long as the cores are
-       nearly as far apart along it. */
-    double apart = dem__apart_along(a, &pa, b, &pb, p->axis);
-    if (!(apart > good) && a->is_box && b->is_box) apart = dem__part_boxes(a, &pa, b, &pb, good, &p->axis);
-    dem__gap_of_cores gap;
-    gap.overlap = 0;
-    if (!(apart > good)) {
-        dem__find_gap(a, &pa, b, &pb, DEM__WINDOW * radii, &p->cache, &gap);
-        *overlaps += gap.overlap;
-        apart = gap.separation, p->axis = gap.normal;
-    }
-    int n = apart < DEM__WINDOW * radii ? dem__find_points(a, &pa, b, &pb, p->axis, out) : 0;
-    const double power = w->engine->run.power;
-    n -= gap.overlap && n == DEM__POINTS_MAX; /* there is one more then */
-    dem__shared sums = dem__share_points(out, n, power);
-    if (gap.overlap) n = dem__push_apart(a, &pa, b, &pb, &gap, power, &sums, out, n);
-    n = dem__finish_points(w, p, d, &sums, out, n);
-    if (n == 0) dem__skip_pair(w, p, step, d, apart - radii, p->axis);
-    return n;
-}
-
-/* Finds the points of a particle at a wall, both at the end of the step. Returns how many. cuts: 1 more if the wall
-   cuts the core. */
-static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem__convex_point *out,
-                                      int64_t *cuts) {
-    const dem_wall *wall = &w->wall[-1 - p->j];
-    const dem_convex *s = dem__shape_of(w, p->i);
-    const dem__placed *place = &w->engine->convex.place[p->i];
-    int may_cut, is_cut = 0;
-    int n = dem__touch_with_polyhedron(wall, s, place, out, &may_cut);
-    dem__shared sums = dem__share_points(out, n, w->engine->run.power);
-    n = dem__finish_points(w, p, dem_vec3(0.0, 0.0, 0.0), &sums, out, n);
-    for (int k = 0; k < n; k++) is_cut |= out[k].gap < -s->radius;
-    *cuts += is_cut || (may_cut && dem__core_passes(wall, s, place));
-    if (n == 0 && dem__may_skip_wall(w, p->i))
-        dem__skip_wall(w, p, step, place->x, dem__clear_of_wall(wall, s, place), s->reach);
-    return n;
-}
-
 /* A test of all pairs by several threads, each of which has a share of the points. */
 typedef struct dem__convex_look {
     int64_t step, overlaps[DEM__PARTS_MAX], cuts[DEM__PARTS_MAX];
@@ -164,6 +85,17 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
     look->overlaps[part] = look->cuts[part] = look->full[part] = 0;
     for (ptrdiff_t q = first; q < end; q++) {
         dem__convex_pair *p = &convex->pair[q];
+        if (p->lead >= 0) { /* with the other pairs of two bodies */
+            const ptrdiff_t n = p->lead != q ? 0
+                                             : dem__points_of_bodies(w, q, look->step, at, limit, &look->overlaps[part],
+                                                                     &look->cuts[part]);
+            if (n < 0) {
+                look->full[part] = 1;
+                return;
+            }
+            at += n;
+            continue;
+        }
         if (!p->is_close) continue;
         p->first = (int32_t)at;
         if (limit - at < DEM__POINTS_MAX) {
@@ -305,6 +237,7 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     ptrdiff_t n = 0;
     dem__convex_pair p;
     memset(&p, 0, sizeof p);
+    p.lead = p.next = -1;
     for (ptrdiff_t k = 0; k < w->engine->pairs.count; k++) {
         const dem__near *q = &w->engine->pairs.near[k];
         if (!dem__shape_of(w, q->i) && !dem__shape_of(w, q->j)) continue;
@@ -343,6 +276,7 @@ static inline int dem__list_convex_pairs(dem_world *w) {
         convex->pair = fresh, convex->pair_capacity = larger;
     }
     convex->pairs = dem__put_convex_pairs(w, convex->pair, &convex->of_particles);
+    dem__chain_pairs(w);
     DEM__EACH_CONTACT(w, c) {
         const int32_t i = contacts->i[c], j = contacts->j[c];
         if (!dem__shape_of(w, i) && (j < 0 || !dem__shape_of(w, j))) continue;

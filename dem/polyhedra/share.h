@@ -88,12 +88,17 @@ static inline dem__shared dem__share_points(dem__convex_point *p, int n, double 
     return s;
 }
 
-/* Returns how much faster a force of 1 N with a moment about the centre of particle i moves i where it acts, because i
-   turns [1/kg]. */
+/* Returns how much faster a force of 1 N with a moment about the centre of particle i, or of its compound, moves i
+   where it acts, because i turns [1/kg]. */
 DEM_INLINE double dem__per_turning(const dem_world *w, ptrdiff_t i, dem_vec moment) {
     const dem_convex *s = dem__shape_of(w, i);
     if (!s || dem__is_fixed(w, i)) return 0.0;
-    const dem_vec t = dem__into_core(&w->engine->convex.place[i], moment);
+    dem_vec t = dem__into_core(&w->engine->convex.place[i], moment);
+    if (dem__is_part(w, i)) {
+        const dem__rigid *r = dem__rigid_of(w, i);
+        t = dem__to_lab(w->engine->convex.part[i], t); /* along the axes of the body */
+        return t.x * t.x / r->moments.x + t.y * t.y / r->moments.y + t.z * t.z / r->moments.z;
+    }
     const double sum = t.x * t.x / s->moment[0] + t.y * t.y / s->moment[1] + t.z * t.z / s->moment[2];
     return s->volume * sum / w->particle[i].mass;
 }
@@ -125,24 +130,41 @@ static inline void dem__set_pull(dem__convex_pair *pair, dem_vec apart, double r
     }
 }
 
+/* What the points of a pair have in common: the parts are raised so that friction, which they limit, counts on the
+   whole force; per: 1 over the sum of the parts before that. */
+typedef struct dem__settled {
+    double raise, per, damping;
+} dem__settled;
+
+/* Completes the sums of a pair that touches. apart: from the centre of j to that of i. */
+static inline dem__settled dem__settle(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__shared *s) {
+    dem__settled t;
+    t.raise = s->are_parts ? 1.0 : dem__clamp(s->springs / s->parts, 0.25, 4.0), t.per = 1.0 / s->parts;
+    s->springs = t.raise * s->parts, s->whole *= t.raise;
+    t.damping = dem__damping_of(w, pair, apart, s, w->engine->run.power);
+    return t;
+}
+
+/* Completes n points, and removes ends. Returns the number of points left. */
+static inline int dem__settle_points(dem__convex_point *p, int n, const dem__settled *t, int are_parts) {
+    if (are_parts) {
+        for (int k = 0; k < n; k++) p[k].damping = t->damping, p[k].pull = 0.0;
+        return n;
+    }
+    int kept = 0;
+    for (int k = 0; k < n; k++) {
+        p[k].damping = t->damping, p[k].pull = p[k].weight * t->per, p[k].weight *= t->raise;
+        if (p[k].count > 0.0) p[kept++] = p[k];
+    }
+    return kept;
+}
+
 /* Completes the n points of a pair, and removes ends. apart: from the centre of j to that of i. Returns the number of
    points left. */
 static inline int dem__finish_points(const dem_world *w, dem__convex_pair *pair, dem_vec apart, dem__shared *s,
                                      dem__convex_point *p, int n) {
     if (n == 0) return 0;
-    /* of the parts, so that friction, which they limit, counts on the whole force */
-    const double raise = s->are_parts ? 1.0 : dem__clamp(s->springs / s->parts, 0.25, 4.0), per = 1.0 / s->parts;
-    s->springs = raise * s->parts, s->whole *= raise;
-    const double damping = dem__damping_of(w, pair, apart, s, w->engine->run.power);
-    if (s->are_parts) {
-        for (int k = 0; k < n; k++) p[k].damping = damping, p[k].pull = 0.0;
-        return n;
-    }
-    int kept = 0;
-    dem__set_pull(pair, apart, raise, s);
-    for (int k = 0; k < n; k++) {
-        p[k].damping = damping, p[k].pull = p[k].weight * per, p[k].weight *= raise;
-        if (p[k].count > 0.0) p[kept++] = p[k];
-    }
-    return kept;
+    const dem__settled t = dem__settle(w, pair, apart, s);
+    if (!s->are_parts) dem__set_pull(pair, apart, t.raise, s);
+    return dem__settle_points(p, n, &t, s->are_parts);
 }

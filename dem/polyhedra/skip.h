@@ -28,16 +28,22 @@ DEM_INLINE void dem__skip_until(const dem_world *w, dem__convex_pair *p, int64_t
 DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
     return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
 }
-/* Returns the greatest speed of particle i relative to the centre of its clump, from its rotation [m/s]. */
+/* Returns the greatest speed of particle i relative to the centre of its clump or compound, from its rotation [m/s]. */
 DEM_INLINE double dem__turning_speed_of(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__shape_of(w, i) ? NULL : dem__rigid_of(w, i);
+    const dem__rigid *r = dem__shape_of(w, i) && !dem__is_part(w, i) ? NULL : dem__rigid_of(w, i);
     return r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
+}
+/* Returns the distance of the farthest point of a polyhedron that is within `reach` of its centre from the centre of
+   its body [m]. */
+DEM_INLINE double dem__reach_in_body(const dem_world *w, ptrdiff_t i, double reach) {
+    return dem__is_part(w, i) ? dem__length(w->engine->bodies.offset[i]) + reach : reach;
 }
 /* Returns the greatest speed of the surface of particle i, or of a clump's sphere, relative to the centre of its body
    [m/s]. */
 DEM_INLINE double dem__surface_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
-    return s ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, i), s->reach) : dem__turning_speed_of(w, i);
+    return s ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, i), dem__reach_in_body(w, i, s->reach))
+             : dem__turning_speed_of(w, i);
 }
 /* Returns the time from the origin step of particle i to a step [s]. */
 DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
@@ -48,7 +54,8 @@ DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step
 DEM_INLINE dem_vec dem__centre_in(const dem_world *w, ptrdiff_t i, int64_t step) {
     const double tau = dem__flown_until(w, i, step);
     if (!dem__shape_of(w, i)) return dem__at(w, i, tau);
-    return w->engine->bodies.activity[i] == DEM__FLYING ? dem__centre_at(w, i, tau) : w->engine->convex.place[i].x;
+    if (w->engine->bodies.activity[i] != DEM__FLYING) return w->engine->convex.place[i].x;
+    return dem__is_part(w, i) ? dem__at(w, i, tau) : dem__centre_at(w, i, tau);
 }
 
 /* Returns whether a pair may be skipped: both particles are in flight. */
@@ -143,16 +150,18 @@ DEM_INLINE int dem__may_skip_wall(const dem_world *w, ptrdiff_t i) {
 static inline void dem__skip_wall(const dem_world *w, dem__convex_pair *p, int64_t step, dem_vec x, double gap,
                                   double reach) {
     const dem_wall *wall = &w->wall[-1 - p->j];
-    const double slack = w->engine->pairs.position_tolerance;
+    const double slack = w->engine->pairs.position_tolerance, tau = dem__flown_until(w, p->i, step);
     if (!(gap > slack)) return;
     const double crossing = w->engine->run.has_periodic ? dem__far_from_faces(w, wall, x) : HUGE_VAL;
-    const dem_vec v = dem__drift_at(w, p->i, dem__flown_until(w, p->i, step)), a = dem__centre_pull(w, p->i);
-    const dem__approach q = dem__approach_to(w, wall, x, v, a);
+    const dem_vec v = dem__drift_at(w, p->i, tau), a = dem__centre_pull(w, p->i),
+                  centre = dem__is_part(w, p->i) ? dem__in_box(w, dem__centre_at(w, p->i, tau)) : x;
+    const dem__approach q = dem__approach_to(w, wall, centre, v, a);
+    const double arm = dem__reach_in_body(w, p->i, reach);
     const double surface_speed =
-        reach > 0.0 ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, p->i), reach) + reach * wall->spin_bound
-                    : 0.0;
+        arm > 0.0 ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, p->i), arm) + arm * wall->spin_bound : 0.0;
     const double touch = dem__time_to_cover(gap - slack, q.speed + surface_speed, q.pull),
-                 cross = dem__time_to_cover(crossing - slack, dem__length(v), dem__length(a));
+                 cross = dem__time_to_cover(crossing - slack, dem__length(v) + dem__turning_speed_of(w, p->i),
+                                            dem__length(a));
     const int steps = dem__steps_until(w, cross < touch ? cross : touch);
     p->speed = wall->speed_bound, p->spin = wall->spin_bound;
     dem__skip_until(w, p, step, steps < q.most ? steps : q.most);

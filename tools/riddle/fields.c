@@ -58,6 +58,7 @@ static const unit units[] = {
     {UNIT_STRESS, "GPa", 1e9},
     {UNIT_DENSITY, "kg/m3", 1.0},
     {UNIT_DENSITY, "g/cm3", 1e3},
+    {UNIT_DENSITY, "t/m3", 1e3},
     {UNIT_STIFFNESS, "N/m", 1.0},
     {UNIT_STIFFNESS, "N/mm", 1e3},
     {UNIT_STIFFNESS, "kN/m", 1e3},
@@ -125,7 +126,14 @@ static int distance(const char *a, const char *b) {
     return row[m];
 }
 
-/* The nearest of the allowed words if it is near at all, and all of them. */
+static int same_beginning(const char *a, const char *b) {
+    int n = 0;
+    while (a[n] && a[n] == b[n]) n++;
+    return n;
+}
+
+/* The nearest of the allowed words if it is near at all, and all of them. Of two that are as near, "seed" and "feeds"
+   for "feed", the one that begins alike. */
 int fields_refuse_word(tree_file *file, const tree *at, const char *what, const char *word, const char *const *allowed,
                        int n) {
     char list[260] = "";
@@ -133,7 +141,9 @@ int fields_refuse_word(tree_file *file, const tree *at, const char *what, const 
     for (int k = 0; k < n; k++) {
         const int d = distance(word, allowed[k]);
         const size_t used = strlen(list);
-        if (best < 0 || d < best) best = d, nearest = k;
+        if (best < 0 || d < best ||
+            (d == best && same_beginning(word, allowed[k]) > same_beginning(word, allowed[nearest])))
+            best = d, nearest = k;
         if (used + strlen(allowed[k]) + 3 < sizeof list)
             snprintf(list + used, sizeof list - used, "%s%s", k ? ", " : "", allowed[k]);
     }
@@ -435,7 +445,8 @@ static int check_groups(tree_file *file, const tree *map, const scene_table *s) 
 
 int fields_read(tree_file *file, const tree *map, const scene_table *s, void *into) {
     if (map->kind != TREE_MAP)
-        return tree_fail(file, map, "%s: keys with values are wanted, not %s", s->title, kind_text[map->kind]);
+        return tree_fail(file, map, "%s: keys with values are wanted, such as {%s: ...}, not %s", s->title,
+                         s->field[0].key, kind_text[map->kind]);
     memset(into, 0, s->size);
     ((scene_part *)into)->where = map;
     for (int k = 0; k < s->n; k++)

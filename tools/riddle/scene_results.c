@@ -115,7 +115,7 @@ static void count_by_cut(separation *p) {
 }
 
 static void measure(separation *p) {
-    double size[CLASSES], mass[CLASSES], share[CLASSES], deviation[CLASSES];
+    double size[CLASSES] = {0.0}, mass[CLASSES] = {0.0}, share[CLASSES] = {0.0}, deviation[CLASSES] = {0.0};
     int n = 0;
     for (int k = 0; k < p->n; k++) {
         const split_class *c = &p->class[k];

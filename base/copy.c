@@ -1,0 +1,2 @@
+/* The one compiled copy of a header, RIDDLE_COPIED (base/meson.build). */
+#include RIDDLE_COPIED
