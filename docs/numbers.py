@@ -511,10 +511,11 @@ def paddle_gap(r, csv, json):
                 ("rebound from a paddle", lambda x: f"{x['rebound']:.2f} (sd {x['rebound_sd']:.2f})", ""),
                 ("angle off the mirrored one, sd [degrees]", "angle_deg", ".0f"), ("rebounds", "rebounds", ".0f")]),
         "speeds": beside(["1/min"], [([rpm], 40, rpm, 60) for rpm in (3000, 9000, 15000)]),
-        "loads": beside(["loading [kg/kg]", "from [um]"], [
-                ([loading, x_min], loading, 9000, x_min) for loading, x_min in ((3, 30), (10, 30), (40, 60))]),
+        "loads": beside(["loading [kg/kg]", "from [um]"], [([loading, x_min], loading, 9000, x_min)
+                for loading, x_min in ((3, 30), (10, 30), (40, 60), (40, 45))]),
         "fifth_10": ratio(run("sphere", 0.75, 10), run("brick", 0.5, 10)).replace(" ", ""),
         "fifth_40_60": ratio(run("sphere", 0.75, 40, x_min=60), run("brick", 0.5, 40, x_min=60)).replace(" ", ""),
+        "fifth_40_45": ratio(run("sphere", 0.75, 40, x_min=45), run("brick", 0.5, 40, x_min=45)).replace(" ", ""),
         "matching": f"{matching:.2f}",
         "angle_beads": f"{run('sphere', 0.75, 40)['angle_deg']:.0f}",
         "angle_bricks": f"{run('brick', 0.5, 40, x_min=60)['angle_deg']:.0f}",
