@@ -972,6 +972,10 @@ typedef struct dem_feed {
     int polyhedron;  /* 1 + number of a shape of the world (dem_add_shape): bodies are polyhedra of that shape and size,
                         oriented at random; sizes are not used, and clump is NULL. Spheres around them keep them apart.
                         Default 0: none */
+    const struct dem_compound *compound; /* made with this world (dem_make_compound), or with the one whose save it was
+                                            loaded from: bodies are compounds of that size, otherwise as polyhedra;
+                                            clump is NULL and polyhedron 0. It must exist as long as the feed is used.
+                                            Default NULL: none */
     int tries;       /* random places tried for a sphere before it is dropped, 1 .. 1000000; default 1000 */
     uint64_t random; /* the generator's state; at first the seed; default 1 */
     /* set by the functions below */
@@ -1463,6 +1467,9 @@ typedef struct dem_compound {
     double volume;                      /* sum over the parts [m3] */
     dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
     dem_quaternion axes; /* from the principal axes to the frame of the compound */
+    /* private: dem_add_compounds. Feeds call through it, so that a program without compounds does not compile them */
+    dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_compound *compound,
+                        const double *centres, const double *orientations, int material, int group);
 } dem_compound;
 /* Makes a body of n convex parts, and adds their shapes to a world. n: 1 .. DEM_PARTS_MAX; parts: [n], made by
    dem_make_hull and its like; places: [n][3], of the origin of the frame in which a part was given, in the frame of the
@@ -15782,6 +15789,30 @@ static inline int dem__is_clump(const dem_clump *c) {
     return 1;
 }
 
+/* Returns whether a compound has shapes of a world, and valid numbers. */
+static inline int dem__is_compound(const dem_world *w, const dem_compound *c) {
+    dem_quaternion unit;
+    if (!c || c->parts < 1 || c->parts > DEM_PARTS_MAX || !dem__positive(c->volume) || !dem__are_moments(c->moments) ||
+        !dem__unit_turn(c->axes, &unit))
+        return 0;
+    for (int k = 0; k < c->parts; k++) {
+        if (c->shape[k] < 0 || c->shape[k] >= w->engine->convex.shapes || !dem__finite_vec(c->centre[k]) ||
+            !dem__unit_turn(c->turn[k], &unit))
+            return 0;
+    }
+    return 1;
+}
+
+/* Returns the radius of the sphere about the centre of mass that contains a compound [m]. */
+static inline double dem__compound_reach(const dem_world *w, const dem_compound *c) {
+    double reach = 0.0;
+    for (int k = 0; k < c->parts; k++) {
+        const double r = dem__length(c->centre[k]) + w->engine->convex.shape[c->shape[k]].reach;
+        reach = r > reach ? r : reach;
+    }
+    return reach;
+}
+
 DEM_API double dem_clump_diameter(const dem_clump *clump) {
     return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
 }
@@ -16217,14 +16248,22 @@ static inline dem_quaternion dem__random_turn(uint64_t *random) {
 }
 
 /* Returns the number of particles in a body of a feed. */
-static inline ptrdiff_t dem__feed_pieces(const dem_feed *feed) { return feed->clump ? feed->clump->spheres : 1; }
+static inline ptrdiff_t dem__feed_pieces(const dem_feed *feed) {
+    return feed->clump ? feed->clump->spheres : feed->compound ? feed->compound->parts : 1;
+}
+/* Returns the number of spheres for which a body of a feed finds a place: one around a polyhedron or a compound, so
+   that compounds do not grow into each other. */
+static inline ptrdiff_t dem__feed_balls(const dem_feed *feed) { return feed->clump ? feed->clump->spheres : 1; }
 /* Returns the polyhedron of a feed, or NULL. */
 static inline const dem_convex *dem__feed_shape(const dem_world *w, const dem_feed *feed) {
     return feed->polyhedron > 0 ? &w->engine->convex.shape[feed->polyhedron - 1] : NULL;
 }
-/* Returns the diameter of the sphere with a polyhedron's volume. */
-static inline double dem__convex_diameter(const dem_convex *s) {
-    return 2.0 * riddle_cbrt(s->volume / (4.0 / 3.0 * RIDDLE_PI));
+/* Returns the diameter of the sphere with the volume of a feed's polyhedron or compound; 0: bodies have the sizes of
+   the feed. */
+static inline double dem__feed_diameter(const dem_world *w, const dem_feed *feed) {
+    const dem_convex *s = dem__feed_shape(w, feed);
+    const double volume = s ? s->volume : feed->compound ? feed->compound->volume : 0.0;
+    return volume > 0.0 ? 2.0 * riddle_cbrt(volume / (4.0 / 3.0 * RIDDLE_PI)) : 0.0;
 }
 /* Returns the factor by which a clump's lengths are multiplied in a body whose volume is that of a sphere of radius
    1. */
@@ -16234,7 +16273,8 @@ static inline double dem__feed_scale(const dem_feed *feed) {
 /* Returns the radius of such a body about its centre. */
 static inline double dem__feed_reach(const dem_world *w, const dem_feed *feed) {
     const dem_convex *s = dem__feed_shape(w, feed);
-    if (s) return 2.0 * s->reach / dem__convex_diameter(s);
+    if (s) return 2.0 * s->reach / dem__feed_diameter(w, feed);
+    if (feed->compound) return 2.0 * dem__compound_reach(w, feed->compound) / dem__feed_diameter(w, feed);
     return feed->clump ? dem__feed_scale(feed) * dem__clump_reach(feed->clump) : 1.0;
 }
 
@@ -16271,7 +16311,7 @@ static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *sourc
         }
         if (!dem__random_place(&source->region, reach, &source->random, x)) return 0;
         *x = dem__in_box(w, *x); /* as dem_add_spheres does */
-        if (feed->clump || feed->polyhedron) *turn = dem__random_turn(&source->random);
+        if (feed->clump || feed->polyhedron || feed->compound) *turn = dem__random_turn(&source->random);
         if (dem__has_room(w, room, feed, *x, *turn, radius)) return 1;
     }
     return 0;
@@ -16418,7 +16458,7 @@ static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__que
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_feed *feed = &line[b->of[k]].feed;
         const double r = b->radius[k], reach = r * dem__feed_reach(w, feed);
-        for (ptrdiff_t q = 0; q < dem__feed_pieces(feed); q++)
+        for (ptrdiff_t q = 0; q < dem__feed_balls(feed); q++)
             b->piece[b->pieces++] = feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[q] : reach;
         widest = reach > widest ? reach : widest;
     }
@@ -16449,7 +16489,7 @@ static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__que
             for (int a = 0; a < 3; a++) b->place[3 * found + a] = dem_axis(x, a);
             turn[0] = q.w, turn[1] = q.x, turn[2] = q.y, turn[3] = q.z;
             b->first[found] = (int32_t)pieces, b->of[found] = b->of[k], b->radius[found++] = radius;
-            pieces += dem__feed_pieces(feed);
+            pieces += dem__feed_balls(feed);
             feed->placed++, feed->placed_mass += m;
             line[b->of[k]].now++;
             if (by_mass) source->due_mass -= at_once ? 0.0 : m;
@@ -16509,6 +16549,8 @@ static inline dem_status dem__add_moving(dem_world *w, const dem__queue *line, c
     dem_status status;
     if (feed->polyhedron)
         status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, centre, turn, feed->material, feed->group);
+    else if (feed->compound)
+        status = feed->compound->add__(w, n, feed->compound, centre, turn, feed->material, feed->group);
     else if (feed->clump) status = feed->clump->add__(w, n, feed->clump, centre, d, turn, feed->material, feed->group);
     else status = dem_add_spheres(w, n, centre, d, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
@@ -16524,7 +16566,7 @@ static inline dem_status dem__add_lines(dem_world *w, const dem__queue *line, in
     dem_status status = DEM_OK;
     for (int k = 0; k < classes; k++) {
         pieces += line[k].now * dem__feed_pieces(&line[k].feed);
-        if (line[k].feed.clump || line[k].feed.polyhedron) bodies += line[k].now;
+        if (line[k].feed.clump || line[k].feed.polyhedron || line[k].feed.compound) bodies += line[k].now;
     }
     if (classes > 1 && pieces > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     if (classes > 1 && !(bodies ? dem__reserve_bodies(w, bodies, pieces) : dem__reserve_particles(w, pieces)))
@@ -16562,7 +16604,7 @@ static inline void dem__open_queues(const dem_world *w, const dem_source *source
         memset(&line[k], 0, sizeof line[k]);
         line[k].feed = *f, line[k].share = source->share ? source->share[k] : 1.0;
         line[k].given = source->by_number ? (double)(f->placed + f->missed) : f->placed_mass + f->missed_mass;
-        if (f->polyhedron) line[k].feed.sizes = dem_one_size(dem__convex_diameter(dem__feed_shape(w, f)));
+        if (f->polyhedron || f->compound) line[k].feed.sizes = dem_one_size(dem__feed_diameter(w, f));
     }
 }
 
@@ -16643,6 +16685,7 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
     if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
     if (f->clump && !(dem__is_clump(f->clump) && f->clump->add__)) return 0;
     if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes || (f->polyhedron && f->clump)) return 0;
+    if (f->compound && (f->polyhedron || f->clump || !dem__is_compound(w, f->compound) || !f->compound->add__)) return 0;
     if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
     if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) ||
         !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) || !(f->scatter.z >= 0.0))
@@ -16663,7 +16706,7 @@ static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) 
     dem_region r = feed->region;
     double smallest, diameter;
     dem__are_sizes(&feed->sizes, &smallest, &diameter);
-    if (feed->polyhedron) diameter = dem__convex_diameter(dem__feed_shape(w, feed));
+    if (feed->polyhedron || feed->compound) diameter = dem__feed_diameter(w, feed);
     diameter *= dem__feed_reach(w, feed);
     if (r.kind == DEM_REGION_MESH) r.kind = DEM_REGION_BOX;
     if (r.kind == DEM_REGION_CYLINDER && r.length == 0.0) r.length = diameter;
@@ -22475,7 +22518,7 @@ DEM_API dem_status dem_make_compound(dem_world *world, int n, const dem_convex *
     if (!world || !world->def.allocator.fn || !parts || !compound || n < 1) return DEM_BAD_ARGUMENT;
     if (n > DEM_PARTS_MAX) return DEM_TOO_MANY;
     memset(&b, 0, sizeof b), memset(&c, 0, sizeof c);
-    b.n = c.parts = n, b.part = parts;
+    b.n = c.parts = n, b.part = parts, c.add__ = dem_add_compounds;
     const char *wrong = dem__place_parts(&b, places, orientations, &c);
     if (!wrong) {
         dem__sum_parts(&b, &c);
@@ -22489,20 +22532,6 @@ DEM_API dem_status dem_make_compound(dem_world *world, int n, const dem_convex *
     const dem_status status = dem__add_part_shapes(world, &b, &c);
     if (status == DEM_OK) *compound = c;
     return status;
-}
-
-/* Returns whether a compound has shapes of a world, and valid numbers. */
-static inline int dem__is_compound(const dem_world *w, const dem_compound *c) {
-    dem_quaternion unit;
-    if (!c || c->parts < 1 || c->parts > DEM_PARTS_MAX || !dem__positive(c->volume) || !dem__are_moments(c->moments) ||
-        !dem__unit_turn(c->axes, &unit))
-        return 0;
-    for (int k = 0; k < c->parts; k++) {
-        if (c->shape[k] < 0 || c->shape[k] >= w->engine->convex.shapes || !dem__finite_vec(c->centre[k]) ||
-            !dem__unit_turn(c->turn[k], &unit))
-            return 0;
-    }
-    return 1;
 }
 
 /* Adds one compound, for which there is room. */

@@ -97,6 +97,9 @@ typedef struct dem_compound {
     double volume;                      /* sum over the parts [m3] */
     dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
     dem_quaternion axes; /* from the principal axes to the frame of the compound */
+    /* private: dem_add_compounds. Feeds call through it, so that a program without compounds does not compile them */
+    dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_compound *compound,
+                        const double *centres, const double *orientations, int material, int group);
 } dem_compound;
 /* Makes a body of n convex parts, and adds their shapes to a world. n: 1 .. DEM_PARTS_MAX; parts: [n], made by
    dem_make_hull and its like; places: [n][3], of the origin of the frame in which a part was given, in the frame of the

@@ -21,6 +21,30 @@ static inline int dem__is_clump(const dem_clump *c) {
     return 1;
 }
 
+/* Returns whether a compound has shapes of a world, and valid numbers. */
+static inline int dem__is_compound(const dem_world *w, const dem_compound *c) {
+    dem_quaternion unit;
+    if (!c || c->parts < 1 || c->parts > DEM_PARTS_MAX || !dem__positive(c->volume) || !dem__are_moments(c->moments) ||
+        !dem__unit_turn(c->axes, &unit))
+        return 0;
+    for (int k = 0; k < c->parts; k++) {
+        if (c->shape[k] < 0 || c->shape[k] >= w->engine->convex.shapes || !dem__finite_vec(c->centre[k]) ||
+            !dem__unit_turn(c->turn[k], &unit))
+            return 0;
+    }
+    return 1;
+}
+
+/* Returns the radius of the sphere about the centre of mass that contains a compound [m]. */
+static inline double dem__compound_reach(const dem_world *w, const dem_compound *c) {
+    double reach = 0.0;
+    for (int k = 0; k < c->parts; k++) {
+        const double r = dem__length(c->centre[k]) + w->engine->convex.shape[c->shape[k]].reach;
+        reach = r > reach ? r : reach;
+    }
+    return reach;
+}
+
 DEM_API double dem_clump_diameter(const dem_clump *clump) {
     return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
 }

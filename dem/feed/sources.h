@@ -9,7 +9,7 @@ static inline void dem__open_queues(const dem_world *w, const dem_source *source
         memset(&line[k], 0, sizeof line[k]);
         line[k].feed = *f, line[k].share = source->share ? source->share[k] : 1.0;
         line[k].given = source->by_number ? (double)(f->placed + f->missed) : f->placed_mass + f->missed_mass;
-        if (f->polyhedron) line[k].feed.sizes = dem_one_size(dem__convex_diameter(dem__feed_shape(w, f)));
+        if (f->polyhedron || f->compound) line[k].feed.sizes = dem_one_size(dem__feed_diameter(w, f));
     }
 }
 
@@ -90,6 +90,7 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
     if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
     if (f->clump && !(dem__is_clump(f->clump) && f->clump->add__)) return 0;
     if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes || (f->polyhedron && f->clump)) return 0;
+    if (f->compound && (f->polyhedron || f->clump || !dem__is_compound(w, f->compound) || !f->compound->add__)) return 0;
     if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
     if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) ||
         !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) || !(f->scatter.z >= 0.0))
@@ -110,7 +111,7 @@ static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) 
     dem_region r = feed->region;
     double smallest, diameter;
     dem__are_sizes(&feed->sizes, &smallest, &diameter);
-    if (feed->polyhedron) diameter = dem__convex_diameter(dem__feed_shape(w, feed));
+    if (feed->polyhedron || feed->compound) diameter = dem__feed_diameter(w, feed);
     diameter *= dem__feed_reach(w, feed);
     if (r.kind == DEM_REGION_MESH) r.kind = DEM_REGION_BOX;
     if (r.kind == DEM_REGION_CYLINDER && r.length == 0.0) r.length = diameter;

@@ -158,7 +158,7 @@ DEM_API dem_status dem_make_compound(dem_world *world, int n, const dem_convex *
     if (!world || !world->def.allocator.fn || !parts || !compound || n < 1) return DEM_BAD_ARGUMENT;
     if (n > DEM_PARTS_MAX) return DEM_TOO_MANY;
     memset(&b, 0, sizeof b), memset(&c, 0, sizeof c);
-    b.n = c.parts = n, b.part = parts;
+    b.n = c.parts = n, b.part = parts, c.add__ = dem_add_compounds;
     const char *wrong = dem__place_parts(&b, places, orientations, &c);
     if (!wrong) {
         dem__sum_parts(&b, &c);
@@ -172,20 +172,6 @@ DEM_API dem_status dem_make_compound(dem_world *world, int n, const dem_convex *
     const dem_status status = dem__add_part_shapes(world, &b, &c);
     if (status == DEM_OK) *compound = c;
     return status;
-}
-
-/* Returns whether a compound has shapes of a world, and valid numbers. */
-static inline int dem__is_compound(const dem_world *w, const dem_compound *c) {
-    dem_quaternion unit;
-    if (!c || c->parts < 1 || c->parts > DEM_PARTS_MAX || !dem__positive(c->volume) || !dem__are_moments(c->moments) ||
-        !dem__unit_turn(c->axes, &unit))
-        return 0;
-    for (int k = 0; k < c->parts; k++) {
-        if (c->shape[k] < 0 || c->shape[k] >= w->engine->convex.shapes || !dem__finite_vec(c->centre[k]) ||
-            !dem__unit_turn(c->turn[k], &unit))
-            return 0;
-    }
-    return 1;
 }
 
 /* Adds one compound, for which there is room. */
