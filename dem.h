@@ -335,6 +335,23 @@ typedef struct dem_clump_fit {
     double centre;  /* distance of the two centres of mass over the diameter of the sphere of the body's volume [-] */
 } dem_clump_fit;
 
+#define DEM_PARTS_MAX 64 /* convex parts of a compound at most */
+/* A body of convex parts fixed to each other, concave as a whole. Made by dem_make_compound(). Volume, moments and axes
+   may be replaced by better ones; then make the centres relative to the true centre of mass. */
+typedef struct dem_compound {
+    int parts;                          /* 1 .. DEM_PARTS_MAX */
+    int shape[DEM_PARTS_MAX];           /* the world's shape of each part */
+    dem_vec centre[DEM_PARTS_MAX];      /* centroids, from the centre of mass, in the frame of the compound [m] */
+    dem_quaternion turn[DEM_PARTS_MAX]; /* from the frame in which a part was given to that of the compound */
+    dem_vec origin;                     /* the centre of mass, in the frame of the compound [m] */
+    double volume;                      /* sum over the parts [m3] */
+    dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
+    dem_quaternion axes; /* from the principal axes to the frame of the compound */
+    /* private: dem_add_compounds. Feeds call through it, so that a program without compounds does not compile them */
+    dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_compound *compound,
+                        const double *centres, const double *orientations, int material, int group);
+} dem_compound;
+
 typedef struct dem_material {
     double density;       /* [kg/m3] > 0 */
     double young_modulus; /* [Pa] > 0; used by DEM_HERTZ and the Rayleigh time */
@@ -972,10 +989,9 @@ typedef struct dem_feed {
     int polyhedron;  /* 1 + number of a shape of the world (dem_add_shape): bodies are polyhedra of that shape and size,
                         oriented at random; sizes are not used, and clump is NULL. Spheres around them keep them apart.
                         Default 0: none */
-    const struct dem_compound *compound; /* made with this world (dem_make_compound), or with the one whose save it was
-                                            loaded from: bodies are compounds of that size, otherwise as polyhedra;
-                                            clump is NULL and polyhedron 0. It must exist as long as the feed is used.
-                                            Default NULL: none */
+    const dem_compound *compound; /* bodies of convex parts of that size (dem_make_compound with this world, or with the
+                            one whose save it was loaded from), otherwise as polyhedra; clump is NULL and polyhedron 0.
+                            It must exist as long as the feed is used. Default NULL: none */
     int tries;       /* random places tried for a sphere before it is dropped, 1 .. 1000000; default 1000 */
     uint64_t random; /* the generator's state; at first the seed; default 1 */
     /* set by the functions below */
@@ -1455,22 +1471,6 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres,
                                   const double *orientations, int material, int group);
 
-#define DEM_PARTS_MAX 64 /* convex parts of a compound at most */
-/* A body of convex parts fixed to each other, concave as a whole. Made by dem_make_compound(). Volume, moments and axes
-   may be replaced by better ones; then make the centres relative to the true centre of mass. */
-typedef struct dem_compound {
-    int parts;                          /* 1 .. DEM_PARTS_MAX */
-    int shape[DEM_PARTS_MAX];           /* the world's shape of each part */
-    dem_vec centre[DEM_PARTS_MAX];      /* centroids, from the centre of mass, in the frame of the compound [m] */
-    dem_quaternion turn[DEM_PARTS_MAX]; /* from the frame in which a part was given to that of the compound */
-    dem_vec origin;                     /* the centre of mass, in the frame of the compound [m] */
-    double volume;                      /* sum over the parts [m3] */
-    dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
-    dem_quaternion axes; /* from the principal axes to the frame of the compound */
-    /* private: dem_add_compounds. Feeds call through it, so that a program without compounds does not compile them */
-    dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_compound *compound,
-                        const double *centres, const double *orientations, int material, int group);
-} dem_compound;
 /* Makes a body of n convex parts, and adds their shapes to a world. n: 1 .. DEM_PARTS_MAX; parts: [n], made by
    dem_make_hull and its like; places: [n][3], of the origin of the frame in which a part was given, in the frame of the
    compound [m]; NULL: 0, for parts whose corners have one common origin; orientations: [n][4], quaternions of any
@@ -16685,7 +16685,8 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
     if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
     if (f->clump && !(dem__is_clump(f->clump) && f->clump->add__)) return 0;
     if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes || (f->polyhedron && f->clump)) return 0;
-    if (f->compound && (f->polyhedron || f->clump || !dem__is_compound(w, f->compound) || !f->compound->add__)) return 0;
+    if (f->compound && (f->polyhedron || f->clump || !dem__is_compound(w, f->compound) || !f->compound->add__))
+        return 0;
     if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
     if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) ||
         !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) || !(f->scatter.z >= 0.0))

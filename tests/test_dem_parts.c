@@ -623,8 +623,7 @@ static void test_shares(void **state) {
     memset(&source, 0, sizeof source);
     feed[2].sizes = dem_uniform_sizes(2e-3, 4e-3, 1);
     feed[3].polyhedron = 1 + h.shape[0];
-    for (int k = 0; k < 4; k++)
-        feed[k].region = dem_box_region(none, dem_vec3(0.1, 0.1, 0.04)), feed[k].tries = 50;
+    for (int k = 0; k < 4; k++) feed[k].region = dem_box_region(none, dem_vec3(0.1, 0.1, 0.04)), feed[k].tries = 50;
     source.feed = feed, source.share = share, source.classes = 4;
     for (int n = 0; n < 10; n++) {
         assert_int_equal(dem_feed_source_mass(&w, &source, 4.0, 1e-3), DEM_OK);

@@ -152,10 +152,9 @@ typedef struct dem_feed {
     int polyhedron;  /* 1 + number of a shape of the world (dem_add_shape): bodies are polyhedra of that shape and size,
                         oriented at random; sizes are not used, and clump is NULL. Spheres around them keep them apart.
                         Default 0: none */
-    const struct dem_compound *compound; /* made with this world (dem_make_compound), or with the one whose save it was
-                                            loaded from: bodies are compounds of that size, otherwise as polyhedra;
-                                            clump is NULL and polyhedron 0. It must exist as long as the feed is used.
-                                            Default NULL: none */
+    const dem_compound *compound; /* bodies of convex parts of that size (dem_make_compound with this world, or with the
+                            one whose save it was loaded from), otherwise as polyhedra; clump is NULL and polyhedron 0.
+                            It must exist as long as the feed is used. Default NULL: none */
     int tries;       /* random places tried for a sphere before it is dropped, 1 .. 1000000; default 1000 */
     uint64_t random; /* the generator's state; at first the seed; default 1 */
     /* set by the functions below */

@@ -90,7 +90,8 @@ static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
     if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
     if (f->clump && !(dem__is_clump(f->clump) && f->clump->add__)) return 0;
     if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes || (f->polyhedron && f->clump)) return 0;
-    if (f->compound && (f->polyhedron || f->clump || !dem__is_compound(w, f->compound) || !f->compound->add__)) return 0;
+    if (f->compound && (f->polyhedron || f->clump || !dem__is_compound(w, f->compound) || !f->compound->add__))
+        return 0;
     if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
     if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) ||
         !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) || !(f->scatter.z >= 0.0))

@@ -182,8 +182,8 @@ static int make_compound(scene *s, body_shape *b) {
     if (!b->part || !b->place) return -1;
     b->parts = (int)n, b->turn = b->place + 3 * n;
     for (int k = 0; k < b->parts; k++) {
-        const double length = sqrt(d[k].axis[0] * d[k].axis[0] + d[k].axis[1] * d[k].axis[1] +
-                                   d[k].axis[2] * d[k].axis[2]),
+        const double length =
+                         sqrt(d[k].axis[0] * d[k].axis[0] + d[k].axis[1] * d[k].axis[1] + d[k].axis[2] * d[k].axis[2]),
                      half = 0.5 * d[k].angle;
         if (!(length > 0.0) || !isfinite(length))
             return tree_fail(s->file, fields_where(&d[k].part, "axis"), "axis: it has no direction");
@@ -206,9 +206,9 @@ int scene_make_shapes(scene *s) {
     for (int k = 0; k < s->def->shapes.n; k++) {
         s->shape[k].def = &d[k];
         const int clump = d[k].spheres.n || d[k].capsule.part.where || is_filled(&d[k]);
-        if (clump            ? make_clump(s, &s->shape[k])
-            : d[k].parts.n   ? make_compound(s, &s->shape[k])
-                             : make_polyhedron(s, &s->shape[k]))
+        if (clump          ? make_clump(s, &s->shape[k])
+            : d[k].parts.n ? make_compound(s, &s->shape[k])
+                           : make_polyhedron(s, &s->shape[k]))
             return -1;
     }
     return 0;
