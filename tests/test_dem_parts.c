@@ -547,7 +547,7 @@ static double reach_of(const dem_world *w, const dem_compound *c) {
     return reach;
 }
 
-/* As many as asked, or their mass, within the region, apart by the spheres around them, turned in every direction alike,
+/* As many as asked, or their mass, within the region, apart by the spheres around them, turned in all directions,
    each counted once. Then another compound and a polyhedron take the feed over. */
 static void test_feed(void **state) {
     (void)state;
