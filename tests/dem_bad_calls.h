@@ -3,8 +3,8 @@
 #define RIDDLE_DEM_BAD_CALLS_H
 #include "dem_guard_scenes.h"
 
-/* A world with one material, a plane (wall 0), an open mesh of one triangle (wall 1), a sphere (0), a dumbbell (1, 2), a
-   fixed dumbbell (3, 4), a shape and a gap (5). */
+/* A world with one material, a plane (wall 0), an open mesh of one triangle (wall 1), a sphere (0), a dumbbell (1, 2),
+   a fixed dumbbell (3, 4), a shape and a gap (5). */
 typedef struct bad_calls {
     dem_world world;
     dem_feed feed;
