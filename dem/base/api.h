@@ -3,6 +3,11 @@
 #include "law.h"
 
 DEM_API const char *dem_status_text(dem_status status); /* never NULL */
+/* Returns which argument was wrong, and why, in the last call that was to change this world and returned the status of
+   a bad argument: a line such as "velocity: a component is not finite or above 1e80". Calls that succeed, fail with
+   another status, or only read the world leave the text, so ask at once; dem_init and dem_load clear it. It is not
+   saved. Never NULL; "" for a world without such a call, and for NULL; static storage. */
+DEM_API const char *dem_error_text(const dem_world *world);
 
 /* Returns 1 if this header, as built, computes the same bits as elsewhere: doubles are evaluated as doubles, and
    products are not fused with sums. Tested at run time. The code around the header is not tested: compile that with

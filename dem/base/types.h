@@ -475,6 +475,7 @@ typedef struct dem_world {
     dem_status status; /* first failure of a run; failed_id and step then name the particle and the step */
     uint64_t failed_id;
     int failed_pair[2]; /* with DEM_PAIR_NOT_SET: the two materials, the smaller index first */
+    const char *refusal; /* what dem_error_text() returns; NULL: nothing; not saved */
     int walls;
     dem_wall *wall;
     ptrdiff_t passed_count; /* records kept until dem_take_passed() takes them */
