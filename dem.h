@@ -335,6 +335,23 @@ typedef struct dem_clump_fit {
     double centre;  /* distance of the two centres of mass over the diameter of the sphere of the body's volume [-] */
 } dem_clump_fit;
 
+#define DEM_PARTS_MAX 64 /* convex parts of a compound at most */
+/* A body of convex parts fixed to each other, concave as a whole. Made by dem_make_compound(). Volume, moments and axes
+   may be replaced by better ones; then make the centres relative to the true centre of mass. */
+typedef struct dem_compound {
+    int parts;                          /* 1 .. DEM_PARTS_MAX */
+    int shape[DEM_PARTS_MAX];           /* the world's shape of each part */
+    dem_vec centre[DEM_PARTS_MAX];      /* centroids, from the centre of mass, in the frame of the compound [m] */
+    dem_quaternion turn[DEM_PARTS_MAX]; /* from the frame in which a part was given to that of the compound */
+    dem_vec origin;                     /* the centre of mass, in the frame of the compound [m] */
+    double volume;                      /* sum over the parts [m3] */
+    dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
+    dem_quaternion axes; /* from the principal axes to the frame of the compound */
+    /* private: dem_add_compounds. Feeds call through it, so that a program without compounds does not compile them */
+    dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_compound *compound,
+                        const double *centres, const double *orientations, int material, int group);
+} dem_compound;
+
 typedef struct dem_material {
     double density;       /* [kg/m3] > 0 */
     double young_modulus; /* [Pa] > 0; used by DEM_HERTZ and the Rayleigh time */
@@ -697,6 +714,7 @@ typedef struct dem_world {
     dem_status status; /* first failure of a run; failed_id and step then name the particle and the step */
     uint64_t failed_id;
     int failed_pair[2]; /* with DEM_PAIR_NOT_SET: the two materials, the smaller index first */
+    const char *refusal; /* what dem_error_text() returns; NULL: nothing; not saved */
     int walls;
     dem_wall *wall;
     ptrdiff_t passed_count; /* records kept until dem_take_passed() takes them */
@@ -823,6 +841,11 @@ typedef struct dem_link_kernel {
 /* The public functions, declared and explained. */
 
 DEM_API const char *dem_status_text(dem_status status); /* never NULL */
+/* Returns which argument was wrong, and why, in the last call that was to change this world and returned the status of
+   a bad argument: a line such as "velocity: a component is not finite or above 1e80". Calls that succeed, fail with
+   another status, or only read the world leave the text, so ask at once; dem_init and dem_load clear it. It is not
+   saved. Never NULL; "" for a world without such a call, and for NULL; static storage. */
+DEM_API const char *dem_error_text(const dem_world *world);
 
 /* Returns 1 if this header, as built, computes the same bits as elsewhere: doubles are evaluated as doubles, and
    products are not fused with sums. Tested at run time. The code around the header is not tested: compile that with
@@ -972,6 +995,9 @@ typedef struct dem_feed {
     int polyhedron;  /* 1 + number of a shape of the world (dem_add_shape): bodies are polyhedra of that shape and size,
                         oriented at random; sizes are not used, and clump is NULL. Spheres around them keep them apart.
                         Default 0: none */
+    const dem_compound *compound; /* bodies of convex parts of that size (dem_make_compound with this world, or with the
+                            one whose save it was loaded from), otherwise as polyhedra; clump is NULL and polyhedron 0.
+                            It must exist as long as the feed is used. Default NULL: none */
     int tries;       /* random places tried for a sphere before it is dropped, 1 .. 1000000; default 1000 */
     uint64_t random; /* the generator's state; at first the seed; default 1 */
     /* set by the functions below */
@@ -1451,19 +1477,6 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres,
                                   const double *orientations, int material, int group);
 
-#define DEM_PARTS_MAX 64 /* convex parts of a compound at most */
-/* A body of convex parts fixed to each other, concave as a whole. Made by dem_make_compound(). Volume, moments and axes
-   may be replaced by better ones; then make the centres relative to the true centre of mass. */
-typedef struct dem_compound {
-    int parts;                          /* 1 .. DEM_PARTS_MAX */
-    int shape[DEM_PARTS_MAX];           /* the world's shape of each part */
-    dem_vec centre[DEM_PARTS_MAX];      /* centroids, from the centre of mass, in the frame of the compound [m] */
-    dem_quaternion turn[DEM_PARTS_MAX]; /* from the frame in which a part was given to that of the compound */
-    dem_vec origin;                     /* the centre of mass, in the frame of the compound [m] */
-    double volume;                      /* sum over the parts [m3] */
-    dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
-    dem_quaternion axes; /* from the principal axes to the frame of the compound */
-} dem_compound;
 /* Makes a body of n convex parts, and adds their shapes to a world. n: 1 .. DEM_PARTS_MAX; parts: [n], made by
    dem_make_hull and its like; places: [n][3], of the origin of the frame in which a part was given, in the frame of the
    compound [m]; NULL: 0, for parts whose corners have one common origin; orientations: [n][4], quaternions of any
@@ -2833,6 +2846,31 @@ static inline void dem__drop_feature(dem_world *w, int place) {
     e->features = left;
 }
 
+/* ------------------------------------------------------------------------------------------------- >>base/refuse.h */
+/* Refusing a call: its status, and the argument and the reason that dem_error_text() tells. */
+
+/* Stores which argument is wrong and why: a string that lives as long as the program. */
+static inline dem_status dem__refuse(dem_world *w, const char *text) {
+    if (w) w->refusal = text;
+    return DEM_BAD_ARGUMENT;
+}
+
+/* Each of these returns whether the world lacks something that an argument names, and then stores the text. */
+static inline int dem__lacks_memory(dem_world *w) {
+    return !(w && w->def.allocator.fn) && dem__refuse(w, "world: dem_init or dem_load has not made it");
+}
+static inline int dem__lacks_material(dem_world *w, int material) {
+    return dem__lacks_memory(w) || ((material < 0 || material >= w->def.materials) &&
+                                    dem__refuse(w, "material: the world has no material of this index"));
+}
+static inline int dem__lacks_wall(dem_world *w, int wall) {
+    return !w || ((wall < 0 || wall >= w->walls) && dem__refuse(w, "wall: the world has no wall of this index"));
+}
+static inline int dem__lacks_particle(dem_world *w, ptrdiff_t i) {
+    return !w ||
+           ((i < 0 || i >= w->count || !w->alive[i]) && dem__refuse(w, "i: no particle of this index is present"));
+}
+
 /* ------------------------------------------------------------------------------------------------- >>base/arrays.h */
 /* Memory: blocks of arrays that grow together, and the tables of those arrays. */
 
@@ -3047,7 +3085,8 @@ static inline dem_status dem__take_feature(dem_world *w, dem__feature feature) {
     dem__array list[DEM__ARRAYS_MAX];
     for (int k = 0; k < w->engine->features; k++) {
         if (w->engine->feature[k].place == feature.place) return DEM_OK;
-        if (w->engine->feature[k].exclusive && feature.exclusive) return DEM_BAD_ARGUMENT;
+        if (w->engine->feature[k].exclusive && feature.exclusive)
+            return dem__refuse(w, "world: a force field and links exclude each other");
     }
     dem__add_feature(w, feature);
     if (bodies->capacity == 0 || dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes,
@@ -3070,6 +3109,8 @@ DEM_API const char *dem_status_text(dem_status status) {
     }
     return "unknown status";
 }
+
+DEM_API const char *dem_error_text(const dem_world *world) { return world && world->refusal ? world->refusal : ""; }
 
 DEM_API int dem_build_is_deterministic(void) {
     volatile double a = 1.0 + 0x1p-30, b = 1.0 - 0x1p-30, c = -1.0;
@@ -3169,6 +3210,22 @@ DEM__STATIC const char *dem__bad_pair(const dem_pair_def *p) {
     if (!dem__not_negative(p->tangential_damping)) return "pair.tangential_damping";
     if (p->mode != DEM_CLIPPED && p->mode != DEM_NAIVE) return "pair.mode";
     return NULL;
+}
+
+/* Returns the first bad field of a pair and what is wrong with it, or NULL. */
+static inline const char *dem__wrong_pair(const dem_pair_def *p) {
+    static const char *const text[] = {
+        "pair.stiffness: not a finite number above 0", "pair.tangential_ratio: not 0 .. 1",
+        "pair.restitution: not above 0 and at most 1", "pair.friction: below 0 or not finite",
+        "pair.rolling: below 0 or not finite",         "pair.tangential_damping: below 0 or not finite",
+        "pair.mode: neither DEM_CLIPPED nor DEM_NAIVE"};
+    const char *field = dem__bad_pair(p);
+    if (!field) return NULL;
+    for (size_t k = 0; k < sizeof text / sizeof text[0]; k++) {
+        const size_t length = strlen(field);
+        if (strncmp(text[k], field, length) == 0 && text[k][length] == ':') return text[k];
+    }
+    return field;
 }
 
 /* Returns the name of the first bad field, or NULL. */
@@ -3289,9 +3346,12 @@ static inline void dem__release(const dem_allocator *a, void *block, size_t byte
 DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair) {
     dem_world *w = world;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials ||
-        dem__bad_pair(pair))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return DEM_BAD_ARGUMENT;
+    if (a < 0 || a >= w->def.materials) return dem__refuse(w, "a: the world has no material of this index");
+    if (b < 0 || b >= w->def.materials) return dem__refuse(w, "b: the world has no material of this index");
+    if (!pair) return dem__refuse(w, "pair: NULL");
+    const char *wrong = dem__wrong_pair(pair);
+    if (wrong) return dem__refuse(w, wrong);
     dem_pair_def *own = dem_pair(&w->def, a, b);
     *own = *pair, own->given = 1;
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
@@ -3864,7 +3924,8 @@ static inline int dem__is_present(const dem_world *w, ptrdiff_t i) {
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !dem__is_time_step(dt)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return DEM_BAD_ARGUMENT;
+    if (!dem__is_time_step(dt)) return dem__refuse(w, "dt: not 1e-60 s or more and below 1e6 s");
     dem__begin_change(w, dem__all_particles(w));
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__restart(w, i);
@@ -3881,7 +3942,8 @@ DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
 DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
     dem_world *w = world;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || !dem__moderate_vec(gravity)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(gravity)) return dem__refuse(w, "gravity: a component is not finite or above 1e80");
     const dem_vec change = dem__sub(gravity, w->def.gravity);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i] || dem__is_fixed(w, i)) continue;
@@ -3911,10 +3973,13 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!dem__is_present(w, i) || !dem__moderate_vec(velocity) || !dem__moderate_vec(spin)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(velocity)) return dem__refuse(w, "velocity: a component is not finite or above 1e80");
+    if (!dem__moderate_vec(spin)) return dem__refuse(w, "spin: a component is not finite or above 1e80");
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) i = r->first;
-    if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0) return DEM_BAD_ARGUMENT;
+    if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0)
+        return dem__refuse(w, "spin: a fixed body does not turn");
     dem__begin_change(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     dem__book_motion(w, -dem__motion_energy(w, i));
@@ -3930,9 +3995,11 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!dem__is_present(w, i) || !dem__moderate_vec(dem__scale(1.0 / w->particle[i].mass, force)) ||
-        !dem__moderate_vec(dem__scale(1.0 / dem__inertia(w, i), torque)))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(dem__scale(1.0 / w->particle[i].mass, force)))
+        return dem__refuse(w, "force: its acceleration is not finite or above 1e80");
+    if (!dem__moderate_vec(dem__scale(1.0 / dem__inertia(w, i), torque)))
+        return dem__refuse(w, "torque: its angular acceleration is not finite or above 1e80");
     dem__begin_change(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
@@ -3964,9 +4031,10 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     dem_quaternion q;
-    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
+    if (!dem__unit_turn(orientation, &q)) return dem__refuse(w, "orientation: 0 or not finite");
     dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) return DEM_BAD_ARGUMENT;
+    if (!r) return dem__refuse(w, "i: a single sphere, which has no orientation");
     dem__begin_change(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     dem__book_motion(w, -dem__rotational(w, r->first));
@@ -4212,9 +4280,9 @@ static inline int dem__make_touch_memory(dem_world *w) {
 }
 
 /* Returns DEM_OK if a wall of a material can be added. */
-static inline dem_status dem__may_add_wall(const dem_world *w, int material) {
+static inline dem_status dem__may_add_wall(dem_world *w, int material) {
     if (dem__is_running(w)) return DEM_BUSY;
-    return w && w->def.allocator.fn && material >= 0 && material < w->def.materials ? DEM_OK : DEM_BAD_ARGUMENT;
+    return dem__lacks_material(w, material) ? DEM_BAD_ARGUMENT : DEM_OK;
 }
 
 /* Adds a wall of a kind, at rest at asked.origin. Returns its index, or minus a dem_status. */
@@ -4523,13 +4591,20 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
     const dem_status status = dem__may_add_wall(world, material);
     memset(&wall, 0, sizeof wall);
     if (status != DEM_OK) return -(int)status;
-    if (!cone || !dem__is_place(cone->low) || !dem__is_place(cone->high)) return -(int)DEM_BAD_ARGUMENT;
+    if (!cone) return -(int)dem__refuse(world, "cone: NULL");
+    if (!dem__is_place(cone->low))
+        return -(int)dem__refuse(world, "cone.low: a coordinate is not finite or above 1e150");
+    if (!dem__is_place(cone->high))
+        return -(int)dem__refuse(world, "cone.high: a coordinate is not finite or above 1e150");
     const dem_vec axis = dem__sub(cone->high, cone->low);
     wall.asked.origin = cone->low;
     wall.radius = cone->low_radius;
     wall.high_radius = cone->high_radius;
     wall.length = dem__length(axis);
-    if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0)) || !dem__is_cone(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
+        return -(int)dem__refuse(world, "cone.high: at the same place as low");
+    if (!dem__is_cone(&wall))
+        return -(int)dem__refuse(world, "cone.low_radius, high_radius: one is below 0 or not finite, or both are 0");
     return dem__add_wall(world, dem__cone(), material, &wall);
 }
 
@@ -4564,9 +4639,11 @@ static inline int dem__add_round(dem_world *w, const dem__wall_kind *kind, int m
     const dem_status status = dem__may_add_wall(w, material);
     memset(&wall, 0, sizeof wall);
     if (status != DEM_OK) return -(int)status;
-    if (!dem__is_place(point) || !dem__finite_vec(axis) || !dem__positive(radius) ||
-        !dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
-        return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__is_place(point))
+        return -(int)dem__refuse(w, "point or centre: a coordinate is not finite or above 1e150");
+    if (!dem__finite_vec(axis) || !dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
+        return -(int)dem__refuse(w, "axis: not finite, or of length 0");
+    if (!dem__positive(radius)) return -(int)dem__refuse(w, "radius: not a finite number above 0");
     wall.asked.origin = point;
     wall.radius = radius;
     wall.inside = inside != 0;
@@ -4737,13 +4814,16 @@ DEM_API int dem_add_disc(dem_world *world, int material, const dem_disc *disc) {
     const dem_status status = dem__may_add_wall(world, material);
     memset(&wall, 0, sizeof wall);
     if (status != DEM_OK) return -(int)status;
-    if (!disc || !dem__is_place(disc->centre) || !dem__finite_vec(disc->normal) ||
-        !dem__frame(&wall, disc->normal, dem_vec3(1, 0, 0)))
-        return -(int)DEM_BAD_ARGUMENT;
+    if (!disc) return -(int)dem__refuse(world, "disc: NULL");
+    if (!dem__is_place(disc->centre))
+        return -(int)dem__refuse(world, "disc.centre: a coordinate is not finite or above 1e150");
+    if (!dem__finite_vec(disc->normal) || !dem__frame(&wall, disc->normal, dem_vec3(1, 0, 0)))
+        return -(int)dem__refuse(world, "disc.normal: not finite, or of length 0");
     wall.asked.origin = disc->centre;
     wall.radius = disc->hole_radius;
     wall.high_radius = disc->radius;
-    if (!dem__is_disc(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__is_disc(&wall))
+        return -(int)dem__refuse(world, "disc.radius: not finite, or not above hole_radius, which is 0 or more");
     return dem__add_wall(world, dem__disc(), material, &wall);
 }
 
@@ -4790,8 +4870,9 @@ static inline int dem__add_flat(dem_world *w, const dem__wall_kind *kind, int ma
     const dem_status status = dem__may_add_wall(w, material);
     memset(&wall, 0, sizeof wall);
     if (status != DEM_OK) return -(int)status;
-    if (!dem__is_place(point) || !dem__finite_vec(normal) || !dem__frame(&wall, normal, dem_vec3(1, 0, 0)))
-        return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__is_place(point)) return -(int)dem__refuse(w, "point: a coordinate is not finite or above 1e150");
+    if (!dem__finite_vec(normal) || !dem__frame(&wall, normal, dem_vec3(1, 0, 0)))
+        return -(int)dem__refuse(w, "normal: not finite, or of length 0");
     wall.asked.origin = point;
     return dem__add_wall(w, kind, material, &wall);
 }
@@ -5438,12 +5519,18 @@ static inline void dem__screen_edges(const dem_wall *w, dem_vec centre, double r
     }
 }
 
-/* Returns whether a screen has lengths, and no more bars and apertures than integers can count. */
-static inline int dem__is_deck(const dem_wall *w) {
+/* Returns what is wrong with a screen, or NULL: it has lengths, and no more bars and apertures than integers count. */
+static inline const char *dem__wrong_deck(const dem_wall *w) {
     const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
-    return (w->profile == DEM_ROUND || w->profile == DEM_SEMICIRCLE) && dem__positive(w->aperture) &&
-           dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
+    if (w->profile != DEM_ROUND && w->profile != DEM_SEMICIRCLE)
+        return "screen.profile: neither DEM_ROUND nor DEM_SEMICIRCLE";
+    if (!dem__positive(w->aperture)) return "screen.aperture: not a finite number above 0";
+    if (!dem__positive(w->wire)) return "screen.wire: not a finite number above 0";
+    if (!(x > 0.0 && x < 1e5)) return "screen.half_x: not above 0, or 1e5 meshes or more";
+    if (!(y > 0.0 && y < 1e5)) return "screen.half_y: not above 0, or 1e5 meshes or more";
+    return x * y < 2.5e8 ? NULL : "screen.half_x, half_y: too many apertures";
 }
+static inline int dem__is_deck(const dem_wall *w) { return !dem__wrong_deck(w); }
 
 static inline const dem__wall_kind *dem__woven_screen(void) {
     static const dem__wall_kind row = {
@@ -5482,9 +5569,12 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
     const dem_status status = dem__may_add_wall(world, material);
     memset(&wall, 0, sizeof wall);
     if (status != DEM_OK) return -(int)status;
-    if (!screen || !dem__is_place(screen->centre) || !dem__finite_vec(screen->normal) ||
-        !dem__finite_vec(screen->direction) || !dem__frame(&wall, screen->normal, screen->direction))
-        return -(int)DEM_BAD_ARGUMENT;
+    if (!screen) return -(int)dem__refuse(world, "screen: NULL");
+    if (!dem__is_place(screen->centre))
+        return -(int)dem__refuse(world, "screen.centre: a coordinate is not finite or above 1e150");
+    if (!dem__finite_vec(screen->direction)) return -(int)dem__refuse(world, "screen.direction: not finite");
+    if (!dem__finite_vec(screen->normal) || !dem__frame(&wall, screen->normal, screen->direction))
+        return -(int)dem__refuse(world, "screen.normal: not finite, or of length 0");
     wall.asked.origin = screen->centre;
     wall.aperture = screen->aperture;
     wall.wire = screen->wire;
@@ -5492,7 +5582,8 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
     wall.circular = screen->circular != 0;
     wall.half_x = screen->half_x;
     wall.half_y = screen->circular ? screen->half_x : screen->half_y;
-    if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    const char *wrong = dem__wrong_deck(&wall);
+    if (wrong) return -(int)dem__refuse(world, wrong);
     return dem__add_wall(world, dem__woven_screen(), material, &wall);
 }
 
@@ -5736,14 +5827,17 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
                                    int material, int group) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 ||
-        material >= w->def.materials)
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_material(w, material)) return DEM_BAD_ARGUMENT;
+    if (n < 0) return dem__refuse(w, "n: below 0");
+    if (n > 0 && !centres) return dem__refuse(w, "centres: NULL");
+    if (n > 0 && !diameters) return dem__refuse(w, "diameters: NULL");
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_vec at = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
-        if (!dem__is_size(w, material, diameters[k]) || !dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at)))
-            return DEM_BAD_ARGUMENT;
+        if (!dem__is_size(w, material, diameters[k]))
+            return dem__refuse(w, "diameters: one is not above 0, or its mass and inertia are not normal numbers");
+        if (!dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at)))
+            return dem__refuse(w, "centres: a coordinate is not finite or above 1e150");
     }
     if (!dem__reserve_particles(w, n)) return DEM_OUT_OF_MEMORY;
     for (ptrdiff_t k = 0; k < n; k++) {
@@ -6678,10 +6772,12 @@ static inline void dem__bound_speed(dem_wall *a) {
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(amplitude) || !dem__finite_vec(phase) ||
-        !(frequency >= 0.0 && dem__moderate(frequency)))
-        return DEM_BAD_ARGUMENT;
-    if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(amplitude)) return dem__refuse(world, "amplitude: a component is not finite or above 1e80");
+    if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3))
+        return dem__refuse(world, "phase: a component is not finite or 1000 rad or more");
+    if (!(frequency >= 0.0 && dem__moderate(frequency)))
+        return dem__refuse(world, "frequency: below 0, not finite or above 1e80");
     dem_wall *a = dem__rebase_wall(world, wall);
     a->asked.amplitude = amplitude;
     a->asked.phase = phase;
@@ -6693,7 +6789,8 @@ DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, de
 
 DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(velocity)) return dem__refuse(world, "velocity: a component is not finite or above 1e80");
     dem_wall *a = dem__rebase_wall(world, wall);
     a->asked.drift = velocity;
     dem__bound_speed(a);
@@ -6703,9 +6800,11 @@ DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
 DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_vec unit;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(centre) || !dem__finite_vec(axis) ||
-        !dem__moderate(spin) || !dem__unit(axis, &unit))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(centre)) return dem__refuse(world, "centre: a component is not finite or above 1e80");
+    if (!dem__finite_vec(axis) || !dem__unit(axis, &unit))
+        return dem__refuse(world, "axis: not finite, or of length 0");
+    if (!dem__moderate(spin)) return dem__refuse(world, "spin: not finite or above 1e80");
     dem_wall *a = dem__rebase_wall(world, wall);
     a->asked.spin_centre = centre;
     a->spin_axis = unit;
@@ -6734,7 +6833,9 @@ static inline int dem__wall_is_finite(const dem_wall *a) {
 
 DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !motion || !dem__is_place(centre)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
+    if (!motion) return dem__refuse(world, "motion: NULL");
+    if (!dem__is_place(centre)) return dem__refuse(world, "centre: a coordinate is not finite or above 1e150");
     dem_wall *a = &world->wall[wall], before = *a, probe = *a;
     if (a->asked.drive != DEM_PRESCRIBED)
         probe.asked.origin = a->position, memcpy(probe.asked.rest_axis, a->axis, sizeof a->axis);
@@ -6743,7 +6844,8 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
     probe.asked.motion = motion, probe.asked.motion_user = user;
     probe.asked.interval = world->engine->run.dt;
     dem__place_wall(world, &probe);
-    if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
+    if (!dem__wall_is_finite(&probe))
+        return dem__refuse(world, "motion: the pose or the velocity that it gives is not finite");
     if (before.asked.drive != DEM_PRESCRIBED)
         a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
     a->asked.spin_centre = centre;
@@ -6757,10 +6859,17 @@ static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, d
                                       double inertia, double load, double damping) {
     if (dem__is_running(w)) return DEM_BUSY;
     dem_vec unit;
-    if (!w || wall < 0 || wall >= w->walls || !dem__is_place(centre) || !dem__finite_vec(axis) ||
-        !dem__unit(axis, &unit) || !dem__positive(inertia) || !dem__moderate(load / inertia) ||
-        !(damping >= 0.0 && dem__moderate(damping / inertia)))
-        return DEM_BAD_ARGUMENT;
+    const int turns = drive == DEM_TORQUE_CONTROLLED;
+    if (dem__lacks_wall(w, wall)) return DEM_BAD_ARGUMENT;
+    if (!dem__is_place(centre)) return dem__refuse(w, "centre: a coordinate is not finite or above 1e150");
+    if (!dem__finite_vec(axis) || !dem__unit(axis, &unit)) return dem__refuse(w, "axis: not finite, or of length 0");
+    if (!dem__positive(inertia))
+        return dem__refuse(w, turns ? "inertia: not a finite number above 0" : "mass: not a finite number above 0");
+    if (!dem__moderate(load / inertia))
+        return dem__refuse(w, turns ? "torque: its acceleration is not finite or above 1e80"
+                                    : "force: its acceleration is not finite or above 1e80");
+    if (!(damping >= 0.0 && dem__moderate(damping / inertia)))
+        return dem__refuse(w, "damping: below 0, not finite, or above 1e80 times the inertia");
     dem__place_wall(w, &w->wall[wall]);
     const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
     const double rate = dem__dot(drive == DEM_FORCE_CONTROLLED ? w->wall[wall].velocity : spin, unit);
@@ -6786,7 +6895,8 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
 
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(velocity)) return dem__refuse(world, "velocity: a component is not finite or above 1e80");
     world->wall[wall].asked.belt = velocity;
     world->wall[wall].slides = dem__slides(&world->wall[wall]);
     return DEM_OK;
@@ -6795,9 +6905,10 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
 DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, double speed) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_vec unit;
-    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
-        !dem__moderate(speed))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
+    if (!dem__finite_vec(axis) || !dem__unit(axis, &unit))
+        return dem__refuse(world, "axis: not finite, or of length 0");
+    if (!dem__moderate(speed)) return dem__refuse(world, "speed: not finite or above 1e80");
     world->wall[wall].asked.belt_turn = dem__scale(speed, unit);
     world->wall[wall].slides = dem__slides(&world->wall[wall]);
     return DEM_OK;
@@ -6848,7 +6959,7 @@ DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {
 
 DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
     world->wall[wall].groups = groups;
     world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
     return DEM_OK;
@@ -6856,7 +6967,7 @@ DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t grou
 
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
     world->wall[wall].enabled = enabled != 0;
     world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
     return DEM_OK;
@@ -9843,12 +9954,14 @@ static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_
 
 DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || !world->def.allocator.fn || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(world) || dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
     dem_wall *w = &world->wall[wall];
     if (solid) {
-        if (!w->tree) return DEM_BAD_ARGUMENT;
+        if (!w->tree) return dem__refuse(world, "wall: neither a mesh nor a box");
         const dem_status status =
             dem__check_closed(&world->def.allocator, w->tree->triangles, w->tree->vertex, w->tree->corner);
+        if (status == DEM_BAD_ARGUMENT)
+            return dem__refuse(world, "wall: not closed: an edge with an odd number of triangles, or a triangle twice");
         if (status != DEM_OK) return status;
     }
     w->solid = solid != 0;
@@ -10024,7 +10137,7 @@ static inline void dem__end_contacts_of_removed(dem_world *w) {
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
     w->engine->run.running = 1;
     dem__detach_particle(w, i);
     dem__end_contacts_of_removed(w);
@@ -10035,7 +10148,8 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
 DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
     dem_world *w = world;
     if (dem__is_running(w)) return -(ptrdiff_t)DEM_BUSY;
-    if (!w || !w->def.allocator.fn || capacity < 0) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (capacity < 0) return -(ptrdiff_t)dem__refuse(w, "capacity: below 0");
     const ptrdiff_t n = capacity < w->passed_count ? capacity : w->passed_count, left = w->passed_count - n;
     if (n == 0) return 0;
     if (records) memcpy(records, w->passed, (size_t)n * sizeof *records);
@@ -10048,7 +10162,9 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
     if (dem__is_running(world)) return -(ptrdiff_t)DEM_BUSY;
     dem_world *w = world;
     ptrdiff_t removed = 0;
-    if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (!dem__is_region(region))
+        return -(ptrdiff_t)dem__refuse(w, "region: NULL, or a length, a place or an axis is out of range");
     w->engine->run.running = 1;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem__rigid *r = dem__rigid_of(w, i);
@@ -10898,7 +11014,8 @@ static inline dem__feature dem__feature_fixed(void) {
 DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem_world *w = world;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!dem__is_present(w, i) || (fixed != 0 && fixed != 1)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
+    if (fixed != 0 && fixed != 1) return dem__refuse(w, "fixed: neither 0 nor 1");
     dem__rigid *r = dem__rigid_of(w, i);
     const dem__pieces own = dem__pieces_of(w, i);
     if (dem__is_fixed(w, i) == fixed) return DEM_OK;
@@ -11826,12 +11943,14 @@ static inline double dem__step_ratio(const dem_world *w, int features) {
    among them. */
 static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
-        !dem__not_negative(duration))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return DEM_BAD_ARGUMENT;
+    if (!kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare)
+        return dem__refuse(
+            w, "kernel: NULL, without a loop, or of a law without functions or with too many states or constants");
+    if (!dem__not_negative(duration)) return dem__refuse(w, "duration: below 0 or not finite");
     if (dem__is_running(w)) return DEM_BUSY;
     const double dt = w->engine->run.dt, owed = w->owed + duration, remaining = owed / dt;
-    if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
+    if (!(remaining < 9e15)) return dem__refuse(w, "duration: 9e15 steps or more");
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
     w->status = DEM_OK; /* the caller may have repaired any other failure */
@@ -11906,7 +12025,9 @@ DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) 
     case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
     case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
         return dem__run_kernel(world, duration, dem__kernel_hertz_energy(), features);
-    default: return DEM_BAD_ARGUMENT;
+    default:
+        return dem__refuse(world, "features: no shipped law has these: DEM_LINEAR or DEM_HERTZ, DEM_ROLLING only with "
+                                  "DEM_FRICTION");
     }
 }
 
@@ -13058,9 +13179,12 @@ static inline dem__feature dem__feature_links(void) {
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) ||
-        !dem__positive(interval) || !dem__not_negative(near))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return DEM_BAD_ARGUMENT;
+    if (!kernel || !kernel->loop || !dem__is_law(kernel->law))
+        return dem__refuse(
+            w, "kernel: NULL, without a loop, or of a law without a force or with too many states or constants");
+    if (!dem__positive(interval)) return dem__refuse(w, "interval: not a finite number above 0");
+    if (!dem__not_negative(near)) return dem__refuse(w, "near: below 0 or not finite");
     dem__links *links = &w->engine->links;
     const dem_law *law = kernel->law;
     if (links->count > 0 && (law->states != links->states || !dem__is_of_law(links->mark, law)))
@@ -13093,12 +13217,15 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
     dem_world *w = world;
     if (w && w->engine && w->engine->run.ending) return DEM_BUSY;
-    if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j)
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
+    if (!w->engine->links.law) return dem__refuse(w, "world: links have no law: call dem_set_links first");
+    if (!state && w->engine->links.states > 0) return dem__refuse(w, "state: NULL, but the law has states");
+    if (i == j) return dem__refuse(w, "j: the same particle as i");
     if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
     if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j))
-        return DEM_BAD_ARGUMENT;
-    if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls) return DEM_BAD_ARGUMENT;
+        return dem__refuse(w, "j: a part of the same body as i");
+    if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls)
+        return dem__refuse(w, "j: no particle of this index is present, or no wall -1 - j");
     if (w->engine->links.count + 1 > w->engine->links.capacity) {
         dem__array list[DEM__ARRAYS_MAX];
         if (w->engine->links.count > INT32_MAX / 2 ||
@@ -14522,15 +14649,17 @@ static inline void dem__drop_field(dem_world *w) {
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field) {
     dem_world *w = world;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return DEM_BAD_ARGUMENT;
     if (!field) {
         dem__drop_field(w);
         return DEM_OK;
     }
     const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
-    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) ||
-        !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4))
-        return DEM_BAD_ARGUMENT;
+    if (!field->kernel) return dem__refuse(w, "field.kernel: NULL");
+    if (!(field->length > 0.0)) return dem__refuse(w, "field.length: not above 0");
+    if (!(field->interval > 0.0)) return dem__refuse(w, "field.interval: not above 0");
+    if (!(field->accuracy >= 1e-12 && field->accuracy <= 1e-4))
+        return dem__refuse(w, "field.accuracy: not 1e-12 .. 1e-4");
     if (!w->engine->field.on) {
         const dem_status status = dem__take_feature(w, dem__feature_field());
         if (status != DEM_OK) return status;
@@ -15782,6 +15911,30 @@ static inline int dem__is_clump(const dem_clump *c) {
     return 1;
 }
 
+/* Returns whether a compound has shapes of a world, and valid numbers. */
+static inline int dem__is_compound(const dem_world *w, const dem_compound *c) {
+    dem_quaternion unit;
+    if (!c || c->parts < 1 || c->parts > DEM_PARTS_MAX || !dem__positive(c->volume) || !dem__are_moments(c->moments) ||
+        !dem__unit_turn(c->axes, &unit))
+        return 0;
+    for (int k = 0; k < c->parts; k++) {
+        if (c->shape[k] < 0 || c->shape[k] >= w->engine->convex.shapes || !dem__finite_vec(c->centre[k]) ||
+            !dem__unit_turn(c->turn[k], &unit))
+            return 0;
+    }
+    return 1;
+}
+
+/* Returns the radius of the sphere about the centre of mass that contains a compound [m]. */
+static inline double dem__compound_reach(const dem_world *w, const dem_compound *c) {
+    double reach = 0.0;
+    for (int k = 0; k < c->parts; k++) {
+        const double r = dem__length(c->centre[k]) + w->engine->convex.shape[c->shape[k]].reach;
+        reach = r > reach ? r : reach;
+    }
+    return reach;
+}
+
 DEM_API double dem_clump_diameter(const dem_clump *clump) {
     return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
 }
@@ -15832,21 +15985,25 @@ DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump
     dem_world *w = world;
     dem_vec offset[DEM_CLUMP_MAX];
     double radius[DEM_CLUMP_MAX];
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials ||
-        !dem__is_clump(clump))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_material(w, material)) return DEM_BAD_ARGUMENT;
+    if (n < 0) return dem__refuse(w, "n: below 0");
+    if (n > 0 && !centres) return dem__refuse(w, "centres: NULL");
+    if (!dem__is_clump(clump)) return dem__refuse(w, "clump: NULL, or not one that dem_make_clump made");
     if (n > (INT32_MAX / 4 - w->count) / clump->spheres) return DEM_TOO_MANY;
     const double own = dem_clump_diameter(clump);
     for (ptrdiff_t k = 0; k < n; k++) {
         dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
         const double *o = orientations ? orientations + 4 * k : NULL;
-        if (diameters && !dem__positive(diameters[k])) return DEM_BAD_ARGUMENT;
+        if (diameters && !dem__positive(diameters[k]))
+            return dem__refuse(w, "diameters: one is not a finite number above 0");
         const dem__body_def def =
             dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
-        if (!dem__is_body_def(&def) ||
-            !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
-            return DEM_BAD_ARGUMENT;
-        if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return DEM_BAD_ARGUMENT;
+        if (!dem__is_body_def(&def))
+            return dem__refuse(w, "diameters: mass or inertia of a body is not a normal number");
+        if (!dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
+            return dem__refuse(w, "centres: a coordinate is not finite");
+        if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q))
+            return dem__refuse(w, "orientations: a quaternion is 0 or not finite");
     }
     if (n == 0) return DEM_OK;
     if (!dem__reserve_bodies(w, n, n * clump->spheres)) return DEM_OUT_OF_MEMORY;
@@ -16217,14 +16374,22 @@ static inline dem_quaternion dem__random_turn(uint64_t *random) {
 }
 
 /* Returns the number of particles in a body of a feed. */
-static inline ptrdiff_t dem__feed_pieces(const dem_feed *feed) { return feed->clump ? feed->clump->spheres : 1; }
+static inline ptrdiff_t dem__feed_pieces(const dem_feed *feed) {
+    return feed->clump ? feed->clump->spheres : feed->compound ? feed->compound->parts : 1;
+}
+/* Returns the number of spheres for which a body of a feed finds a place: one around a polyhedron or a compound, so
+   that compounds do not grow into each other. */
+static inline ptrdiff_t dem__feed_balls(const dem_feed *feed) { return feed->clump ? feed->clump->spheres : 1; }
 /* Returns the polyhedron of a feed, or NULL. */
 static inline const dem_convex *dem__feed_shape(const dem_world *w, const dem_feed *feed) {
     return feed->polyhedron > 0 ? &w->engine->convex.shape[feed->polyhedron - 1] : NULL;
 }
-/* Returns the diameter of the sphere with a polyhedron's volume. */
-static inline double dem__convex_diameter(const dem_convex *s) {
-    return 2.0 * riddle_cbrt(s->volume / (4.0 / 3.0 * RIDDLE_PI));
+/* Returns the diameter of the sphere with the volume of a feed's polyhedron or compound; 0: bodies have the sizes of
+   the feed. */
+static inline double dem__feed_diameter(const dem_world *w, const dem_feed *feed) {
+    const dem_convex *s = dem__feed_shape(w, feed);
+    const double volume = s ? s->volume : feed->compound ? feed->compound->volume : 0.0;
+    return volume > 0.0 ? 2.0 * riddle_cbrt(volume / (4.0 / 3.0 * RIDDLE_PI)) : 0.0;
 }
 /* Returns the factor by which a clump's lengths are multiplied in a body whose volume is that of a sphere of radius
    1. */
@@ -16234,7 +16399,8 @@ static inline double dem__feed_scale(const dem_feed *feed) {
 /* Returns the radius of such a body about its centre. */
 static inline double dem__feed_reach(const dem_world *w, const dem_feed *feed) {
     const dem_convex *s = dem__feed_shape(w, feed);
-    if (s) return 2.0 * s->reach / dem__convex_diameter(s);
+    if (s) return 2.0 * s->reach / dem__feed_diameter(w, feed);
+    if (feed->compound) return 2.0 * dem__compound_reach(w, feed->compound) / dem__feed_diameter(w, feed);
     return feed->clump ? dem__feed_scale(feed) * dem__clump_reach(feed->clump) : 1.0;
 }
 
@@ -16271,7 +16437,7 @@ static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *sourc
         }
         if (!dem__random_place(&source->region, reach, &source->random, x)) return 0;
         *x = dem__in_box(w, *x); /* as dem_add_spheres does */
-        if (feed->clump || feed->polyhedron) *turn = dem__random_turn(&source->random);
+        if (feed->clump || feed->polyhedron || feed->compound) *turn = dem__random_turn(&source->random);
         if (dem__has_room(w, room, feed, *x, *turn, radius)) return 1;
     }
     return 0;
@@ -16418,7 +16584,7 @@ static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__que
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_feed *feed = &line[b->of[k]].feed;
         const double r = b->radius[k], reach = r * dem__feed_reach(w, feed);
-        for (ptrdiff_t q = 0; q < dem__feed_pieces(feed); q++)
+        for (ptrdiff_t q = 0; q < dem__feed_balls(feed); q++)
             b->piece[b->pieces++] = feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[q] : reach;
         widest = reach > widest ? reach : widest;
     }
@@ -16449,7 +16615,7 @@ static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__que
             for (int a = 0; a < 3; a++) b->place[3 * found + a] = dem_axis(x, a);
             turn[0] = q.w, turn[1] = q.x, turn[2] = q.y, turn[3] = q.z;
             b->first[found] = (int32_t)pieces, b->of[found] = b->of[k], b->radius[found++] = radius;
-            pieces += dem__feed_pieces(feed);
+            pieces += dem__feed_balls(feed);
             feed->placed++, feed->placed_mass += m;
             line[b->of[k]].now++;
             if (by_mass) source->due_mass -= at_once ? 0.0 : m;
@@ -16509,6 +16675,8 @@ static inline dem_status dem__add_moving(dem_world *w, const dem__queue *line, c
     dem_status status;
     if (feed->polyhedron)
         status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, centre, turn, feed->material, feed->group);
+    else if (feed->compound)
+        status = feed->compound->add__(w, n, feed->compound, centre, turn, feed->material, feed->group);
     else if (feed->clump) status = feed->clump->add__(w, n, feed->clump, centre, d, turn, feed->material, feed->group);
     else status = dem_add_spheres(w, n, centre, d, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
@@ -16524,7 +16692,7 @@ static inline dem_status dem__add_lines(dem_world *w, const dem__queue *line, in
     dem_status status = DEM_OK;
     for (int k = 0; k < classes; k++) {
         pieces += line[k].now * dem__feed_pieces(&line[k].feed);
-        if (line[k].feed.clump || line[k].feed.polyhedron) bodies += line[k].now;
+        if (line[k].feed.clump || line[k].feed.polyhedron || line[k].feed.compound) bodies += line[k].now;
     }
     if (classes > 1 && pieces > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     if (classes > 1 && !(bodies ? dem__reserve_bodies(w, bodies, pieces) : dem__reserve_particles(w, pieces)))
@@ -16562,7 +16730,7 @@ static inline void dem__open_queues(const dem_world *w, const dem_source *source
         memset(&line[k], 0, sizeof line[k]);
         line[k].feed = *f, line[k].share = source->share ? source->share[k] : 1.0;
         line[k].given = source->by_number ? (double)(f->placed + f->missed) : f->placed_mass + f->missed_mass;
-        if (f->polyhedron) line[k].feed.sizes = dem_one_size(dem__convex_diameter(dem__feed_shape(w, f)));
+        if (f->polyhedron || f->compound) line[k].feed.sizes = dem_one_size(dem__feed_diameter(w, f));
     }
 }
 
@@ -16634,26 +16802,57 @@ static inline dem_source dem__source_of(dem_feed *feed) {
     return s;
 }
 
-static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
+/* Returns what is wrong with a feed, or NULL. */
+static inline const char *dem__wrong_feed(const dem_world *w, const dem_feed *f) {
     double smallest, largest;
-    if (!w || !w->def.allocator.fn || !f || f->material < 0 || f->material >= w->def.materials || f->tries < 1 ||
-        f->tries > 1000000)
-        return 0;
-    if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
-    if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
-    if (f->clump && !(dem__is_clump(f->clump) && f->clump->add__)) return 0;
-    if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes || (f->polyhedron && f->clump)) return 0;
-    if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
-    if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) ||
-        !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) || !(f->scatter.z >= 0.0))
-        return 0;
-    if (f->placed < 0 || f->missed < 0 || f->placed > PTRDIFF_MAX / 2 || f->missed > PTRDIFF_MAX / 2) return 0;
-    return dem__finite(f->due) && dem__finite(f->due_mass) && dem__finite(f->placed_mass) &&
-           dem__finite(f->missed_mass);
+    if (!w || !w->def.allocator.fn) return "world: dem_init or dem_load has not made it";
+    if (!f) return "feed: NULL";
+    if (f->material < 0 || f->material >= w->def.materials)
+        return "feed.material: the world has no material of this index";
+    if (f->tries < 1 || f->tries > 1000000) return "feed.tries: not 1 .. 1000000";
+    if (!dem__is_region(&f->region)) return "feed.region: a length, a place or an axis is out of range";
+    if (!dem__are_sizes(&f->sizes, &smallest, &largest))
+        return "feed.sizes: a diameter, a share, the scale or the spread is out of range, or has another unit";
+    if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest))
+        return "feed.sizes: mass or inertia of a body is not a normal number";
+    if (f->clump && !(dem__is_clump(f->clump) && f->clump->add__))
+        return "feed.clump: not one that dem_make_clump made";
+    if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes)
+        return "feed.polyhedron: neither 0 nor 1 + the index of a shape of the world";
+    if (f->polyhedron && f->clump) return "feed.polyhedron: the feed also has a clump";
+    if (f->compound && (f->polyhedron || f->clump)) return "feed.compound: the feed also has a polyhedron or a clump";
+    if (f->compound && !(dem__is_compound(w, f->compound) && f->compound->add__))
+        return "feed.compound: not one that dem_make_compound made with this world";
+    if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return "feed.waiting: neither 0 nor a diameter";
+    if (!dem__moderate_vec(f->velocity)) return "feed.velocity: a component is not finite or above 1e80";
+    if (!dem__moderate_vec(f->scatter) || !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) || !(f->scatter.z >= 0.0))
+        return "feed.scatter: a component is below 0, not finite or above 1e80";
+    if (f->placed < 0 || f->placed > PTRDIFF_MAX / 2) return "feed.placed: below 0 or too large";
+    if (f->missed < 0 || f->missed > PTRDIFF_MAX / 2) return "feed.missed: below 0 or too large";
+    return dem__finite(f->due) && dem__finite(f->due_mass) && dem__finite(f->placed_mass) && dem__finite(f->missed_mass)
+               ? NULL
+               : "feed.due, due_mass, placed_mass, missed_mass: one is not finite";
+}
+
+/* Each of these returns whether a call cannot be done, and then stores why. */
+static inline int dem__is_bad_feed(dem_world *w, const dem_feed *f) {
+    const char *wrong = dem__wrong_feed(w, f);
+    return wrong && dem__refuse(w, wrong);
+}
+static inline int dem__is_bad_number(dem_world *w, ptrdiff_t count) {
+    return count < 0 && dem__refuse(w, "count: below 0");
+}
+static inline int dem__is_bad_mass(dem_world *w, double mass) {
+    return !dem__not_negative(mass) && dem__refuse(w, "mass: below 0 or not finite");
+}
+static inline int dem__is_bad_flow(dem_world *w, double rate, double duration, const char *wrong) {
+    if (!dem__not_negative(rate)) return (int)dem__refuse(w, wrong);
+    if (!dem__not_negative(duration)) return (int)dem__refuse(w, "duration: below 0 or not finite");
+    return !dem__finite(rate * duration) && dem__refuse(w, "duration: what is due in it is not finite");
 }
 
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
-    if (!dem__is_feed(world, feed) || count < 0) return DEM_BAD_ARGUMENT;
+    if (dem__is_bad_feed(world, feed) || dem__is_bad_number(world, count)) return DEM_BAD_ARGUMENT;
     dem_source source = dem__source_of(feed);
     return dem__insert(world, &source, (double)count, HUGE_VAL, 1);
 }
@@ -16663,7 +16862,7 @@ static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) 
     dem_region r = feed->region;
     double smallest, diameter;
     dem__are_sizes(&feed->sizes, &smallest, &diameter);
-    if (feed->polyhedron) diameter = dem__convex_diameter(dem__feed_shape(w, feed));
+    if (feed->polyhedron || feed->compound) diameter = dem__feed_diameter(w, feed);
     diameter *= dem__feed_reach(w, feed);
     if (r.kind == DEM_REGION_MESH) r.kind = DEM_REGION_BOX;
     if (r.kind == DEM_REGION_CYLINDER && r.length == 0.0) r.length = diameter;
@@ -16674,7 +16873,7 @@ static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) 
     return dem_region_volume(&r);
 }
 DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass) {
-    if (!dem__is_feed(world, feed) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
+    if (dem__is_bad_feed(world, feed) || dem__is_bad_mass(world, mass)) return DEM_BAD_ARGUMENT;
     if (dem__is_running(world)) return DEM_BUSY;
     if (mass > world->def.material[feed->material].density * dem__most_volume(world, feed)) return DEM_TOO_MANY;
     dem_source source = dem__source_of(feed);
@@ -16682,8 +16881,7 @@ DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass) 
 }
 
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration) {
-    if (!dem__is_feed(world, feed) || !dem__not_negative(rate) || !dem__not_negative(duration) ||
-        !dem__finite(rate * duration))
+    if (dem__is_bad_feed(world, feed) || dem__is_bad_flow(world, rate, duration, "rate: below 0 or not finite"))
         return DEM_BAD_ARGUMENT;
     dem_source source = dem__source_of(feed);
     source.due += rate * duration;
@@ -16692,8 +16890,8 @@ DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate
     return status;
 }
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration) {
-    if (!dem__is_feed(world, feed) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) ||
-        !dem__finite(mass_flow * duration))
+    if (dem__is_bad_feed(world, feed) ||
+        dem__is_bad_flow(world, mass_flow, duration, "mass_flow: below 0 or not finite"))
         return DEM_BAD_ARGUMENT;
     dem_source source = dem__source_of(feed);
     source.due_mass += mass_flow * duration;
@@ -16702,22 +16900,32 @@ DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_f
     return status;
 }
 
-static inline int dem__is_source(const dem_world *w, const dem_source *s) {
+static inline const char *dem__wrong_source(const dem_world *w, const dem_source *s) {
     double sum = 0.0;
-    if (!w || !w->def.allocator.fn || !s || !s->feed || !s->share || s->classes < 1 || s->classes > DEM_CLASSES_MAX)
-        return 0;
+    if (!w || !w->def.allocator.fn) return "world: dem_init or dem_load has not made it";
+    if (!s) return "source: NULL";
+    if (!s->feed) return "source.feed: NULL";
+    if (!s->share) return "source.share: NULL";
+    if (s->classes < 1 || s->classes > DEM_CLASSES_MAX) return "source.classes: not 1 .. 100000";
     for (int k = 0; k < s->classes; k++) {
-        if (!dem__is_feed(w, &s->feed[k]) || !dem__not_negative(s->share[k])) return 0;
+        const char *wrong = dem__wrong_feed(w, &s->feed[k]);
+        if (wrong) return wrong;
+        if (!dem__not_negative(s->share[k])) return "source.share: one is below 0 or not finite";
         sum += s->share[k];
     }
-    return dem__positive(sum) && dem__finite(s->due) && dem__finite(s->due_mass);
+    if (!dem__positive(sum)) return "source.share: the sum is 0 or not finite";
+    return dem__finite(s->due) && dem__finite(s->due_mass) ? NULL : "source.due, due_mass: one is not finite";
+}
+static inline int dem__is_bad_source(dem_world *w, const dem_source *s) {
+    const char *wrong = dem__wrong_source(w, s);
+    return wrong && dem__refuse(w, wrong);
 }
 DEM_API dem_status dem_fill_source(dem_world *world, dem_source *source, ptrdiff_t count) {
-    if (!dem__is_source(world, source) || count < 0) return DEM_BAD_ARGUMENT;
+    if (dem__is_bad_source(world, source) || dem__is_bad_number(world, count)) return DEM_BAD_ARGUMENT;
     return dem__insert(world, source, (double)count, HUGE_VAL, 1);
 }
 DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, double mass) {
-    if (!dem__is_source(world, source) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
+    if (dem__is_bad_source(world, source) || dem__is_bad_mass(world, mass)) return DEM_BAD_ARGUMENT;
     if (dem__is_running(world)) return DEM_BUSY;
     double most = 0.0;
     for (int k = 0; k < source->classes; k++) {
@@ -16730,8 +16938,7 @@ DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, do
     return dem__insert(world, source, HUGE_VAL, mass, 1);
 }
 DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double rate, double duration) {
-    if (!dem__is_source(world, source) || !dem__not_negative(rate) || !dem__not_negative(duration) ||
-        !dem__finite(rate * duration))
+    if (dem__is_bad_source(world, source) || dem__is_bad_flow(world, rate, duration, "rate: below 0 or not finite"))
         return DEM_BAD_ARGUMENT;
     dem_source due = *source;
     due.due += rate * duration;
@@ -16740,8 +16947,8 @@ DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double 
     return status;
 }
 DEM_API dem_status dem_feed_source_mass(dem_world *world, dem_source *source, double mass_flow, double duration) {
-    if (!dem__is_source(world, source) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) ||
-        !dem__finite(mass_flow * duration))
+    if (dem__is_bad_source(world, source) ||
+        dem__is_bad_flow(world, mass_flow, duration, "mass_flow: below 0 or not finite"))
         return DEM_BAD_ARGUMENT;
     dem_source due = *source;
     due.due_mass += mass_flow * duration;
@@ -17910,13 +18117,15 @@ static inline dem__feature dem__feature_meshes(void) {
     return f;
 }
 
-DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
+/* Adds a mesh. invalid, flat: what to tell of numbers out of range, and of triangles without area. */
+static inline int dem__add_triangles(dem_world *world, int material, const dem_mesh *mesh, const char *invalid,
+                                     const char *flat) {
     dem_wall wall;
     dem_vec low, high;
     dem_status status = dem__may_add_wall(world, material);
     memset(&wall, 0, sizeof wall);
     if (status != DEM_OK) return -(int)status;
-    if (!dem__is_mesh(mesh, &low, &high)) return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__is_mesh(mesh, &low, &high)) return -(int)dem__refuse(world, invalid);
     if (world->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
     wall.asked.origin = dem__scale(0.5, dem__add(low, high));
     dem__frame(&wall, dem_vec3(0, 0, 1), dem_vec3(1, 0, 0));
@@ -17931,11 +18140,17 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     }
     wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
     a->fn(a->user, local, bytes, 0);
-    if (!wall.tree) return -(int)status;
+    if (!wall.tree) return -(int)(status == DEM_BAD_ARGUMENT ? dem__refuse(world, flat) : status);
     const int index = dem__add_wall(world, dem__triangles(), material, &wall);
     if (index < 0) dem__release(a, wall.tree, wall.tree->bytes);
     else dem__add_feature(world, dem__feature_meshes());
     return index;
+}
+
+DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
+    return dem__add_triangles(world, material, mesh,
+                              "mesh: no corners or triangles, an index out of range, or a coordinate of 1e50 m or more",
+                              "mesh: no triangle has an area");
 }
 
 DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high) {
@@ -17945,11 +18160,13 @@ DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec hig
     double corners[24];
     dem_mesh mesh;
     memset(&mesh, 0, sizeof mesh);
-    if (!(low.x < high.x && low.y < high.y && low.z < high.z)) return -(int)DEM_BAD_ARGUMENT;
+    if (!(low.x < high.x && low.y < high.y && low.z < high.z))
+        return -(int)dem__refuse(world, "low: a component is not below that of high");
     for (int k = 0; k < 24; k++) corners[k] = (k / 3 >> k % 3 & 1) ? dem_axis(high, k % 3) : dem_axis(low, k % 3);
     mesh.vertices = 8, mesh.vertex = corners;
     mesh.triangles = 12, mesh.triangle = faces;
-    return dem_add_mesh(world, material, &mesh);
+    return dem__add_triangles(world, material, &mesh, "low, high: a component is not finite or 1e50 m or more",
+                              "low, high: the faces have no area");
 }
 
 /* ---------------------------------------------------------------------------------------------- >>polyhedra/save.h */
@@ -21710,8 +21927,9 @@ static inline dem__feature dem__feature_polyhedra(void) {
 
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape) || !dem__are_axes(shape->axis))
-        return -(int)DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return -(int)DEM_BAD_ARGUMENT;
+    if (!shape || !dem__is_sound_shape(shape) || !dem__are_axes(shape->axis))
+        return -(int)dem__refuse(w, "shape: NULL, or not one that a dem_make function made");
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
@@ -21744,18 +21962,21 @@ DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, cons
                                   const double *orientations, int material, int group) {
     dem_world *w = world;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials ||
-        shape < 0 || shape >= w->engine->convex.shapes)
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_material(w, material)) return DEM_BAD_ARGUMENT;
+    if (shape < 0 || shape >= w->engine->convex.shapes)
+        return dem__refuse(w, "shape: the world has no shape of this index");
+    if (n < 0) return dem__refuse(w, "n: below 0");
+    if (n > 0 && !centres) return dem__refuse(w, "centres: NULL");
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     const dem_convex *s = &w->engine->convex.shape[shape];
     const double density = w->def.material[material].density;
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t k = 0; k < 3 * n; k++) {
-        if (!dem__finite(centres[k])) return DEM_BAD_ARGUMENT;
+        if (!dem__finite(centres[k])) return dem__refuse(w, "centres: a coordinate is not finite");
     }
-    if (!dem__are_turns(n, orientations) || !dem__positive(density * s->moment[0] * s->moment[1]))
-        return DEM_BAD_ARGUMENT;
+    if (!dem__are_turns(n, orientations)) return dem__refuse(w, "orientations: a quaternion is 0 or not finite");
+    if (!dem__positive(density * s->moment[0] * s->moment[1]))
+        return dem__refuse(w, "shape: its inertia is not a normal number");
     if (!dem__reserve_bodies(w, n, n)) return DEM_OUT_OF_MEMORY;
     dem__body_def body;
     memset(&body, 0, sizeof body);
@@ -21863,8 +22084,7 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     }
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
-    if (!dem__is_thread_count(w->def.threads))
-        w->def.threads = 1; /* the caller of the saved world changed it */
+    if (!dem__is_thread_count(w->def.threads)) w->def.threads = 1; /* the caller of the saved world changed it */
     return dem__bad_field(&w->def) == NULL;
 }
 
@@ -22103,7 +22323,7 @@ static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
 
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator) {
     dem__file file;
-    if (!world || !buffer) return DEM_BAD_ARGUMENT;
+    if (!world || !buffer) return dem__refuse(world, "buffer: NULL");
     memset(world, 0, sizeof *world);
     if (!dem__open_file(&file, buffer, size)) return DEM_BAD_DATA;
     world->def = dem_default_def();
@@ -22472,37 +22692,26 @@ DEM_API dem_status dem_make_compound(dem_world *world, int n, const dem_convex *
     dem_compound c;
     if (reason) *reason = NULL;
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || !world->def.allocator.fn || !parts || !compound || n < 1) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(world)) return DEM_BAD_ARGUMENT;
+    if (n < 1) return dem__refuse(world, "n: below 1");
+    if (!parts) return dem__refuse(world, "parts: NULL");
+    if (!compound) return dem__refuse(world, "compound: NULL");
     if (n > DEM_PARTS_MAX) return DEM_TOO_MANY;
     memset(&b, 0, sizeof b), memset(&c, 0, sizeof c);
-    b.n = c.parts = n, b.part = parts;
+    b.n = c.parts = n, b.part = parts, c.add__ = dem_add_compounds;
     const char *wrong = dem__place_parts(&b, places, orientations, &c);
     if (!wrong) {
         dem__sum_parts(&b, &c);
         if (!dem__positive(c.volume) || !dem__are_moments(c.moments)) wrong = "mass or moments are not positive";
     }
     if (reason) *reason = wrong;
-    if (wrong) return DEM_BAD_ARGUMENT;
+    if (wrong) return dem__refuse(world, wrong);
     b.body.volume = c.volume;
     for (int a = 0; a < 3; a++) b.body.moment[a] = dem_axis(c.moments, a);
     dem__find_body_rate(&b, c.origin, c.axes);
     const dem_status status = dem__add_part_shapes(world, &b, &c);
     if (status == DEM_OK) *compound = c;
     return status;
-}
-
-/* Returns whether a compound has shapes of a world, and valid numbers. */
-static inline int dem__is_compound(const dem_world *w, const dem_compound *c) {
-    dem_quaternion unit;
-    if (!c || c->parts < 1 || c->parts > DEM_PARTS_MAX || !dem__positive(c->volume) || !dem__are_moments(c->moments) ||
-        !dem__unit_turn(c->axes, &unit))
-        return 0;
-    for (int k = 0; k < c->parts; k++) {
-        if (c->shape[k] < 0 || c->shape[k] >= w->engine->convex.shapes || !dem__finite_vec(c->centre[k]) ||
-            !dem__unit_turn(c->turn[k], &unit))
-            return 0;
-    }
-    return 1;
 }
 
 /* Adds one compound, for which there is room. */
@@ -22528,12 +22737,15 @@ DEM_API dem_status dem_add_compounds(dem_world *world, ptrdiff_t n, const dem_co
     double radius[DEM_PARTS_MAX];
     dem__body_def def;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials ||
-        !dem__is_compound(w, c) || !dem__are_turns(n, orientations))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_material(w, material)) return DEM_BAD_ARGUMENT;
+    if (n < 0) return dem__refuse(w, "n: below 0");
+    if (n > 0 && !centres) return dem__refuse(w, "centres: NULL");
+    if (!dem__is_compound(w, c))
+        return dem__refuse(w, "compound: NULL, or not one that dem_make_compound made in this world");
+    if (!dem__are_turns(n, orientations)) return dem__refuse(w, "orientations: a quaternion is 0 or not finite");
     if (n > (INT32_MAX / 4 - w->count) / c->parts) return DEM_TOO_MANY;
     for (ptrdiff_t k = 0; k < 3 * n; k++) {
-        if (!dem__finite(centres[k])) return DEM_BAD_ARGUMENT;
+        if (!dem__finite(centres[k])) return dem__refuse(w, "centres: a coordinate is not finite");
     }
     const double density = w->def.material[material].density;
     memset(&def, 0, sizeof def);
@@ -22542,7 +22754,7 @@ DEM_API dem_status dem_add_compounds(dem_world *world, ptrdiff_t n, const dem_co
         offset[k] = dem__to_body(def.frame, c->centre[k]), radius[k] = w->engine->convex.shape[c->shape[k]].reach;
     def.mass = density * c->volume, def.moments = dem__scale(density, c->moments);
     def.pieces = c->parts, def.offset = offset, def.radius = radius, def.material = material, def.group = group;
-    if (!dem__is_body_def(&def)) return DEM_BAD_ARGUMENT;
+    if (!dem__is_body_def(&def)) return dem__refuse(w, "compound: mass or inertia of a body is not a normal number");
     if (!dem__reserve_bodies(w, n, n * c->parts)) return DEM_OUT_OF_MEMORY;
     for (ptrdiff_t k = 0; k < n; k++) {
         const double *o = orientations ? orientations + 4 * k : NULL;

@@ -245,6 +245,11 @@ class Values(unittest.TestCase):
         with self.assertRaises(riddle.Error) as raised:
             world.make_compound([bar, bar])
         self.assertIn("centroid", raised.exception.field)
+        feed = dem.default_feed()
+        feed.region, feed.compound = dem.box_region((0.0, 0.0, 0.2), (0.2, 0.2, 0.4)), ell
+        world.fill(feed, 5)
+        self.assertEqual((world.count, feed.placed), (14, 5))
+        self.assertAlmostEqual(feed.placed_mass, 5 * 2500.0 * 5e-6, 12)
 
     def test_clump_of_a_mesh(self):
         outline = np.array([[0.0, 0.0], [0.03, 0.0], [0.03, 0.01], [0.01, 0.01], [0.01, 0.03], [0.0, 0.03]])

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "dem_bad_calls.h"
 #include "dem_guard_scenes.h"
 #include "dem_invariants.h"
 
@@ -235,12 +236,72 @@ static void test_threads_that_lose(void **state) {
 #endif
 }
 
+/* A call that is refused changes nothing and says which argument is wrong; each text belongs to its own call. */
+static void test_refusals_are_told(void **state) {
+    (void)state;
+    static int (*const group[])(bad_calls *, int, const char **) = {bad_wall, bad_motion_of_wall, bad_body, bad_feed,
+                                                                    bad_setting};
+    bad_calls b;
+    int calls = 0;
+    assert_true(bad_calls_begin(&b));
+    assert_string_equal(dem_error_text(&b.world), "");
+    const uint64_t before = dem_hash(&b.world);
+    for (size_t g = 0; g < sizeof group / sizeof group[0]; g++) {
+        const char *argument = NULL;
+        for (int k = 0, status; b.world.refusal = NULL, (status = group[g](&b, k, &argument)) != 0; k++, calls++) {
+            const char *text = dem_error_text(&b.world);
+            if (status != -(int)DEM_BAD_ARGUMENT || !strstr(text, argument) || !strchr(text, ' ') || strlen(text) > 120)
+                fail_msg("group %d, call %d, \"%s\": status %d, \"%s\"", (int)g, k, argument, status, text);
+        }
+    }
+    assert_int_equal(calls, 93);
+    assert_true(dem_hash(&b.world) == before);
+    assert_int_equal(dem_set_time_step(&b.world, -1.0), DEM_BAD_ARGUMENT);
+    assert_int_equal(dem_set_time_step(&b.world, 1e-6), DEM_OK); /* leaves the text */
+    assert_non_null(strstr(dem_error_text(&b.world), "dt: "));
+    dem_free(&b.world);
+    assert_string_equal(dem_error_text(&b.world), "");
+    assert_int_equal(dem_set_gravity(&b.world, dem_vec3(0, 0, 0)), DEM_BAD_ARGUMENT);
+    assert_non_null(strstr(dem_error_text(&b.world), "dem_init"));
+    memset(&b.world, 0x55, sizeof b.world); /* its contents are not read */
+    assert_int_equal(dem_load(&b.world, NULL, 0, NULL), DEM_BAD_ARGUMENT);
+    assert_non_null(strstr(dem_error_text(&b.world), "buffer"));
+    assert_int_equal(dem_load(&b.world, "", 0, NULL), DEM_BAD_DATA);
+    assert_string_equal(dem_error_text(&b.world), "");
+    assert_string_equal(dem_error_text(NULL), "");
+    assert_int_equal(dem_set_gravity(NULL, dem_vec3(0, 0, 0)), DEM_BAD_ARGUMENT);
+}
+
+static dem_vec no_force(const dem_force_point *at) {
+    (void)at;
+    return dem_vec3(0, 0, 0);
+}
+DEM_FORCE_FIELD(no_field, no_force)
+
+/* Links and a force field exclude each other; a body has no link with itself. */
+static void test_refused_links(void **state) {
+    (void)state;
+    bad_calls b;
+    assert_true(bad_calls_begin(&b));
+    assert_int_equal(dem_set_links(&b.world, &guard_spring_kernel, 4e-5, 0.0), DEM_OK);
+    const double states[DEM_STATE_MAX] = {0.0};
+    assert_int_equal(dem_add_link(&b.world, 1, 2, 0, states), DEM_BAD_ARGUMENT);
+    assert_non_null(strstr(dem_error_text(&b.world), "same body"));
+    assert_int_equal(dem_add_link(&b.world, 0, -3, 0, states), DEM_BAD_ARGUMENT);
+    assert_non_null(strstr(dem_error_text(&b.world), "j: "));
+    const dem_force_field field = dem_default_force_field(no_field, NULL);
+    assert_int_equal(dem_set_force_field(&b.world, &field), DEM_BAD_ARGUMENT);
+    assert_non_null(strstr(dem_error_text(&b.world), "exclude"));
+    dem_free(&b.world);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_scenes_hold),           cmocka_unit_test(test_guard_scenes_hold),
         cmocka_unit_test(test_changes_hold),          cmocka_unit_test(test_checker_sees),
         cmocka_unit_test(test_saved_goes_on),         cmocka_unit_test(test_threads_of_a_host),
         cmocka_unit_test(test_readers_write_nothing), cmocka_unit_test(test_threads_that_lose),
+        cmocka_unit_test(test_refusals_are_told),     cmocka_unit_test(test_refused_links),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

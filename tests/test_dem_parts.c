@@ -530,6 +530,132 @@ static void test_counts_as_one(void **state) {
     dem_free(&w);
 }
 
+/* ---- feeds ---- */
+
+static dem_feed feed_of(const dem_compound *c) {
+    dem_feed feed = dem_default_feed();
+    feed.region = dem_box_region(none, dem_vec3(0.1, 0.1, 0.1));
+    feed.velocity = dem_vec3(0.0, 0.1, -0.5);
+    feed.compound = c;
+    return feed;
+}
+/* Farthest corner of a body from its centre, as a feed keeps it clear. */
+static double reach_of(const dem_world *w, const dem_compound *c) {
+    double reach = 0.0;
+    for (int k = 0; k < c->parts; k++)
+        reach = fmax(reach, dem__length(c->centre[k]) + dem_get_shape(w, c->shape[k])->reach);
+    return reach;
+}
+
+/* As many as asked, or their mass, within the region, apart by the spheres around them, turned in all directions,
+   each counted once. Then another compound and a polyhedron take the feed over. */
+static void test_feed(void **state) {
+    (void)state;
+    enum { N = 150 };
+    dem_world w;
+    start(&w, definition(2e-6, 2e4, 0.5, 0.5, none));
+    const dem_compound c = make(&w, ell, 2), h = make(&w, hook, 3);
+    const double one = 1000.0 * c.volume, far = reach_of(&w, &c);
+    double along = 0.0;
+    dem_feed feed = feed_of(&c);
+    assert_int_equal(dem_fill(&w, &feed, N), DEM_OK);
+    assert_int_equal(feed.placed, N), assert_int_equal(feed.missed, 0), assert_int_equal(w.count, 2 * N);
+    close_to(feed.placed_mass, N * one, 1e-12);
+    for (int i = 0; i < N; i++) {
+        const dem_body a = dem_get_body(&w, 2 * i);
+        assert_int_equal(a.first, 2 * i), assert_int_equal(a.pieces, 2);
+        close_to(a.mass, one, 1e-13);
+        near(dem__length(dem__sub(a.velocity, feed.velocity)), 0.0, 1e-15);
+        for (int axis = 0; axis < 3; axis++)
+            assert_true(dem_axis(a.position, axis) > far - 1e-12 && dem_axis(a.position, axis) < 0.1 - far + 1e-12);
+        const dem_vec up = dem__to_lab(dem_orientation(&w, 2 * i), dem_vec3(0, 0, 1));
+        along += up.z * up.z / N;
+        for (int k = 0; k < i; k++)
+            assert_true(dem__length(dem__sub(dem_get_body(&w, 2 * k).position, a.position)) > 2.0 * far - 1e-12);
+    }
+    near(along, 1.0 / 3.0, 0.1);
+    run(&w, 2e-6, 0);
+    assert_int_equal(dem_contact_count(&w), 0);
+    /* a mass, at once and in time, from a face */
+    feed.region = dem_box_region(dem_vec3(0, 0, 0.15), dem_vec3(0.1, 0.1, 0.15));
+    assert_int_equal(dem_feed_mass(&w, &feed, 8.3 * one, 1.0), DEM_OK);
+    assert_int_equal(w.count, 2 * (N + 8));
+    close_to(feed.due_mass, 0.3 * one, 1e-9);
+    feed.region = dem_box_region(dem_vec3(0, 0, 0.2), dem_vec3(0.1, 0.1, 0.25));
+    assert_int_equal(dem_fill_mass(&w, &feed, 4.0 * one), DEM_OK);
+    assert_int_equal(w.count, 2 * (N + 12));
+    assert_int_equal(dem_fill_mass(&w, &feed, 1.0), DEM_TOO_MANY);
+    /* the next has been drawn: another shape draws its own */
+    feed.compound = &h;
+    const double before = feed.placed_mass;
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_OK);
+    close_to(feed.placed_mass - before, 1000.0 * h.volume, 1e-9);
+    close_to(dem_mass(&w, w.count - 1), 1000.0 * h.volume, 1e-13), assert_int_equal(w.count, 2 * (N + 12) + 3);
+    feed.compound = NULL, feed.polyhedron = 1 + c.shape[0];
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_OK);
+    assert_int_equal(dem_get_body(&w, w.count - 1).pieces, 1);
+    /* refused, without a trace */
+    const ptrdiff_t count = w.count;
+    dem_compound bad = c;
+    feed.compound = &c;
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_BAD_ARGUMENT); /* with a polyhedron */
+    feed.polyhedron = 0, feed.compound = &bad;
+    bad.shape[1] = 99;
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_BAD_ARGUMENT);
+    bad = c, bad.add__ = NULL;
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_BAD_ARGUMENT);
+    bad = c, bad.volume = (double)NAN;
+    assert_int_equal(dem_fill(&w, &feed, 1), DEM_BAD_ARGUMENT);
+    assert_int_equal(w.count, count);
+    dem_free(&w);
+}
+
+/* Shares of a source of spheres, compounds and polyhedra are exact to one body, in a region with too little room, too;
+   a save and a copy of the feeds go on with the same bodies for any number of threads. */
+static void test_shares(void **state) {
+    (void)state;
+    dem_world w, again;
+    start(&w, definition(2e-5, 200.0, 0.3, 0.5, dem_vec3(0, 0, -9.81)));
+    const dem_compound c = make(&w, ell, 2), h = make(&w, hook, 3);
+    dem_feed feed[4] = {feed_of(&c), feed_of(&h), feed_of(NULL), feed_of(NULL)};
+    const double share[4] = {0.4, 0.3, 0.2, 0.1};
+    dem_source source;
+    memset(&source, 0, sizeof source);
+    feed[2].sizes = dem_uniform_sizes(2e-3, 4e-3, 1);
+    feed[3].polyhedron = 1 + h.shape[0];
+    for (int k = 0; k < 4; k++) feed[k].region = dem_box_region(none, dem_vec3(0.1, 0.1, 0.04)), feed[k].tries = 50;
+    source.feed = feed, source.share = share, source.classes = 4;
+    for (int n = 0; n < 10; n++) {
+        assert_int_equal(dem_feed_source_mass(&w, &source, 4.0, 1e-3), DEM_OK);
+        double sum = 0.0, in_world = 0.0;
+        for (int k = 0; k < 4; k++) sum += feed[k].placed_mass;
+        for (ptrdiff_t i = 0; i < w.count; i++) in_world += dem_mass(&w, i) / (double)dem_get_body(&w, i).pieces;
+        close_to(in_world, sum, 1e-12);
+        for (int k = 0; k < 4; k++) assert_true(fabs(feed[k].placed_mass - share[k] * sum) < 1000.0 * h.volume);
+        run(&w, 1e-3, 0);
+    }
+    assert_true(source.due_mass > 1000.0 * h.volume); /* it waits for room */
+    assert_true(feed[0].placed > 3 && feed[1].placed > 3 && feed[2].placed > 3 && feed[3].placed > 3);
+    const size_t size = dem_save(&w, NULL, 0);
+    unsigned char *bytes = (unsigned char *)malloc(size);
+    assert_int_equal(dem_save(&w, bytes, size), size);
+    assert_int_equal(dem_load(&again, bytes, size, NULL), DEM_OK);
+    free(bytes);
+    dem_feed copy[4];
+    memcpy(copy, feed, sizeof copy);
+    dem_source other = source;
+    other.feed = copy;
+    again.def.threads = 3;
+    for (int n = 0; n < 5; n++) {
+        for (int k = 0; k < 4; k++) feed[k].region.high.z = copy[k].region.high.z = 0.04 + 0.01 * n;
+        assert_int_equal(dem_feed_source_mass(&w, &source, 4.0, 1e-3), DEM_OK);
+        assert_int_equal(dem_feed_source_mass(&again, &other, 4.0, 1e-3), DEM_OK);
+        run(&w, 1e-3, 0), run(&again, 1e-3, 0);
+    }
+    assert_true(feed[0].placed == copy[0].placed && dem_hash(&w) == dem_hash(&again));
+    dem_free(&w), dem_free(&again);
+}
+
 /* Memory that runs out at any place leaves a world that can be run and freed; a part of a save that lies is refused. */
 static dem_status all_at(failing_allocator *memory) {
     dem_def def = definition(4e-6, 4000.0, 0.5, 0.5, down);
@@ -545,6 +671,9 @@ static dem_status all_at(failing_allocator *memory) {
     if (s == DEM_OK) s = dem_make_compound(&w, 2, part, NULL, NULL, &c, NULL);
     if (s == DEM_OK) s = dem_add_compounds(&w, 2, &c, at, NULL, 0, 0);
     if (s == DEM_OK) s = dem_run(&w, 0.02, LINEAR);
+    dem_feed feed = feed_of(&c);
+    if (s == DEM_OK) s = dem_fill(&w, &feed, 3);
+    if (s == DEM_OK) assert_int_equal(w.count, 10);
     dem_free(&w);
     return s;
 }
@@ -588,6 +717,7 @@ int main(void) {
         cmocka_unit_test(test_flat_landing),  cmocka_unit_test(test_tumble),   cmocka_unit_test(test_hits),
         cmocka_unit_test(test_rest),          cmocka_unit_test(test_hooks),    cmocka_unit_test(test_bits),
         cmocka_unit_test(test_counts_as_one), cmocka_unit_test(test_memory),   cmocka_unit_test(test_lying_save),
+        cmocka_unit_test(test_feed),          cmocka_unit_test(test_shares),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

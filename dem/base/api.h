@@ -3,6 +3,11 @@
 #include "law.h"
 
 DEM_API const char *dem_status_text(dem_status status); /* never NULL */
+/* Returns which argument was wrong, and why, in the last call that was to change this world and returned the status of
+   a bad argument: a line such as "velocity: a component is not finite or above 1e80". Calls that succeed, fail with
+   another status, or only read the world leave the text, so ask at once; dem_init and dem_load clear it. It is not
+   saved. Never NULL; "" for a world without such a call, and for NULL; static storage. */
+DEM_API const char *dem_error_text(const dem_world *world);
 
 /* Returns 1 if this header, as built, computes the same bits as elsewhere: doubles are evaluated as doubles, and
    products are not fused with sums. Tested at run time. The code around the header is not tested: compile that with
@@ -152,6 +157,9 @@ typedef struct dem_feed {
     int polyhedron;  /* 1 + number of a shape of the world (dem_add_shape): bodies are polyhedra of that shape and size,
                         oriented at random; sizes are not used, and clump is NULL. Spheres around them keep them apart.
                         Default 0: none */
+    const dem_compound *compound; /* bodies of convex parts of that size (dem_make_compound with this world, or with the
+                            one whose save it was loaded from), otherwise as polyhedra; clump is NULL and polyhedron 0.
+                            It must exist as long as the feed is used. Default NULL: none */
     int tries;       /* random places tried for a sphere before it is dropped, 1 .. 1000000; default 1000 */
     uint64_t random; /* the generator's state; at first the seed; default 1 */
     /* set by the functions below */

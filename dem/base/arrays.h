@@ -1,6 +1,6 @@
 /* Memory: blocks of arrays that grow together, and the tables of those arrays. */
 #pragma once
-#include "engine.h"
+#include "refuse.h"
 
 static inline void *dem__default_allocator(void *user, void *old, size_t old_size, size_t new_size) {
     (void)user;
@@ -213,7 +213,8 @@ static inline dem_status dem__take_feature(dem_world *w, dem__feature feature) {
     dem__array list[DEM__ARRAYS_MAX];
     for (int k = 0; k < w->engine->features; k++) {
         if (w->engine->feature[k].place == feature.place) return DEM_OK;
-        if (w->engine->feature[k].exclusive && feature.exclusive) return DEM_BAD_ARGUMENT;
+        if (w->engine->feature[k].exclusive && feature.exclusive)
+            return dem__refuse(w, "world: a force field and links exclude each other");
     }
     dem__add_feature(w, feature);
     if (bodies->capacity == 0 || dem__grow_group(w, list, dem__particle_arrays(w, list), &bodies->block, &bodies->bytes,

@@ -15,6 +15,8 @@ DEM_API const char *dem_status_text(dem_status status) {
     return "unknown status";
 }
 
+DEM_API const char *dem_error_text(const dem_world *world) { return world && world->refusal ? world->refusal : ""; }
+
 DEM_API int dem_build_is_deterministic(void) {
     volatile double a = 1.0 + 0x1p-30, b = 1.0 - 0x1p-30, c = -1.0;
     double x = a, y = b, z = c, fused = x * y + z; /* exactly -2^-60 if fused, 0 if not */
@@ -113,6 +115,22 @@ DEM__STATIC const char *dem__bad_pair(const dem_pair_def *p) {
     if (!dem__not_negative(p->tangential_damping)) return "pair.tangential_damping";
     if (p->mode != DEM_CLIPPED && p->mode != DEM_NAIVE) return "pair.mode";
     return NULL;
+}
+
+/* Returns the first bad field of a pair and what is wrong with it, or NULL. */
+static inline const char *dem__wrong_pair(const dem_pair_def *p) {
+    static const char *const text[] = {
+        "pair.stiffness: not a finite number above 0", "pair.tangential_ratio: not 0 .. 1",
+        "pair.restitution: not above 0 and at most 1", "pair.friction: below 0 or not finite",
+        "pair.rolling: below 0 or not finite",         "pair.tangential_damping: below 0 or not finite",
+        "pair.mode: neither DEM_CLIPPED nor DEM_NAIVE"};
+    const char *field = dem__bad_pair(p);
+    if (!field) return NULL;
+    for (size_t k = 0; k < sizeof text / sizeof text[0]; k++) {
+        const size_t length = strlen(field);
+        if (strncmp(text[k], field, length) == 0 && text[k][length] == ':') return text[k];
+    }
+    return field;
 }
 
 /* Returns the name of the first bad field, or NULL. */
@@ -233,9 +251,12 @@ static inline void dem__release(const dem_allocator *a, void *block, size_t byte
 DEM_API dem_status dem_set_pair(dem_world *world, int a, int b, const dem_pair_def *pair) {
     dem_world *w = world;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || !pair || a < 0 || b < 0 || a >= w->def.materials || b >= w->def.materials ||
-        dem__bad_pair(pair))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return DEM_BAD_ARGUMENT;
+    if (a < 0 || a >= w->def.materials) return dem__refuse(w, "a: the world has no material of this index");
+    if (b < 0 || b >= w->def.materials) return dem__refuse(w, "b: the world has no material of this index");
+    if (!pair) return dem__refuse(w, "pair: NULL");
+    const char *wrong = dem__wrong_pair(pair);
+    if (wrong) return dem__refuse(w, wrong);
     dem_pair_def *own = dem_pair(&w->def, a, b);
     *own = *pair, own->given = 1;
     w->engine->run.needs_lists = w->engine->run.needs_forces = 1;

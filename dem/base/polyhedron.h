@@ -85,19 +85,6 @@ DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape);
 DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, const double *centres,
                                   const double *orientations, int material, int group);
 
-#define DEM_PARTS_MAX 64 /* convex parts of a compound at most */
-/* A body of convex parts fixed to each other, concave as a whole. Made by dem_make_compound(). Volume, moments and axes
-   may be replaced by better ones; then make the centres relative to the true centre of mass. */
-typedef struct dem_compound {
-    int parts;                          /* 1 .. DEM_PARTS_MAX */
-    int shape[DEM_PARTS_MAX];           /* the world's shape of each part */
-    dem_vec centre[DEM_PARTS_MAX];      /* centroids, from the centre of mass, in the frame of the compound [m] */
-    dem_quaternion turn[DEM_PARTS_MAX]; /* from the frame in which a part was given to that of the compound */
-    dem_vec origin;                     /* the centre of mass, in the frame of the compound [m] */
-    double volume;                      /* sum over the parts [m3] */
-    dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
-    dem_quaternion axes; /* from the principal axes to the frame of the compound */
-} dem_compound;
 /* Makes a body of n convex parts, and adds their shapes to a world. n: 1 .. DEM_PARTS_MAX; parts: [n], made by
    dem_make_hull and its like; places: [n][3], of the origin of the frame in which a part was given, in the frame of the
    compound [m]; NULL: 0, for parts whose corners have one common origin; orientations: [n][4], quaternions of any

@@ -96,6 +96,23 @@ typedef struct dem_clump_fit {
     double centre;  /* distance of the two centres of mass over the diameter of the sphere of the body's volume [-] */
 } dem_clump_fit;
 
+#define DEM_PARTS_MAX 64 /* convex parts of a compound at most */
+/* A body of convex parts fixed to each other, concave as a whole. Made by dem_make_compound(). Volume, moments and axes
+   may be replaced by better ones; then make the centres relative to the true centre of mass. */
+typedef struct dem_compound {
+    int parts;                          /* 1 .. DEM_PARTS_MAX */
+    int shape[DEM_PARTS_MAX];           /* the world's shape of each part */
+    dem_vec centre[DEM_PARTS_MAX];      /* centroids, from the centre of mass, in the frame of the compound [m] */
+    dem_quaternion turn[DEM_PARTS_MAX]; /* from the frame in which a part was given to that of the compound */
+    dem_vec origin;                     /* the centre of mass, in the frame of the compound [m] */
+    double volume;                      /* sum over the parts [m3] */
+    dem_vec moments;     /* principal moments of inertia over the density [m5]; the two that differ least first */
+    dem_quaternion axes; /* from the principal axes to the frame of the compound */
+    /* private: dem_add_compounds. Feeds call through it, so that a program without compounds does not compile them */
+    dem_status (*add__)(struct dem_world *world, ptrdiff_t n, const struct dem_compound *compound,
+                        const double *centres, const double *orientations, int material, int group);
+} dem_compound;
+
 typedef struct dem_material {
     double density;       /* [kg/m3] > 0 */
     double young_modulus; /* [Pa] > 0; used by DEM_HERTZ and the Rayleigh time */
@@ -458,6 +475,7 @@ typedef struct dem_world {
     dem_status status; /* first failure of a run; failed_id and step then name the particle and the step */
     uint64_t failed_id;
     int failed_pair[2]; /* with DEM_PAIR_NOT_SET: the two materials, the smaller index first */
+    const char *refusal; /* what dem_error_text() returns; NULL: nothing; not saved */
     int walls;
     dem_wall *wall;
     ptrdiff_t passed_count; /* records kept until dem_take_passed() takes them */

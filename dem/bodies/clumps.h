@@ -21,6 +21,30 @@ static inline int dem__is_clump(const dem_clump *c) {
     return 1;
 }
 
+/* Returns whether a compound has shapes of a world, and valid numbers. */
+static inline int dem__is_compound(const dem_world *w, const dem_compound *c) {
+    dem_quaternion unit;
+    if (!c || c->parts < 1 || c->parts > DEM_PARTS_MAX || !dem__positive(c->volume) || !dem__are_moments(c->moments) ||
+        !dem__unit_turn(c->axes, &unit))
+        return 0;
+    for (int k = 0; k < c->parts; k++) {
+        if (c->shape[k] < 0 || c->shape[k] >= w->engine->convex.shapes || !dem__finite_vec(c->centre[k]) ||
+            !dem__unit_turn(c->turn[k], &unit))
+            return 0;
+    }
+    return 1;
+}
+
+/* Returns the radius of the sphere about the centre of mass that contains a compound [m]. */
+static inline double dem__compound_reach(const dem_world *w, const dem_compound *c) {
+    double reach = 0.0;
+    for (int k = 0; k < c->parts; k++) {
+        const double r = dem__length(c->centre[k]) + w->engine->convex.shape[c->shape[k]].reach;
+        reach = r > reach ? r : reach;
+    }
+    return reach;
+}
+
 DEM_API double dem_clump_diameter(const dem_clump *clump) {
     return clump && dem__positive(clump->volume) ? riddle_cbrt(6.0 / RIDDLE_PI * clump->volume) : (double)NAN;
 }
@@ -71,21 +95,25 @@ DEM_API dem_status dem_add_clumps(dem_world *world, ptrdiff_t n, const dem_clump
     dem_world *w = world;
     dem_vec offset[DEM_CLUMP_MAX];
     double radius[DEM_CLUMP_MAX];
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials ||
-        !dem__is_clump(clump))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_material(w, material)) return DEM_BAD_ARGUMENT;
+    if (n < 0) return dem__refuse(w, "n: below 0");
+    if (n > 0 && !centres) return dem__refuse(w, "centres: NULL");
+    if (!dem__is_clump(clump)) return dem__refuse(w, "clump: NULL, or not one that dem_make_clump made");
     if (n > (INT32_MAX / 4 - w->count) / clump->spheres) return DEM_TOO_MANY;
     const double own = dem_clump_diameter(clump);
     for (ptrdiff_t k = 0; k < n; k++) {
         dem_quaternion q = dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
         const double *o = orientations ? orientations + 4 * k : NULL;
-        if (diameters && !dem__positive(diameters[k])) return DEM_BAD_ARGUMENT;
+        if (diameters && !dem__positive(diameters[k]))
+            return dem__refuse(w, "diameters: one is not a finite number above 0");
         const dem__body_def def =
             dem__clump_body(w, clump, diameters ? diameters[k] / own : 1.0, material, offset, radius);
-        if (!dem__is_body_def(&def) ||
-            !dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
-            return DEM_BAD_ARGUMENT;
-        if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q)) return DEM_BAD_ARGUMENT;
+        if (!dem__is_body_def(&def))
+            return dem__refuse(w, "diameters: mass or inertia of a body is not a normal number");
+        if (!dem__finite_vec(dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2])))
+            return dem__refuse(w, "centres: a coordinate is not finite");
+        if (o && !dem__unit_turn(dem__quaternion(o[0], dem_vec3(o[1], o[2], o[3])), &q))
+            return dem__refuse(w, "orientations: a quaternion is 0 or not finite");
     }
     if (n == 0) return DEM_OK;
     if (!dem__reserve_bodies(w, n, n * clump->spheres)) return DEM_OUT_OF_MEMORY;

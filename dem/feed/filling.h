@@ -129,7 +129,7 @@ static inline double dem__draw_batch(const dem_world *w, dem__batch *b, dem__que
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_feed *feed = &line[b->of[k]].feed;
         const double r = b->radius[k], reach = r * dem__feed_reach(w, feed);
-        for (ptrdiff_t q = 0; q < dem__feed_pieces(feed); q++)
+        for (ptrdiff_t q = 0; q < dem__feed_balls(feed); q++)
             b->piece[b->pieces++] = feed->clump ? r * dem__feed_scale(feed) * feed->clump->radius[q] : reach;
         widest = reach > widest ? reach : widest;
     }
@@ -160,7 +160,7 @@ static inline ptrdiff_t dem__find_places(dem_world *w, dem__room *room, dem__que
             for (int a = 0; a < 3; a++) b->place[3 * found + a] = dem_axis(x, a);
             turn[0] = q.w, turn[1] = q.x, turn[2] = q.y, turn[3] = q.z;
             b->first[found] = (int32_t)pieces, b->of[found] = b->of[k], b->radius[found++] = radius;
-            pieces += dem__feed_pieces(feed);
+            pieces += dem__feed_balls(feed);
             feed->placed++, feed->placed_mass += m;
             line[b->of[k]].now++;
             if (by_mass) source->due_mass -= at_once ? 0.0 : m;
@@ -220,6 +220,8 @@ static inline dem_status dem__add_moving(dem_world *w, const dem__queue *line, c
     dem_status status;
     if (feed->polyhedron)
         status = w->engine->convex.calls->add(w, feed->polyhedron - 1, n, centre, turn, feed->material, feed->group);
+    else if (feed->compound)
+        status = feed->compound->add__(w, n, feed->compound, centre, turn, feed->material, feed->group);
     else if (feed->clump) status = feed->clump->add__(w, n, feed->clump, centre, d, turn, feed->material, feed->group);
     else status = dem_add_spheres(w, n, centre, d, feed->material, feed->group);
     for (ptrdiff_t k = 0; k < n && status == DEM_OK; k++) {
@@ -235,7 +237,7 @@ static inline dem_status dem__add_lines(dem_world *w, const dem__queue *line, in
     dem_status status = DEM_OK;
     for (int k = 0; k < classes; k++) {
         pieces += line[k].now * dem__feed_pieces(&line[k].feed);
-        if (line[k].feed.clump || line[k].feed.polyhedron) bodies += line[k].now;
+        if (line[k].feed.clump || line[k].feed.polyhedron || line[k].feed.compound) bodies += line[k].now;
     }
     if (classes > 1 && pieces > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     if (classes > 1 && !(bodies ? dem__reserve_bodies(w, bodies, pieces) : dem__reserve_particles(w, pieces)))

@@ -51,14 +51,22 @@ static inline dem_quaternion dem__random_turn(uint64_t *random) {
 }
 
 /* Returns the number of particles in a body of a feed. */
-static inline ptrdiff_t dem__feed_pieces(const dem_feed *feed) { return feed->clump ? feed->clump->spheres : 1; }
+static inline ptrdiff_t dem__feed_pieces(const dem_feed *feed) {
+    return feed->clump ? feed->clump->spheres : feed->compound ? feed->compound->parts : 1;
+}
+/* Returns the number of spheres for which a body of a feed finds a place: one around a polyhedron or a compound, so
+   that compounds do not grow into each other. */
+static inline ptrdiff_t dem__feed_balls(const dem_feed *feed) { return feed->clump ? feed->clump->spheres : 1; }
 /* Returns the polyhedron of a feed, or NULL. */
 static inline const dem_convex *dem__feed_shape(const dem_world *w, const dem_feed *feed) {
     return feed->polyhedron > 0 ? &w->engine->convex.shape[feed->polyhedron - 1] : NULL;
 }
-/* Returns the diameter of the sphere with a polyhedron's volume. */
-static inline double dem__convex_diameter(const dem_convex *s) {
-    return 2.0 * riddle_cbrt(s->volume / (4.0 / 3.0 * RIDDLE_PI));
+/* Returns the diameter of the sphere with the volume of a feed's polyhedron or compound; 0: bodies have the sizes of
+   the feed. */
+static inline double dem__feed_diameter(const dem_world *w, const dem_feed *feed) {
+    const dem_convex *s = dem__feed_shape(w, feed);
+    const double volume = s ? s->volume : feed->compound ? feed->compound->volume : 0.0;
+    return volume > 0.0 ? 2.0 * riddle_cbrt(volume / (4.0 / 3.0 * RIDDLE_PI)) : 0.0;
 }
 /* Returns the factor by which a clump's lengths are multiplied in a body whose volume is that of a sphere of radius
    1. */
@@ -68,7 +76,8 @@ static inline double dem__feed_scale(const dem_feed *feed) {
 /* Returns the radius of such a body about its centre. */
 static inline double dem__feed_reach(const dem_world *w, const dem_feed *feed) {
     const dem_convex *s = dem__feed_shape(w, feed);
-    if (s) return 2.0 * s->reach / dem__convex_diameter(s);
+    if (s) return 2.0 * s->reach / dem__feed_diameter(w, feed);
+    if (feed->compound) return 2.0 * dem__compound_reach(w, feed->compound) / dem__feed_diameter(w, feed);
     return feed->clump ? dem__feed_scale(feed) * dem__clump_reach(feed->clump) : 1.0;
 }
 
@@ -105,7 +114,7 @@ static inline int dem__find_place(dem_world *w, dem__room *room, dem_feed *sourc
         }
         if (!dem__random_place(&source->region, reach, &source->random, x)) return 0;
         *x = dem__in_box(w, *x); /* as dem_add_spheres does */
-        if (feed->clump || feed->polyhedron) *turn = dem__random_turn(&source->random);
+        if (feed->clump || feed->polyhedron || feed->compound) *turn = dem__random_turn(&source->random);
         if (dem__has_room(w, room, feed, *x, *turn, radius)) return 1;
     }
     return 0;

@@ -9,7 +9,7 @@ static inline void dem__open_queues(const dem_world *w, const dem_source *source
         memset(&line[k], 0, sizeof line[k]);
         line[k].feed = *f, line[k].share = source->share ? source->share[k] : 1.0;
         line[k].given = source->by_number ? (double)(f->placed + f->missed) : f->placed_mass + f->missed_mass;
-        if (f->polyhedron) line[k].feed.sizes = dem_one_size(dem__convex_diameter(dem__feed_shape(w, f)));
+        if (f->polyhedron || f->compound) line[k].feed.sizes = dem_one_size(dem__feed_diameter(w, f));
     }
 }
 
@@ -81,26 +81,57 @@ static inline dem_source dem__source_of(dem_feed *feed) {
     return s;
 }
 
-static inline int dem__is_feed(const dem_world *w, const dem_feed *f) {
+/* Returns what is wrong with a feed, or NULL. */
+static inline const char *dem__wrong_feed(const dem_world *w, const dem_feed *f) {
     double smallest, largest;
-    if (!w || !w->def.allocator.fn || !f || f->material < 0 || f->material >= w->def.materials || f->tries < 1 ||
-        f->tries > 1000000)
-        return 0;
-    if (!dem__is_region(&f->region) || !dem__are_sizes(&f->sizes, &smallest, &largest)) return 0;
-    if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest)) return 0;
-    if (f->clump && !(dem__is_clump(f->clump) && f->clump->add__)) return 0;
-    if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes || (f->polyhedron && f->clump)) return 0;
-    if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return 0;
-    if (!dem__moderate_vec(f->velocity) || !dem__moderate_vec(f->scatter) ||
-        !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) || !(f->scatter.z >= 0.0))
-        return 0;
-    if (f->placed < 0 || f->missed < 0 || f->placed > PTRDIFF_MAX / 2 || f->missed > PTRDIFF_MAX / 2) return 0;
-    return dem__finite(f->due) && dem__finite(f->due_mass) && dem__finite(f->placed_mass) &&
-           dem__finite(f->missed_mass);
+    if (!w || !w->def.allocator.fn) return "world: dem_init or dem_load has not made it";
+    if (!f) return "feed: NULL";
+    if (f->material < 0 || f->material >= w->def.materials)
+        return "feed.material: the world has no material of this index";
+    if (f->tries < 1 || f->tries > 1000000) return "feed.tries: not 1 .. 1000000";
+    if (!dem__is_region(&f->region)) return "feed.region: a length, a place or an axis is out of range";
+    if (!dem__are_sizes(&f->sizes, &smallest, &largest))
+        return "feed.sizes: a diameter, a share, the scale or the spread is out of range, or has another unit";
+    if (!dem__is_size(w, f->material, smallest) || !dem__is_size(w, f->material, largest))
+        return "feed.sizes: mass or inertia of a body is not a normal number";
+    if (f->clump && !(dem__is_clump(f->clump) && f->clump->add__))
+        return "feed.clump: not one that dem_make_clump made";
+    if (f->polyhedron < 0 || f->polyhedron > w->engine->convex.shapes)
+        return "feed.polyhedron: neither 0 nor 1 + the index of a shape of the world";
+    if (f->polyhedron && f->clump) return "feed.polyhedron: the feed also has a clump";
+    if (f->compound && (f->polyhedron || f->clump)) return "feed.compound: the feed also has a polyhedron or a clump";
+    if (f->compound && !(dem__is_compound(w, f->compound) && f->compound->add__))
+        return "feed.compound: not one that dem_make_compound made with this world";
+    if (f->waiting != 0.0 && !dem__is_size(w, f->material, f->waiting)) return "feed.waiting: neither 0 nor a diameter";
+    if (!dem__moderate_vec(f->velocity)) return "feed.velocity: a component is not finite or above 1e80";
+    if (!dem__moderate_vec(f->scatter) || !(f->scatter.x >= 0.0 && f->scatter.y >= 0.0) || !(f->scatter.z >= 0.0))
+        return "feed.scatter: a component is below 0, not finite or above 1e80";
+    if (f->placed < 0 || f->placed > PTRDIFF_MAX / 2) return "feed.placed: below 0 or too large";
+    if (f->missed < 0 || f->missed > PTRDIFF_MAX / 2) return "feed.missed: below 0 or too large";
+    return dem__finite(f->due) && dem__finite(f->due_mass) && dem__finite(f->placed_mass) && dem__finite(f->missed_mass)
+               ? NULL
+               : "feed.due, due_mass, placed_mass, missed_mass: one is not finite";
+}
+
+/* Each of these returns whether a call cannot be done, and then stores why. */
+static inline int dem__is_bad_feed(dem_world *w, const dem_feed *f) {
+    const char *wrong = dem__wrong_feed(w, f);
+    return wrong && dem__refuse(w, wrong);
+}
+static inline int dem__is_bad_number(dem_world *w, ptrdiff_t count) {
+    return count < 0 && dem__refuse(w, "count: below 0");
+}
+static inline int dem__is_bad_mass(dem_world *w, double mass) {
+    return !dem__not_negative(mass) && dem__refuse(w, "mass: below 0 or not finite");
+}
+static inline int dem__is_bad_flow(dem_world *w, double rate, double duration, const char *wrong) {
+    if (!dem__not_negative(rate)) return (int)dem__refuse(w, wrong);
+    if (!dem__not_negative(duration)) return (int)dem__refuse(w, "duration: below 0 or not finite");
+    return !dem__finite(rate * duration) && dem__refuse(w, "duration: what is due in it is not finite");
 }
 
 DEM_API dem_status dem_fill(dem_world *world, dem_feed *feed, ptrdiff_t count) {
-    if (!dem__is_feed(world, feed) || count < 0) return DEM_BAD_ARGUMENT;
+    if (dem__is_bad_feed(world, feed) || dem__is_bad_number(world, count)) return DEM_BAD_ARGUMENT;
     dem_source source = dem__source_of(feed);
     return dem__insert(world, &source, (double)count, HUGE_VAL, 1);
 }
@@ -110,7 +141,7 @@ static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) 
     dem_region r = feed->region;
     double smallest, diameter;
     dem__are_sizes(&feed->sizes, &smallest, &diameter);
-    if (feed->polyhedron) diameter = dem__convex_diameter(dem__feed_shape(w, feed));
+    if (feed->polyhedron || feed->compound) diameter = dem__feed_diameter(w, feed);
     diameter *= dem__feed_reach(w, feed);
     if (r.kind == DEM_REGION_MESH) r.kind = DEM_REGION_BOX;
     if (r.kind == DEM_REGION_CYLINDER && r.length == 0.0) r.length = diameter;
@@ -121,7 +152,7 @@ static inline double dem__most_volume(const dem_world *w, const dem_feed *feed) 
     return dem_region_volume(&r);
 }
 DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass) {
-    if (!dem__is_feed(world, feed) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
+    if (dem__is_bad_feed(world, feed) || dem__is_bad_mass(world, mass)) return DEM_BAD_ARGUMENT;
     if (dem__is_running(world)) return DEM_BUSY;
     if (mass > world->def.material[feed->material].density * dem__most_volume(world, feed)) return DEM_TOO_MANY;
     dem_source source = dem__source_of(feed);
@@ -129,8 +160,7 @@ DEM_API dem_status dem_fill_mass(dem_world *world, dem_feed *feed, double mass) 
 }
 
 DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate, double duration) {
-    if (!dem__is_feed(world, feed) || !dem__not_negative(rate) || !dem__not_negative(duration) ||
-        !dem__finite(rate * duration))
+    if (dem__is_bad_feed(world, feed) || dem__is_bad_flow(world, rate, duration, "rate: below 0 or not finite"))
         return DEM_BAD_ARGUMENT;
     dem_source source = dem__source_of(feed);
     source.due += rate * duration;
@@ -139,8 +169,8 @@ DEM_API dem_status dem_feed_number(dem_world *world, dem_feed *feed, double rate
     return status;
 }
 DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_flow, double duration) {
-    if (!dem__is_feed(world, feed) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) ||
-        !dem__finite(mass_flow * duration))
+    if (dem__is_bad_feed(world, feed) ||
+        dem__is_bad_flow(world, mass_flow, duration, "mass_flow: below 0 or not finite"))
         return DEM_BAD_ARGUMENT;
     dem_source source = dem__source_of(feed);
     source.due_mass += mass_flow * duration;
@@ -149,22 +179,32 @@ DEM_API dem_status dem_feed_mass(dem_world *world, dem_feed *feed, double mass_f
     return status;
 }
 
-static inline int dem__is_source(const dem_world *w, const dem_source *s) {
+static inline const char *dem__wrong_source(const dem_world *w, const dem_source *s) {
     double sum = 0.0;
-    if (!w || !w->def.allocator.fn || !s || !s->feed || !s->share || s->classes < 1 || s->classes > DEM_CLASSES_MAX)
-        return 0;
+    if (!w || !w->def.allocator.fn) return "world: dem_init or dem_load has not made it";
+    if (!s) return "source: NULL";
+    if (!s->feed) return "source.feed: NULL";
+    if (!s->share) return "source.share: NULL";
+    if (s->classes < 1 || s->classes > DEM_CLASSES_MAX) return "source.classes: not 1 .. 100000";
     for (int k = 0; k < s->classes; k++) {
-        if (!dem__is_feed(w, &s->feed[k]) || !dem__not_negative(s->share[k])) return 0;
+        const char *wrong = dem__wrong_feed(w, &s->feed[k]);
+        if (wrong) return wrong;
+        if (!dem__not_negative(s->share[k])) return "source.share: one is below 0 or not finite";
         sum += s->share[k];
     }
-    return dem__positive(sum) && dem__finite(s->due) && dem__finite(s->due_mass);
+    if (!dem__positive(sum)) return "source.share: the sum is 0 or not finite";
+    return dem__finite(s->due) && dem__finite(s->due_mass) ? NULL : "source.due, due_mass: one is not finite";
+}
+static inline int dem__is_bad_source(dem_world *w, const dem_source *s) {
+    const char *wrong = dem__wrong_source(w, s);
+    return wrong && dem__refuse(w, wrong);
 }
 DEM_API dem_status dem_fill_source(dem_world *world, dem_source *source, ptrdiff_t count) {
-    if (!dem__is_source(world, source) || count < 0) return DEM_BAD_ARGUMENT;
+    if (dem__is_bad_source(world, source) || dem__is_bad_number(world, count)) return DEM_BAD_ARGUMENT;
     return dem__insert(world, source, (double)count, HUGE_VAL, 1);
 }
 DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, double mass) {
-    if (!dem__is_source(world, source) || !dem__not_negative(mass)) return DEM_BAD_ARGUMENT;
+    if (dem__is_bad_source(world, source) || dem__is_bad_mass(world, mass)) return DEM_BAD_ARGUMENT;
     if (dem__is_running(world)) return DEM_BUSY;
     double most = 0.0;
     for (int k = 0; k < source->classes; k++) {
@@ -177,8 +217,7 @@ DEM_API dem_status dem_fill_source_mass(dem_world *world, dem_source *source, do
     return dem__insert(world, source, HUGE_VAL, mass, 1);
 }
 DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double rate, double duration) {
-    if (!dem__is_source(world, source) || !dem__not_negative(rate) || !dem__not_negative(duration) ||
-        !dem__finite(rate * duration))
+    if (dem__is_bad_source(world, source) || dem__is_bad_flow(world, rate, duration, "rate: below 0 or not finite"))
         return DEM_BAD_ARGUMENT;
     dem_source due = *source;
     due.due += rate * duration;
@@ -187,8 +226,8 @@ DEM_API dem_status dem_feed_source(dem_world *world, dem_source *source, double 
     return status;
 }
 DEM_API dem_status dem_feed_source_mass(dem_world *world, dem_source *source, double mass_flow, double duration) {
-    if (!dem__is_source(world, source) || !dem__not_negative(mass_flow) || !dem__not_negative(duration) ||
-        !dem__finite(mass_flow * duration))
+    if (dem__is_bad_source(world, source) ||
+        dem__is_bad_flow(world, mass_flow, duration, "mass_flow: below 0 or not finite"))
         return DEM_BAD_ARGUMENT;
     dem_source due = *source;
     due.due_mass += mass_flow * duration;

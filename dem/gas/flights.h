@@ -399,15 +399,17 @@ static inline void dem__drop_field(dem_world *w) {
 DEM_API dem_status dem_set_force_field(dem_world *world, const dem_force_field *field) {
     dem_world *w = world;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return DEM_BAD_ARGUMENT;
     if (!field) {
         dem__drop_field(w);
         return DEM_OK;
     }
     const int was_loaded = w->engine->field.on && !w->engine->field.def.kernel;
-    if (!field->kernel || !(field->length > 0.0) || !(field->interval > 0.0) ||
-        !(field->accuracy >= 1e-12 && field->accuracy <= 1e-4))
-        return DEM_BAD_ARGUMENT;
+    if (!field->kernel) return dem__refuse(w, "field.kernel: NULL");
+    if (!(field->length > 0.0)) return dem__refuse(w, "field.length: not above 0");
+    if (!(field->interval > 0.0)) return dem__refuse(w, "field.interval: not above 0");
+    if (!(field->accuracy >= 1e-12 && field->accuracy <= 1e-4))
+        return dem__refuse(w, "field.accuracy: not 1e-12 .. 1e-4");
     if (!w->engine->field.on) {
         const dem_status status = dem__take_feature(w, dem__feature_field());
         if (status != DEM_OK) return status;

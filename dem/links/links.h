@@ -270,9 +270,12 @@ static inline dem__feature dem__feature_links(void) {
 DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel, double interval, double near) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) ||
-        !dem__positive(interval) || !dem__not_negative(near))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return DEM_BAD_ARGUMENT;
+    if (!kernel || !kernel->loop || !dem__is_law(kernel->law))
+        return dem__refuse(
+            w, "kernel: NULL, without a loop, or of a law without a force or with too many states or constants");
+    if (!dem__positive(interval)) return dem__refuse(w, "interval: not a finite number above 0");
+    if (!dem__not_negative(near)) return dem__refuse(w, "near: below 0 or not finite");
     dem__links *links = &w->engine->links;
     const dem_law *law = kernel->law;
     if (links->count > 0 && (law->states != links->states || !dem__is_of_law(links->mark, law)))
@@ -305,12 +308,15 @@ DEM_API dem_status dem_set_links(dem_world *world, const dem_link_kernel *kernel
 DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int32_t element, const double *state) {
     dem_world *w = world;
     if (w && w->engine && w->engine->run.ending) return DEM_BUSY;
-    if (!dem__is_present(w, i) || !w->engine->links.law || (!state && w->engine->links.states > 0) || i == j)
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
+    if (!w->engine->links.law) return dem__refuse(w, "world: links have no law: call dem_set_links first");
+    if (!state && w->engine->links.states > 0) return dem__refuse(w, "state: NULL, but the law has states");
+    if (i == j) return dem__refuse(w, "j: the same particle as i");
     if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
     if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j))
-        return DEM_BAD_ARGUMENT;
-    if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls) return DEM_BAD_ARGUMENT;
+        return dem__refuse(w, "j: a part of the same body as i");
+    if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls)
+        return dem__refuse(w, "j: no particle of this index is present, or no wall -1 - j");
     if (w->engine->links.count + 1 > w->engine->links.capacity) {
         dem__array list[DEM__ARRAYS_MAX];
         if (w->engine->links.count > INT32_MAX / 2 ||

@@ -9,13 +9,15 @@ static inline dem__feature dem__feature_meshes(void) {
     return f;
 }
 
-DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
+/* Adds a mesh. invalid, flat: what to tell of numbers out of range, and of triangles without area. */
+static inline int dem__add_triangles(dem_world *world, int material, const dem_mesh *mesh, const char *invalid,
+                                     const char *flat) {
     dem_wall wall;
     dem_vec low, high;
     dem_status status = dem__may_add_wall(world, material);
     memset(&wall, 0, sizeof wall);
     if (status != DEM_OK) return -(int)status;
-    if (!dem__is_mesh(mesh, &low, &high)) return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__is_mesh(mesh, &low, &high)) return -(int)dem__refuse(world, invalid);
     if (world->walls >= DEM_WALLS_MAX) return -(int)DEM_TOO_MANY;
     wall.asked.origin = dem__scale(0.5, dem__add(low, high));
     dem__frame(&wall, dem_vec3(0, 0, 1), dem_vec3(1, 0, 0));
@@ -30,11 +32,17 @@ DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
     }
     wall.tree = dem__make_tree(a, mesh->vertices, local, mesh->triangles, mesh->triangle, &status);
     a->fn(a->user, local, bytes, 0);
-    if (!wall.tree) return -(int)status;
+    if (!wall.tree) return -(int)(status == DEM_BAD_ARGUMENT ? dem__refuse(world, flat) : status);
     const int index = dem__add_wall(world, dem__triangles(), material, &wall);
     if (index < 0) dem__release(a, wall.tree, wall.tree->bytes);
     else dem__add_feature(world, dem__feature_meshes());
     return index;
+}
+
+DEM_API int dem_add_mesh(dem_world *world, int material, const dem_mesh *mesh) {
+    return dem__add_triangles(world, material, mesh,
+                              "mesh: no corners or triangles, an index out of range, or a coordinate of 1e50 m or more",
+                              "mesh: no triangle has an area");
 }
 
 DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec high) {
@@ -44,9 +52,11 @@ DEM_API int dem_add_box(dem_world *world, int material, dem_vec low, dem_vec hig
     double corners[24];
     dem_mesh mesh;
     memset(&mesh, 0, sizeof mesh);
-    if (!(low.x < high.x && low.y < high.y && low.z < high.z)) return -(int)DEM_BAD_ARGUMENT;
+    if (!(low.x < high.x && low.y < high.y && low.z < high.z))
+        return -(int)dem__refuse(world, "low: a component is not below that of high");
     for (int k = 0; k < 24; k++) corners[k] = (k / 3 >> k % 3 & 1) ? dem_axis(high, k % 3) : dem_axis(low, k % 3);
     mesh.vertices = 8, mesh.vertex = corners;
     mesh.triangles = 12, mesh.triangle = faces;
-    return dem_add_mesh(world, material, &mesh);
+    return dem__add_triangles(world, material, &mesh, "low, high: a component is not finite or 1e50 m or more",
+                              "low, high: the faces have no area");
 }

@@ -5,7 +5,8 @@
 DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !dem__is_time_step(dt)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return DEM_BAD_ARGUMENT;
+    if (!dem__is_time_step(dt)) return dem__refuse(w, "dt: not 1e-60 s or more and below 1e6 s");
     dem__begin_change(w, dem__all_particles(w));
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (w->alive[i]) dem__restart(w, i);
@@ -22,7 +23,8 @@ DEM_API dem_status dem_set_time_step(dem_world *world, double dt) {
 DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
     dem_world *w = world;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || !dem__moderate_vec(gravity)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(gravity)) return dem__refuse(w, "gravity: a component is not finite or above 1e80");
     const dem_vec change = dem__sub(gravity, w->def.gravity);
     for (ptrdiff_t i = 0; i < w->count; i++) {
         if (!w->alive[i] || dem__is_fixed(w, i)) continue;
@@ -52,10 +54,13 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
 DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocity, dem_vec spin) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!dem__is_present(w, i) || !dem__moderate_vec(velocity) || !dem__moderate_vec(spin)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(velocity)) return dem__refuse(w, "velocity: a component is not finite or above 1e80");
+    if (!dem__moderate_vec(spin)) return dem__refuse(w, "spin: a component is not finite or above 1e80");
     dem__rigid *r = dem__rigid_of(w, i);
     if (r) i = r->first;
-    if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0) return DEM_BAD_ARGUMENT;
+    if (r && dem__is_fixed(w, i) && dem__dot(spin, spin) > 0.0)
+        return dem__refuse(w, "spin: a fixed body does not turn");
     dem__begin_change(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     dem__book_motion(w, -dem__motion_energy(w, i));
@@ -71,9 +76,11 @@ DEM_API dem_status dem_set_motion(dem_world *world, ptrdiff_t i, dem_vec velocit
 DEM_API dem_status dem_set_load(dem_world *world, ptrdiff_t i, dem_vec force, dem_vec torque) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!dem__is_present(w, i) || !dem__moderate_vec(dem__scale(1.0 / w->particle[i].mass, force)) ||
-        !dem__moderate_vec(dem__scale(1.0 / dem__inertia(w, i), torque)))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(dem__scale(1.0 / w->particle[i].mass, force)))
+        return dem__refuse(w, "force: its acceleration is not finite or above 1e80");
+    if (!dem__moderate_vec(dem__scale(1.0 / dem__inertia(w, i), torque)))
+        return dem__refuse(w, "torque: its angular acceleration is not finite or above 1e80");
     dem__begin_change(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     double *load = w->engine->bodies.load[i], *external = w->engine->bodies.external[i];
@@ -105,9 +112,10 @@ DEM_API dem_status dem_set_orientation(dem_world *world, ptrdiff_t i, dem_quater
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
     dem_quaternion q;
-    if (!dem__is_present(w, i) || !dem__unit_turn(orientation, &q)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
+    if (!dem__unit_turn(orientation, &q)) return dem__refuse(w, "orientation: 0 or not finite");
     dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) return DEM_BAD_ARGUMENT;
+    if (!r) return dem__refuse(w, "i: a single sphere, which has no orientation");
     dem__begin_change(w, dem__pieces_of(w, i));
     dem__restart(w, i);
     dem__book_motion(w, -dem__rotational(w, r->first));

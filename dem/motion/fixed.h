@@ -54,7 +54,8 @@ static inline dem__feature dem__feature_fixed(void) {
 DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
     dem_world *w = world;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!dem__is_present(w, i) || (fixed != 0 && fixed != 1)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
+    if (fixed != 0 && fixed != 1) return dem__refuse(w, "fixed: neither 0 nor 1");
     dem__rigid *r = dem__rigid_of(w, i);
     const dem__pieces own = dem__pieces_of(w, i);
     if (dem__is_fixed(w, i) == fixed) return DEM_OK;

@@ -53,14 +53,17 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
                                    int material, int group) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && (!centres || !diameters)) || material < 0 ||
-        material >= w->def.materials)
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_material(w, material)) return DEM_BAD_ARGUMENT;
+    if (n < 0) return dem__refuse(w, "n: below 0");
+    if (n > 0 && !centres) return dem__refuse(w, "centres: NULL");
+    if (n > 0 && !diameters) return dem__refuse(w, "diameters: NULL");
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     for (ptrdiff_t k = 0; k < n; k++) {
         const dem_vec at = dem_vec3(centres[3 * k], centres[3 * k + 1], centres[3 * k + 2]);
-        if (!dem__is_size(w, material, diameters[k]) || !dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at)))
-            return DEM_BAD_ARGUMENT;
+        if (!dem__is_size(w, material, diameters[k]))
+            return dem__refuse(w, "diameters: one is not above 0, or its mass and inertia are not normal numbers");
+        if (!dem__finite_vec(at) || !dem__is_place(dem__in_box(w, at)))
+            return dem__refuse(w, "centres: a coordinate is not finite or above 1e150");
     }
     if (!dem__reserve_particles(w, n)) return DEM_OUT_OF_MEMORY;
     for (ptrdiff_t k = 0; k < n; k++) {

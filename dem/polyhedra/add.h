@@ -146,8 +146,9 @@ static inline dem__feature dem__feature_polyhedra(void) {
 
 DEM_API int dem_add_shape(dem_world *world, const dem_convex *shape) {
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !shape || !dem__is_sound_shape(shape) || !dem__are_axes(shape->axis))
-        return -(int)DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return -(int)DEM_BAD_ARGUMENT;
+    if (!shape || !dem__is_sound_shape(shape) || !dem__are_axes(shape->axis))
+        return -(int)dem__refuse(w, "shape: NULL, or not one that a dem_make function made");
     if (dem__is_running(w)) return -(int)DEM_BUSY;
     dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
@@ -180,18 +181,21 @@ DEM_API dem_status dem_add_convex(dem_world *world, int shape, ptrdiff_t n, cons
                                   const double *orientations, int material, int group) {
     dem_world *w = world;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials ||
-        shape < 0 || shape >= w->engine->convex.shapes)
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_material(w, material)) return DEM_BAD_ARGUMENT;
+    if (shape < 0 || shape >= w->engine->convex.shapes)
+        return dem__refuse(w, "shape: the world has no shape of this index");
+    if (n < 0) return dem__refuse(w, "n: below 0");
+    if (n > 0 && !centres) return dem__refuse(w, "centres: NULL");
     if (n > INT32_MAX / 4 - w->count) return DEM_TOO_MANY;
     const dem_convex *s = &w->engine->convex.shape[shape];
     const double density = w->def.material[material].density;
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t k = 0; k < 3 * n; k++) {
-        if (!dem__finite(centres[k])) return DEM_BAD_ARGUMENT;
+        if (!dem__finite(centres[k])) return dem__refuse(w, "centres: a coordinate is not finite");
     }
-    if (!dem__are_turns(n, orientations) || !dem__positive(density * s->moment[0] * s->moment[1]))
-        return DEM_BAD_ARGUMENT;
+    if (!dem__are_turns(n, orientations)) return dem__refuse(w, "orientations: a quaternion is 0 or not finite");
+    if (!dem__positive(density * s->moment[0] * s->moment[1]))
+        return dem__refuse(w, "shape: its inertia is not a normal number");
     if (!dem__reserve_bodies(w, n, n)) return DEM_OUT_OF_MEMORY;
     dem__body_def body;
     memset(&body, 0, sizeof body);

@@ -155,37 +155,26 @@ DEM_API dem_status dem_make_compound(dem_world *world, int n, const dem_convex *
     dem_compound c;
     if (reason) *reason = NULL;
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || !world->def.allocator.fn || !parts || !compound || n < 1) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(world)) return DEM_BAD_ARGUMENT;
+    if (n < 1) return dem__refuse(world, "n: below 1");
+    if (!parts) return dem__refuse(world, "parts: NULL");
+    if (!compound) return dem__refuse(world, "compound: NULL");
     if (n > DEM_PARTS_MAX) return DEM_TOO_MANY;
     memset(&b, 0, sizeof b), memset(&c, 0, sizeof c);
-    b.n = c.parts = n, b.part = parts;
+    b.n = c.parts = n, b.part = parts, c.add__ = dem_add_compounds;
     const char *wrong = dem__place_parts(&b, places, orientations, &c);
     if (!wrong) {
         dem__sum_parts(&b, &c);
         if (!dem__positive(c.volume) || !dem__are_moments(c.moments)) wrong = "mass or moments are not positive";
     }
     if (reason) *reason = wrong;
-    if (wrong) return DEM_BAD_ARGUMENT;
+    if (wrong) return dem__refuse(world, wrong);
     b.body.volume = c.volume;
     for (int a = 0; a < 3; a++) b.body.moment[a] = dem_axis(c.moments, a);
     dem__find_body_rate(&b, c.origin, c.axes);
     const dem_status status = dem__add_part_shapes(world, &b, &c);
     if (status == DEM_OK) *compound = c;
     return status;
-}
-
-/* Returns whether a compound has shapes of a world, and valid numbers. */
-static inline int dem__is_compound(const dem_world *w, const dem_compound *c) {
-    dem_quaternion unit;
-    if (!c || c->parts < 1 || c->parts > DEM_PARTS_MAX || !dem__positive(c->volume) || !dem__are_moments(c->moments) ||
-        !dem__unit_turn(c->axes, &unit))
-        return 0;
-    for (int k = 0; k < c->parts; k++) {
-        if (c->shape[k] < 0 || c->shape[k] >= w->engine->convex.shapes || !dem__finite_vec(c->centre[k]) ||
-            !dem__unit_turn(c->turn[k], &unit))
-            return 0;
-    }
-    return 1;
 }
 
 /* Adds one compound, for which there is room. */
@@ -211,12 +200,15 @@ DEM_API dem_status dem_add_compounds(dem_world *world, ptrdiff_t n, const dem_co
     double radius[DEM_PARTS_MAX];
     dem__body_def def;
     if (dem__is_running(w)) return DEM_BUSY;
-    if (!w || !w->def.allocator.fn || n < 0 || (n > 0 && !centres) || material < 0 || material >= w->def.materials ||
-        !dem__is_compound(w, c) || !dem__are_turns(n, orientations))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_material(w, material)) return DEM_BAD_ARGUMENT;
+    if (n < 0) return dem__refuse(w, "n: below 0");
+    if (n > 0 && !centres) return dem__refuse(w, "centres: NULL");
+    if (!dem__is_compound(w, c))
+        return dem__refuse(w, "compound: NULL, or not one that dem_make_compound made in this world");
+    if (!dem__are_turns(n, orientations)) return dem__refuse(w, "orientations: a quaternion is 0 or not finite");
     if (n > (INT32_MAX / 4 - w->count) / c->parts) return DEM_TOO_MANY;
     for (ptrdiff_t k = 0; k < 3 * n; k++) {
-        if (!dem__finite(centres[k])) return DEM_BAD_ARGUMENT;
+        if (!dem__finite(centres[k])) return dem__refuse(w, "centres: a coordinate is not finite");
     }
     const double density = w->def.material[material].density;
     memset(&def, 0, sizeof def);
@@ -225,7 +217,7 @@ DEM_API dem_status dem_add_compounds(dem_world *world, ptrdiff_t n, const dem_co
         offset[k] = dem__to_body(def.frame, c->centre[k]), radius[k] = w->engine->convex.shape[c->shape[k]].reach;
     def.mass = density * c->volume, def.moments = dem__scale(density, c->moments);
     def.pieces = c->parts, def.offset = offset, def.radius = radius, def.material = material, def.group = group;
-    if (!dem__is_body_def(&def)) return DEM_BAD_ARGUMENT;
+    if (!dem__is_body_def(&def)) return dem__refuse(w, "compound: mass or inertia of a body is not a normal number");
     if (!dem__reserve_bodies(w, n, n * c->parts)) return DEM_OUT_OF_MEMORY;
     for (ptrdiff_t k = 0; k < n; k++) {
         const double *o = orientations ? orientations + 4 * k : NULL;

@@ -62,7 +62,7 @@ static inline void dem__end_contacts_of_removed(dem_world *w) {
 DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_world *w = world;
-    if (!dem__is_present(w, i)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
     w->engine->run.running = 1;
     dem__detach_particle(w, i);
     dem__end_contacts_of_removed(w);
@@ -73,7 +73,8 @@ DEM_API dem_status dem_remove(dem_world *world, ptrdiff_t i) {
 DEM_API ptrdiff_t dem_take_passed(dem_world *world, dem_passed *records, ptrdiff_t capacity) {
     dem_world *w = world;
     if (dem__is_running(w)) return -(ptrdiff_t)DEM_BUSY;
-    if (!w || !w->def.allocator.fn || capacity < 0) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (capacity < 0) return -(ptrdiff_t)dem__refuse(w, "capacity: below 0");
     const ptrdiff_t n = capacity < w->passed_count ? capacity : w->passed_count, left = w->passed_count - n;
     if (n == 0) return 0;
     if (records) memcpy(records, w->passed, (size_t)n * sizeof *records);
@@ -86,7 +87,9 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
     if (dem__is_running(world)) return -(ptrdiff_t)DEM_BUSY;
     dem_world *w = world;
     ptrdiff_t removed = 0;
-    if (!w || !w->def.allocator.fn || !dem__is_region(region)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return -(ptrdiff_t)DEM_BAD_ARGUMENT;
+    if (!dem__is_region(region))
+        return -(ptrdiff_t)dem__refuse(w, "region: NULL, or a length, a place or an axis is out of range");
     w->engine->run.running = 1;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         const dem__rigid *r = dem__rigid_of(w, i);

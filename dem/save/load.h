@@ -62,8 +62,7 @@ static inline int dem__read_world(const dem__file *file, dem_world *w, dem__grou
     }
     e->run.dt = w->def.dt;
     e->run.has_periodic = w->def.periodic[0] | w->def.periodic[1] | w->def.periodic[2];
-    if (!dem__is_thread_count(w->def.threads))
-        w->def.threads = 1; /* the caller of the saved world changed it */
+    if (!dem__is_thread_count(w->def.threads)) w->def.threads = 1; /* the caller of the saved world changed it */
     return dem__bad_field(&w->def) == NULL;
 }
 
@@ -302,7 +301,7 @@ static inline dem_status dem__read_file(const dem__file *file, dem_world *w) {
 
 DEM_API dem_status dem_load(dem_world *world, const void *buffer, size_t size, const dem_allocator *allocator) {
     dem__file file;
-    if (!world || !buffer) return DEM_BAD_ARGUMENT;
+    if (!world || !buffer) return dem__refuse(world, "buffer: NULL");
     memset(world, 0, sizeof *world);
     if (!dem__open_file(&file, buffer, size)) return DEM_BAD_DATA;
     world->def = dem_default_def();

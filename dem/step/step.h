@@ -282,12 +282,14 @@ static inline double dem__step_ratio(const dem_world *w, int features) {
    among them. */
 static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
     dem_world *w = world;
-    if (!w || !w->def.allocator.fn || !kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
-        !dem__not_negative(duration))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(w)) return DEM_BAD_ARGUMENT;
+    if (!kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare)
+        return dem__refuse(
+            w, "kernel: NULL, without a loop, or of a law without functions or with too many states or constants");
+    if (!dem__not_negative(duration)) return dem__refuse(w, "duration: below 0 or not finite");
     if (dem__is_running(w)) return DEM_BUSY;
     const double dt = w->engine->run.dt, owed = w->owed + duration, remaining = owed / dt;
-    if (!(remaining < 9e15)) return DEM_BAD_ARGUMENT;
+    if (!(remaining < 9e15)) return dem__refuse(w, "duration: 9e15 steps or more");
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
     w->status = DEM_OK; /* the caller may have repaired any other failure */
@@ -362,6 +364,8 @@ DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) 
     case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
     case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
         return dem__run_kernel(world, duration, dem__kernel_hertz_energy(), features);
-    default: return DEM_BAD_ARGUMENT;
+    default:
+        return dem__refuse(world, "features: no shipped law has these: DEM_LINEAR or DEM_HERTZ, DEM_ROLLING only with "
+                                  "DEM_FRICTION");
     }
 }

@@ -40,9 +40,9 @@ static inline int dem__make_touch_memory(dem_world *w) {
 }
 
 /* Returns DEM_OK if a wall of a material can be added. */
-static inline dem_status dem__may_add_wall(const dem_world *w, int material) {
+static inline dem_status dem__may_add_wall(dem_world *w, int material) {
     if (dem__is_running(w)) return DEM_BUSY;
-    return w && w->def.allocator.fn && material >= 0 && material < w->def.materials ? DEM_OK : DEM_BAD_ARGUMENT;
+    return dem__lacks_material(w, material) ? DEM_BAD_ARGUMENT : DEM_OK;
 }
 
 /* Adds a wall of a kind, at rest at asked.origin. Returns its index, or minus a dem_status. */

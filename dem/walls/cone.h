@@ -105,12 +105,19 @@ DEM_API int dem_add_cone(dem_world *world, int material, const dem_cone *cone) {
     const dem_status status = dem__may_add_wall(world, material);
     memset(&wall, 0, sizeof wall);
     if (status != DEM_OK) return -(int)status;
-    if (!cone || !dem__is_place(cone->low) || !dem__is_place(cone->high)) return -(int)DEM_BAD_ARGUMENT;
+    if (!cone) return -(int)dem__refuse(world, "cone: NULL");
+    if (!dem__is_place(cone->low))
+        return -(int)dem__refuse(world, "cone.low: a coordinate is not finite or above 1e150");
+    if (!dem__is_place(cone->high))
+        return -(int)dem__refuse(world, "cone.high: a coordinate is not finite or above 1e150");
     const dem_vec axis = dem__sub(cone->high, cone->low);
     wall.asked.origin = cone->low;
     wall.radius = cone->low_radius;
     wall.high_radius = cone->high_radius;
     wall.length = dem__length(axis);
-    if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0)) || !dem__is_cone(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
+        return -(int)dem__refuse(world, "cone.high: at the same place as low");
+    if (!dem__is_cone(&wall))
+        return -(int)dem__refuse(world, "cone.low_radius, high_radius: one is below 0 or not finite, or both are 0");
     return dem__add_wall(world, dem__cone(), material, &wall);
 }

@@ -86,12 +86,15 @@ DEM_API int dem_add_disc(dem_world *world, int material, const dem_disc *disc) {
     const dem_status status = dem__may_add_wall(world, material);
     memset(&wall, 0, sizeof wall);
     if (status != DEM_OK) return -(int)status;
-    if (!disc || !dem__is_place(disc->centre) || !dem__finite_vec(disc->normal) ||
-        !dem__frame(&wall, disc->normal, dem_vec3(1, 0, 0)))
-        return -(int)DEM_BAD_ARGUMENT;
+    if (!disc) return -(int)dem__refuse(world, "disc: NULL");
+    if (!dem__is_place(disc->centre))
+        return -(int)dem__refuse(world, "disc.centre: a coordinate is not finite or above 1e150");
+    if (!dem__finite_vec(disc->normal) || !dem__frame(&wall, disc->normal, dem_vec3(1, 0, 0)))
+        return -(int)dem__refuse(world, "disc.normal: not finite, or of length 0");
     wall.asked.origin = disc->centre;
     wall.radius = disc->hole_radius;
     wall.high_radius = disc->radius;
-    if (!dem__is_disc(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__is_disc(&wall))
+        return -(int)dem__refuse(world, "disc.radius: not finite, or not above hole_radius, which is 0 or more");
     return dem__add_wall(world, dem__disc(), material, &wall);
 }

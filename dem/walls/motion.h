@@ -47,10 +47,12 @@ static inline void dem__bound_speed(dem_wall *a) {
 
 DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, dem_vec phase, double frequency) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(amplitude) || !dem__finite_vec(phase) ||
-        !(frequency >= 0.0 && dem__moderate(frequency)))
-        return DEM_BAD_ARGUMENT;
-    if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(amplitude)) return dem__refuse(world, "amplitude: a component is not finite or above 1e80");
+    if (!(fabs(phase.x) < 1e3 && fabs(phase.y) < 1e3 && fabs(phase.z) < 1e3))
+        return dem__refuse(world, "phase: a component is not finite or 1000 rad or more");
+    if (!(frequency >= 0.0 && dem__moderate(frequency)))
+        return dem__refuse(world, "frequency: below 0, not finite or above 1e80");
     dem_wall *a = dem__rebase_wall(world, wall);
     a->asked.amplitude = amplitude;
     a->asked.phase = phase;
@@ -62,7 +64,8 @@ DEM_API dem_status dem_vibrate(dem_world *world, int wall, dem_vec amplitude, de
 
 DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(velocity)) return dem__refuse(world, "velocity: a component is not finite or above 1e80");
     dem_wall *a = dem__rebase_wall(world, wall);
     a->asked.drift = velocity;
     dem__bound_speed(a);
@@ -72,9 +75,11 @@ DEM_API dem_status dem_move(dem_world *world, int wall, dem_vec velocity) {
 DEM_API dem_status dem_rotate(dem_world *world, int wall, dem_vec centre, dem_vec axis, double spin) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_vec unit;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(centre) || !dem__finite_vec(axis) ||
-        !dem__moderate(spin) || !dem__unit(axis, &unit))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(centre)) return dem__refuse(world, "centre: a component is not finite or above 1e80");
+    if (!dem__finite_vec(axis) || !dem__unit(axis, &unit))
+        return dem__refuse(world, "axis: not finite, or of length 0");
+    if (!dem__moderate(spin)) return dem__refuse(world, "spin: not finite or above 1e80");
     dem_wall *a = dem__rebase_wall(world, wall);
     a->asked.spin_centre = centre;
     a->spin_axis = unit;
@@ -103,7 +108,9 @@ static inline int dem__wall_is_finite(const dem_wall *a) {
 
 DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem_motion_fn motion, void *user) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !motion || !dem__is_place(centre)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
+    if (!motion) return dem__refuse(world, "motion: NULL");
+    if (!dem__is_place(centre)) return dem__refuse(world, "centre: a coordinate is not finite or above 1e150");
     dem_wall *a = &world->wall[wall], before = *a, probe = *a;
     if (a->asked.drive != DEM_PRESCRIBED)
         probe.asked.origin = a->position, memcpy(probe.asked.rest_axis, a->axis, sizeof a->axis);
@@ -112,7 +119,8 @@ DEM_API dem_status dem_prescribe(dem_world *world, int wall, dem_vec centre, dem
     probe.asked.motion = motion, probe.asked.motion_user = user;
     probe.asked.interval = world->engine->run.dt;
     dem__place_wall(world, &probe);
-    if (!dem__wall_is_finite(&probe)) return DEM_BAD_ARGUMENT;
+    if (!dem__wall_is_finite(&probe))
+        return dem__refuse(world, "motion: the pose or the velocity that it gives is not finite");
     if (before.asked.drive != DEM_PRESCRIBED)
         a = dem__drive(world, wall, DEM_PRESCRIBED), a->asked.interval = world->engine->run.dt;
     a->asked.spin_centre = centre;
@@ -126,10 +134,17 @@ static inline dem_status dem__control(dem_world *w, int wall, dem_drive drive, d
                                       double inertia, double load, double damping) {
     if (dem__is_running(w)) return DEM_BUSY;
     dem_vec unit;
-    if (!w || wall < 0 || wall >= w->walls || !dem__is_place(centre) || !dem__finite_vec(axis) ||
-        !dem__unit(axis, &unit) || !dem__positive(inertia) || !dem__moderate(load / inertia) ||
-        !(damping >= 0.0 && dem__moderate(damping / inertia)))
-        return DEM_BAD_ARGUMENT;
+    const int turns = drive == DEM_TORQUE_CONTROLLED;
+    if (dem__lacks_wall(w, wall)) return DEM_BAD_ARGUMENT;
+    if (!dem__is_place(centre)) return dem__refuse(w, "centre: a coordinate is not finite or above 1e150");
+    if (!dem__finite_vec(axis) || !dem__unit(axis, &unit)) return dem__refuse(w, "axis: not finite, or of length 0");
+    if (!dem__positive(inertia))
+        return dem__refuse(w, turns ? "inertia: not a finite number above 0" : "mass: not a finite number above 0");
+    if (!dem__moderate(load / inertia))
+        return dem__refuse(w, turns ? "torque: its acceleration is not finite or above 1e80"
+                                    : "force: its acceleration is not finite or above 1e80");
+    if (!(damping >= 0.0 && dem__moderate(damping / inertia)))
+        return dem__refuse(w, "damping: below 0, not finite, or above 1e80 times the inertia");
     dem__place_wall(w, &w->wall[wall]);
     const dem_vec spin = dem__scale(w->wall[wall].spin, w->wall[wall].spin_axis);
     const double rate = dem__dot(drive == DEM_FORCE_CONTROLLED ? w->wall[wall].velocity : spin, unit);
@@ -155,7 +170,8 @@ DEM_API dem_status dem_control_torque(dem_world *world, int wall, dem_vec centre
 
 DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls || !dem__moderate_vec(velocity)) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
+    if (!dem__moderate_vec(velocity)) return dem__refuse(world, "velocity: a component is not finite or above 1e80");
     world->wall[wall].asked.belt = velocity;
     world->wall[wall].slides = dem__slides(&world->wall[wall]);
     return DEM_OK;
@@ -164,9 +180,10 @@ DEM_API dem_status dem_set_belt(dem_world *world, int wall, dem_vec velocity) {
 DEM_API dem_status dem_turn_belt(dem_world *world, int wall, dem_vec axis, double speed) {
     if (dem__is_running(world)) return DEM_BUSY;
     dem_vec unit;
-    if (!world || wall < 0 || wall >= world->walls || !dem__finite_vec(axis) || !dem__unit(axis, &unit) ||
-        !dem__moderate(speed))
-        return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
+    if (!dem__finite_vec(axis) || !dem__unit(axis, &unit))
+        return dem__refuse(world, "axis: not finite, or of length 0");
+    if (!dem__moderate(speed)) return dem__refuse(world, "speed: not finite or above 1e80");
     world->wall[wall].asked.belt_turn = dem__scale(speed, unit);
     world->wall[wall].slides = dem__slides(&world->wall[wall]);
     return DEM_OK;
@@ -217,7 +234,7 @@ DEM_API int dem_wall_acts(const dem_world *world, int wall, ptrdiff_t i) {
 
 DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t groups) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
     world->wall[wall].groups = groups;
     world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
     return DEM_OK;
@@ -225,7 +242,7 @@ DEM_API dem_status dem_set_wall_groups(dem_world *world, int wall, uint32_t grou
 
 DEM_API dem_status dem_enable_wall(dem_world *world, int wall, int enabled) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
     world->wall[wall].enabled = enabled != 0;
     world->engine->run.needs_lists = world->engine->run.needs_forces = 1;
     return DEM_OK;

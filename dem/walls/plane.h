@@ -42,8 +42,9 @@ static inline int dem__add_flat(dem_world *w, const dem__wall_kind *kind, int ma
     const dem_status status = dem__may_add_wall(w, material);
     memset(&wall, 0, sizeof wall);
     if (status != DEM_OK) return -(int)status;
-    if (!dem__is_place(point) || !dem__finite_vec(normal) || !dem__frame(&wall, normal, dem_vec3(1, 0, 0)))
-        return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__is_place(point)) return -(int)dem__refuse(w, "point: a coordinate is not finite or above 1e150");
+    if (!dem__finite_vec(normal) || !dem__frame(&wall, normal, dem_vec3(1, 0, 0)))
+        return -(int)dem__refuse(w, "normal: not finite, or of length 0");
     wall.asked.origin = point;
     return dem__add_wall(w, kind, material, &wall);
 }

@@ -30,9 +30,11 @@ static inline int dem__add_round(dem_world *w, const dem__wall_kind *kind, int m
     const dem_status status = dem__may_add_wall(w, material);
     memset(&wall, 0, sizeof wall);
     if (status != DEM_OK) return -(int)status;
-    if (!dem__is_place(point) || !dem__finite_vec(axis) || !dem__positive(radius) ||
-        !dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
-        return -(int)DEM_BAD_ARGUMENT;
+    if (!dem__is_place(point))
+        return -(int)dem__refuse(w, "point or centre: a coordinate is not finite or above 1e150");
+    if (!dem__finite_vec(axis) || !dem__frame(&wall, axis, dem_vec3(1, 0, 0)))
+        return -(int)dem__refuse(w, "axis: not finite, or of length 0");
+    if (!dem__positive(radius)) return -(int)dem__refuse(w, "radius: not a finite number above 0");
     wall.asked.origin = point;
     wall.radius = radius;
     wall.inside = inside != 0;

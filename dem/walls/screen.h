@@ -175,12 +175,18 @@ static inline void dem__screen_edges(const dem_wall *w, dem_vec centre, double r
     }
 }
 
-/* Returns whether a screen has lengths, and no more bars and apertures than integers can count. */
-static inline int dem__is_deck(const dem_wall *w) {
+/* Returns what is wrong with a screen, or NULL: it has lengths, and no more bars and apertures than integers count. */
+static inline const char *dem__wrong_deck(const dem_wall *w) {
     const double pitch = w->aperture + w->wire, x = w->half_x / pitch, y = w->half_y / pitch;
-    return (w->profile == DEM_ROUND || w->profile == DEM_SEMICIRCLE) && dem__positive(w->aperture) &&
-           dem__positive(w->wire) && x > 0.0 && y > 0.0 && x < 1e5 && y < 1e5 && x * y < 2.5e8;
+    if (w->profile != DEM_ROUND && w->profile != DEM_SEMICIRCLE)
+        return "screen.profile: neither DEM_ROUND nor DEM_SEMICIRCLE";
+    if (!dem__positive(w->aperture)) return "screen.aperture: not a finite number above 0";
+    if (!dem__positive(w->wire)) return "screen.wire: not a finite number above 0";
+    if (!(x > 0.0 && x < 1e5)) return "screen.half_x: not above 0, or 1e5 meshes or more";
+    if (!(y > 0.0 && y < 1e5)) return "screen.half_y: not above 0, or 1e5 meshes or more";
+    return x * y < 2.5e8 ? NULL : "screen.half_x, half_y: too many apertures";
 }
+static inline int dem__is_deck(const dem_wall *w) { return !dem__wrong_deck(w); }
 
 static inline const dem__wall_kind *dem__woven_screen(void) {
     static const dem__wall_kind row = {
@@ -219,9 +225,12 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
     const dem_status status = dem__may_add_wall(world, material);
     memset(&wall, 0, sizeof wall);
     if (status != DEM_OK) return -(int)status;
-    if (!screen || !dem__is_place(screen->centre) || !dem__finite_vec(screen->normal) ||
-        !dem__finite_vec(screen->direction) || !dem__frame(&wall, screen->normal, screen->direction))
-        return -(int)DEM_BAD_ARGUMENT;
+    if (!screen) return -(int)dem__refuse(world, "screen: NULL");
+    if (!dem__is_place(screen->centre))
+        return -(int)dem__refuse(world, "screen.centre: a coordinate is not finite or above 1e150");
+    if (!dem__finite_vec(screen->direction)) return -(int)dem__refuse(world, "screen.direction: not finite");
+    if (!dem__finite_vec(screen->normal) || !dem__frame(&wall, screen->normal, screen->direction))
+        return -(int)dem__refuse(world, "screen.normal: not finite, or of length 0");
     wall.asked.origin = screen->centre;
     wall.aperture = screen->aperture;
     wall.wire = screen->wire;
@@ -229,6 +238,7 @@ DEM_API int dem_add_screen(dem_world *world, int material, const dem_screen *scr
     wall.circular = screen->circular != 0;
     wall.half_x = screen->half_x;
     wall.half_y = screen->circular ? screen->half_x : screen->half_y;
-    if (!dem__is_deck(&wall)) return -(int)DEM_BAD_ARGUMENT;
+    const char *wrong = dem__wrong_deck(&wall);
+    if (wrong) return -(int)dem__refuse(world, wrong);
     return dem__add_wall(world, dem__woven_screen(), material, &wall);
 }

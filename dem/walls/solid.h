@@ -95,12 +95,14 @@ static inline dem_status dem__check_closed(const dem_allocator *memory, ptrdiff_
 
 DEM_API dem_status dem_set_solid(dem_world *world, int wall, int solid) {
     if (dem__is_running(world)) return DEM_BUSY;
-    if (!world || !world->def.allocator.fn || wall < 0 || wall >= world->walls) return DEM_BAD_ARGUMENT;
+    if (dem__lacks_memory(world) || dem__lacks_wall(world, wall)) return DEM_BAD_ARGUMENT;
     dem_wall *w = &world->wall[wall];
     if (solid) {
-        if (!w->tree) return DEM_BAD_ARGUMENT;
+        if (!w->tree) return dem__refuse(world, "wall: neither a mesh nor a box");
         const dem_status status =
             dem__check_closed(&world->def.allocator, w->tree->triangles, w->tree->vertex, w->tree->corner);
+        if (status == DEM_BAD_ARGUMENT)
+            return dem__refuse(world, "wall: not closed: an edge with an odd number of triangles, or a triangle twice");
         if (status != DEM_OK) return status;
     }
     w->solid = solid != 0;

@@ -778,7 +778,7 @@ def _number_of(world, feed, mass):
     # noqa: F821 (made by fill)
     volume = np.pi / 6.0 * np.mean([draw_size(feed.sizes, random) ** 3 for _ in range(200)])
     number = mass / (lib.riddle_density(world._alive, feed.material) * volume)
-    return number if number > 0.0 and feed.polyhedron == 0 else 0.0
+    return number if number > 0.0 and feed.polyhedron == 0 and feed.compound is None else 0.0
 
 
 def _placing(method, name):
@@ -792,7 +792,9 @@ def _placing(method, name):
             amount = _core.number("double", amount, f"{method.__name__}: {'count' if name == 'dem_fill' else 'mass'}")
             number = amount if name == "dem_fill" else _number_of(self, feed, amount)
             _in_metres(self, feed.sizes, method.__name__)
-            _need_memory(method.__name__, number * (1 if feed.clump is None else feed.clump.spheres))
+            pieces = (feed.clump.spheres if feed.clump is not None else
+                      feed.compound.parts if feed.compound is not None else 1)
+            _need_memory(method.__name__, number * pieces)
             before = feed.placed, feed.missed
         with self._stoppable():
             answer = method(self, *args, **keywords)

@@ -11,11 +11,14 @@
 #include "scene_def.h"
 #include "state.h"
 
-/* A clump or a convex polyhedron of the file, as it was drawn. */
+/* A clump, a convex polyhedron or a compound of them of the file, as it was drawn. */
 typedef struct body_shape {
     const shape_def *def;
-    dem_clump clump; /* no spheres: a polyhedron */
+    dem_clump clump; /* no spheres: a polyhedron or a compound */
     dem_convex polyhedron;
+    int parts;            /* above 0: a compound */
+    dem_convex *part;     /* [parts] */
+    double *place, *turn; /* [parts][3] of their origins [m]; [parts][4], quaternions */
     dem_clump_fit fit; /* of a clump that is made from a mesh */
     double diameter;   /* of the sphere of its volume [m] */
     double reach;    /* its farthest point from the centre, over half that diameter [-] */
@@ -26,6 +29,7 @@ typedef struct source {
     const feed_def *def;
     const body_shape *shape; /* NULL: spheres */
     dem_feed *feed;          /* of the scene's list: those of a feed stand together */
+    dem_compound *compound;  /* of the scene's world; NULL: bodies are none */
     int group;
     double density;      /* [kg/m3] */
     double square, cube; /* means of d^2, d^3 by number [m2], [m3] */

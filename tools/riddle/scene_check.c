@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "scene_shapes.h"
 #include "scene_walls.h"
 
 /* Particle-steps per second on one core, of spheres in a bed with friction and of bodies of many contacts; bytes of a
@@ -68,9 +69,8 @@ scene_size scene_estimate(const scene *s) {
     double cost = 0.0;
     for (int k = 0; k < s->sources; k++) {
         const double n = particles_of(s, &s->source[k]);
-        const int parts =
-            s->source[k].shape && s->source[k].shape->clump.spheres > 0 ? s->source[k].shape->clump.spheres : 1;
-        const int polyhedra = s->source[k].shape && s->source[k].shape->clump.spheres == 0;
+        const int parts = scene_pieces(s->source[k].shape);
+        const int polyhedra = scene_is_polyhedron(s->source[k].shape);
         /* what comes steadily is half there on average */
         const double present = n * parts * (isnan(s->source[k].def->rate) ? 1.0 : 0.5);
         z.particles += n * parts;

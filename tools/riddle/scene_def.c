@@ -287,18 +287,45 @@ static const scene_field shape_gravel_fields[] = {
      "another number, another grain"},
 };
 SECTION(shape_gravel, shape_gravel, "gravel", "A grain with corners on an ellipsoid.");
+#define CONVEX_SHAPES                                                                                                  \
+    {"box", FIELD_VECTOR, UNIT_LENGTH, offsetof(shape_def, box), ANY, "", 1, NO_WORDS, "a brick: its three lengths"},  \
+        {"corners",                                                                                                    \
+         FIELD_POINTS,                                                                                                 \
+         UNIT_LENGTH,                                                                                                  \
+         offsetof(shape_def, corners),                                                                                 \
+         4,                                                                                                            \
+         SHAPE_CORNERS_MAX,                                                                                            \
+         false,                                                                                                        \
+         "",                                                                                                           \
+         1,                                                                                                            \
+         NO_WORDS,                                                                                                     \
+         "a convex polyhedron, in any order; its origin is anywhere"},                                                 \
+        PART(shape_def, mesh, shape_mesh, "", 1, "a convex polyhedron from a file"),                                   \
+        PART(shape_def, tablet, shape_tablet, "", 1, "a tablet, lens or cylinder"),                                    \
+        PART(shape_def, gravel, shape_gravel, "", 1, "a grain of gravel")
+#define ROUNDING                                                                                                       \
+    {                                                                                                                  \
+        "rounding", FIELD_NUMBER, UNIT_NONE, offsetof(shape_def, rounding), 0.001, 0.4, false, "0.03", 0, NO_WORDS,    \
+            "radius of edges and corners of a polyhedron, over its smallest width"                                     \
+    }
+static const scene_field shape_part_fields[] = {
+    CONVEX_SHAPES,
+    VECTOR(shape_def, at, UNIT_LENGTH, "[0, 0, 0]",
+           "where the part's origin is put: the middle of a box or a tablet, the origin of corners or a file"),
+    VECTOR(shape_def, axis, UNIT_NONE, "[0, 0, 1]", "it is turned about this axis through its origin"),
+    NUMBER(shape_def, angle, UNIT_ANGLE, ANY, "0", "by this angle"),
+    ROUNDING,
+};
+SECTION(shape_part, shape_def, "part of a shape", "A convex body, fixed to the other parts.");
 static const scene_field shape_fields[] = {
     {"spheres", FIELD_LIST, UNIT_NONE, offsetof(shape_def, spheres), 1, SHAPE_SPHERES_MAX, false, "", 1, NULL,
      &shape_sphere_section, "a clump: spheres that move as one body"},
-    {"box", FIELD_VECTOR, UNIT_LENGTH, offsetof(shape_def, box), ANY, "", 1, NO_WORDS, "a brick: its three lengths"},
-    {"corners", FIELD_POINTS, UNIT_LENGTH, offsetof(shape_def, corners), 4, SHAPE_CORNERS_MAX, false, "", 1, NO_WORDS,
-     "a convex polyhedron, in any order; its origin is anywhere"},
-    PART(shape_def, mesh, shape_mesh, "", 1, "a convex polyhedron from a file"),
-    PART(shape_def, tablet, shape_tablet, "", 1, "a tablet, lens or cylinder"),
+    CONVEX_SHAPES,
     PART(shape_def, capsule, shape_capsule, "", 1, "a capsule: a clump"),
-    PART(shape_def, gravel, shape_gravel, "", 1, "a grain of gravel"),
-    {"rounding", FIELD_NUMBER, UNIT_NONE, offsetof(shape_def, rounding), 0.001, 0.4, false, "0.03", 0, NO_WORDS,
-     "radius of edges and corners of a polyhedron, over its smallest width"},
+    {"parts", FIELD_LIST, UNIT_NONE, offsetof(shape_def, parts), 1, SHAPE_PARTS_MAX, false, "", 1, NULL,
+     &shape_part_section,
+     "a body of convex parts, which may be concave as a whole. Parts may touch; what two have in common counts twice"},
+    ROUNDING,
 };
 SECTION(shape, shape_def, "shape",
         "Shape of the particles of a feed that are not spheres. They are oriented at random.");
@@ -549,7 +576,8 @@ static const scene_field scene_fields[] = {
     LIST(scene_def, materials, FIELD_NAMED, material, 8, MUST, "materials with names"),
     LIST(scene_def, contacts, FIELD_LIST, contact, 64, "", "pairs of materials"),
     LIST(scene_def, walls, FIELD_NAMED, wall, 32, "", "walls with names"),
-    LIST(scene_def, shapes, FIELD_NAMED, shape, 32, "", "clumps and convex polyhedra with names"),
+    LIST(scene_def, shapes, FIELD_NAMED, shape, 32, "",
+         "clumps, convex polyhedra and bodies of several of them, with names"),
     LIST(scene_def, feeds, FIELD_LIST, feed, 100, MUST, "sources of particles"),
     PART(scene_def, periodic, periodic, "", 0, "axes that close on themselves"),
     PART(scene_def, liquid, liquid, "", 0, "makes the scene wet"),

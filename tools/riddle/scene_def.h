@@ -117,7 +117,7 @@ typedef struct wall_def {
 
 /* ---- shapes ---- */
 
-enum { SHAPE_SPHERES_MAX = 64, SHAPE_CORNERS_MAX = 32 }; /* as dem.h has them */
+enum { SHAPE_SPHERES_MAX = 64, SHAPE_CORNERS_MAX = 32, SHAPE_PARTS_MAX = 64 }; /* as dem.h has them */
 
 typedef struct shape_sphere {
     scene_part part;
@@ -142,8 +142,9 @@ typedef struct shape_gravel {
     double diameter, elongation, flatness, corners, seed;
 } shape_gravel;
 typedef struct shape_def {
-    scene_part part; /* of the shapes' name */
-    scene_list spheres, corners;
+    scene_part part;                    /* of the shapes' name; of a part of a shape: none */
+    scene_list spheres, corners, parts; /* parts: shape_def */
+    double at[3], axis[3], angle;       /* of a part */
     double box[3], rounding;
     shape_mesh mesh;
     shape_tablet tablet;

@@ -270,9 +270,7 @@ static int check_memory(scene *s) {
     for (int k = 0; k < s->def->feeds.n; k++) {
         const scene_feeder *f = &s->feeder[k];
         if (!isnan(f->first->def->rate)) continue;
-        for (int c = 0; c < f->source.classes; c++)
-            all += scene_number_of(f, c, 0.0) *
-                   (f->first->shape && f->first->shape->clump.spheres ? f->first->shape->clump.spheres : 1);
+        for (int c = 0; c < f->source.classes; c++) all += scene_number_of(f, c, 0.0) * scene_pieces(f->first->shape);
         if (!(each * all <= there))
             return tree_fail(s->file, f->first->def->part.where,
                              "feed: %.3g particles take about %.3g GB of memory, of which %.3g GB are free", all,
