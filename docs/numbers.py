@@ -936,7 +936,6 @@ def dem_scaling(r, csv, json):
 
 def dem_cores(r, csv, json):
     scenes = {x["scene"]: x for x in r["scenes"]}
-    shuffled = {x["scene"]: x for x in json("shuffled.json")["scenes"]}
 
     def bound(x, threads, key="speedup"):
         return next(b[key] for b in x["bounds"] if b["threads"] == threads)
@@ -944,22 +943,11 @@ def dem_cores(r, csv, json):
     def cell(threads):
         return lambda x: f"{bound(x, threads):.1f} ({bound(x, threads, 'speedup_with_waking'):.1f})"
 
-    beds = ("20 000 at rest", "20 000 vibrated", "100 000 at rest", "100 000 vibrated", "1 million at rest",
-        "1 million vibrated")
     return {
         "rows": table(r["scenes"], [("scene", "scene", ""), ("bodies", "bodies", "d"),
-                ("one thread [ns a body and step]", "whole_run_ns", ".0f"),
-                *[(f"{n} threads", cell(n), "") for n in (2, 4, 8, 16, 32, 64)],
-                ("two real threads", "two_threads_speedup", ".2f"),
-                ("time with 64 asked on two cores, over two", "asked_over_two", ".2f")]),
-        "orders": table([scenes[bed] for bed in beds], [("bed", "scene", ""),
-                ("in the file's order [ns]", "whole_run_ns", ".0f"),
-                ("in an order drawn at random [ns]", lambda x: shuffled[x["scene"]]["whole_run_ns"], ".0f"),
-                ("random over the file's", lambda x: shuffled[x["scene"]]["whole_run_ns"] / x["whole_run_ns"], ".2f")]),
+                *[(f"{n} threads", cell(n), "") for n in (2, 4, 8, 16, 32, 64)]]),
         **{f"{state}_100000_{n}": f"{bound(scenes['100 000 ' + state.replace('_', ' ')], n):.0f}"
             for state in ("at_rest", "vibrated") for n in (16, 64)},
-        "million_over_20000_at_rest": f"{scenes[beds[4]]['whole_run_ns'] / scenes[beds[0]]['whole_run_ns']:.1f}",
-        "million_over_20000_vibrated": f"{scenes[beds[5]]['whole_run_ns'] / scenes[beds[1]]['whole_run_ns']:.1f}",
     }
 
 
