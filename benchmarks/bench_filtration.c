@@ -4,8 +4,8 @@
       error of four places of the centre within a voxel against processor time, over voxel, lattice, precision, boundary
       and relaxation time. One row has an interpolation that needs no second fluid node.
    2. Node updates a second: bare, with faces, with beds of spheres at rest and moving, against the limit of memory:
-      every population of the same memory read, changed and written back, in the same run. With --threads N also the
-      speedup on N threads.
+      every population of the same memory read, changed and written back, in the same run. --part speedups: rates on
+      --threads over those on one.
    3. A sphere that moves through liquid at rest: fluctuations of its drag and of the pressure beside it as it crosses
       the lattice, over the bulk viscosity; change of the liquid's mass; largest speed of a stable run. */
 #include <math.h>
@@ -458,20 +458,19 @@ static void speeds(const program *self, json *report) {
 }
 
 int main(int argc, char **argv) {
-    enum { ALL, DRAG, RATES, MOVING };
+    enum { ALL, DRAG, RATES, MOVING, SPEEDUPS };
     int part = ALL;
-    option options[] = {option_choice("part", &part, "all|drag|rates|moving",
-                                      "drag of the array, rate of the lattice, a sphere that moves, or all three")};
+    option options[] = {option_choice(
+        "part", &part, "all|drag|rates|moving|speedups",
+        "drag of the array, rate of the lattice, a sphere that moves, all three; or the rates on --threads over one")};
     program self = program_start(
         "bench_filtration",
         "Drag of a periodic array: error against run time; rate of the lattice against memory; a sphere that moves.",
         options, 1, argc, argv);
     json *report = json_open(self.json);
     if (part == ALL || part == DRAG) drag_errors(&self, report);
-    if (part == ALL || part == RATES) {
-        rates(&self, report);
-        if (is_given(&self, "threads") && self.threads > 1) speedups(&self, report);
-    }
+    if (part == ALL || part == RATES) rates(&self, report);
+    if (part == SPEEDUPS) speedups(&self, report);
     if (part == ALL || part == MOVING) {
         noise(&self, report);
         masses(&self, report);
