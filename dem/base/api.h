@@ -43,6 +43,14 @@ DEM_API dem_status dem_add_spheres(dem_world *world, ptrdiff_t n, const double *
    case and mostly to rounding. Moments that differ by less than 1e-9 are taken to be equal. A sphere inside another one
    is left out, because it can touch nothing. DEM_TOO_MANY beyond DEM_CLUMP_MAX. */
 DEM_API dem_status dem_make_clump(int n, const double *centres, const double *diameters, dem_clump *clump);
+/* How well the spheres of a clump fill the body that they stand for (dem_make_clump_from_mesh). */
+typedef struct dem_clump_fit {
+    double volume;  /* of the union of the spheres over that of the body, less 1 [-] */
+    double moments; /* greatest difference between elements of the two tensors of inertia, each about its own centre of
+                       mass and of the same density, over the greatest moment [-] */
+    double centre;  /* distance of the two centres of mass over the diameter of the sphere of the body's volume [-] */
+} dem_clump_fit;
+
 /* Makes a clump from a closed surface, for instance of an STL file: at most n spheres inside it, each of which fills
    most of what those before it leave, to the resolution of a grid of 8000 points in the body. Volume, centre of mass
    and moments are those of the body within the surface, exact. n: 1 .. DEM_CLUMP_MAX; allocator: for working memory,

@@ -88,14 +88,6 @@ typedef struct dem_clump {
                         const double *diameters, const double *orientations, int material, int group);
 } dem_clump;
 
-/* How well the spheres of a clump fill the body that they stand for (dem_make_clump_from_mesh). */
-typedef struct dem_clump_fit {
-    double volume;  /* of the union of the spheres over that of the body, less 1 [-] */
-    double moments; /* greatest difference between elements of the two tensors of inertia, each about its own centre of
-                       mass and of the same density, over the greatest moment [-] */
-    double centre;  /* distance of the two centres of mass over the diameter of the sphere of the body's volume [-] */
-} dem_clump_fit;
-
 #define DEM_PARTS_MAX 64 /* convex parts of a compound at most */
 /* A body of convex parts fixed to each other, concave as a whole. Made by dem_make_compound(). Volume, moments and axes
    may be replaced by better ones; then make the centres relative to the true centre of mass. */
