@@ -243,9 +243,10 @@ static const char *const *unit_and_ending(const char *column) {
 static const char *unit_of(const char *column) { return unit_and_ending(column)[1]; }
 static const char *ending_of(const char *column) { return unit_and_ending(column)[0]; }
 
+static const char MIXED[] = "units as named"; /* what an axis says of curves with different units */
+
 /* A column's name as one says it, without the unit that it ends with where the axis names a unit; where the axis says
- * MIXED, with it. */
-static const char MIXED[] = "units as named";
+   MIXED, with it. */
 static const char *title_of(const char *column, const char *axis, char *text, size_t size) {
     char name[NAME];
     const size_t length = strlen(column) - (axis ? strlen(ending_of(column)) : 0);
