@@ -2403,6 +2403,8 @@ typedef struct dem__convex_state {
     dem__convex_pair *pair; /* pairs of particles in the order of near pairs, then pairs with walls in the order of
                                particles and walls */
     ptrdiff_t pairs, of_particles, pair_capacity;
+    int32_t *close;   /* [pair_capacity] numbers of the pairs that are close in the present step, rising */
+    ptrdiff_t closes; /* how many */
     dem__convex_point *point;
     ptrdiff_t point_capacity;
     int64_t overlaps;      /* of cores, in the last step */
@@ -20402,36 +20404,70 @@ static inline void dem__place_flying(dem_world *w, ptrdiff_t first, ptrdiff_t en
 
 /* ---- pairs that are close ---- */
 
-/* Finds which of pairs first .. end-1 are close at a step. */
+/* A list of pairs that several threads make: part p of the loop has put `count[p]` of them, the first at `first[p]`. */
+typedef struct dem__pair_list {
+    int64_t step;
+    ptrdiff_t first[DEM__PARTS_MAX], count[DEM__PARTS_MAX];
+} dem__pair_list;
+
+/* Returns whether one of a pair's bodies is in flight. */
+DEM_INLINE int dem__has_flying(const dem_world *w, const dem__convex_pair *p) {
+    const int32_t *activity = w->engine->bodies.activity;
+    return activity[p->i] == DEM__FLYING || (p->j >= 0 && activity[p->j] == DEM__FLYING);
+}
+
+/* Finds whether pair k is close at a step. */
+static inline void dem__look_at_pair(dem_world *w, ptrdiff_t k, int64_t step) {
+    dem__convex_pair *p = &w->engine->convex.pair[k];
+    if (dem__is_skipped(w, p, step)) return;
+    p->is_close = p->count = 0, p->skip_until = 0;
+    if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) return;
+    if (p->j < 0) dem__look_at_wall(w, p, step);
+    else dem__look_at_spheres(w, p, step);
+}
+
+/* Lists those of pairs first .. end-1 that are close at a step, and the first pairs of compounds. Pair k with a body in
+   flight is -1 - k. */
 static inline void dem__find_close(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    const int64_t step = *(const int64_t *)context;
-    (void)part;
+    dem__pair_list *list = (dem__pair_list *)context;
+    int32_t *close = w->engine->convex.close;
+    ptrdiff_t n = first;
     for (ptrdiff_t k = first; k < end; k++) { /* by index: without pairs there is no array */
-        dem__convex_pair *p = &w->engine->convex.pair[k];
-        if (dem__is_skipped(w, p, step)) continue;
-        p->is_close = p->count = 0, p->skip_until = 0;
-        if (!w->alive[p->i] || (p->j >= 0 && !w->alive[p->j])) continue;
-        if (p->j < 0) dem__look_at_wall(w, p, step);
-        else dem__look_at_spheres(w, p, step);
+        const dem__convex_pair *p = &w->engine->convex.pair[k];
+        dem__look_at_pair(w, k, list->step);
+        if (p->is_close || p->lead == k) close[n++] = (int32_t)(p->is_close && dem__has_flying(w, p) ? -1 - k : k);
+    }
+    list->first[part] = first, list->count[part] = n - first;
+}
+
+/* Joins the parts of a list, and marks the bodies of pairs that have one in flight. */
+static inline void dem__join_close(dem_world *w, const dem__pair_list *list, int parts) {
+    dem__convex_state *convex = &w->engine->convex;
+    int32_t *marked = w->engine->scratch.index;
+    convex->closes = 0;
+    for (int q = 0; q < parts; q++) {
+        for (ptrdiff_t m = list->first[q]; m < list->first[q] + list->count[q]; m++) {
+            const int32_t k = convex->close[m] < 0 ? -1 - convex->close[m] : convex->close[m];
+            const dem__convex_pair *p = &convex->pair[k];
+            if (convex->close[m] < 0) marked[p->i] = 1;
+            if (convex->close[m] < 0 && p->j >= 0) marked[p->j] = 1;
+            convex->close[convex->closes++] = k;
+        }
     }
 }
 
-/* Finds the pairs that are close at a step, and places their polyhedra. */
+/* Lists the pairs that are close at a step, and places their polyhedra. */
 static inline void dem__place_close(dem_world *w, int64_t step) {
-    dem__convex_state *convex = &w->engine->convex;
-    const int parts = dem__parts(w, w->count);
-    int32_t *marked = w->engine->scratch.index;
+    const dem__convex_state *convex = &w->engine->convex;
+    const int parts = dem__parts(w, w->count), pair_parts = dem__parts(w, convex->pairs);
+    const int some_fly = w->engine->bodies.active_count < w->count - w->engine->bodies.dropped;
+    dem__pair_list list;
+    list.step = step;
     dem__in_parts(w, parts, w->count, dem__place_active, &step);
-    dem__in_parts(w, dem__parts(w, convex->pairs), convex->pairs, dem__find_close, &step);
-    if (w->engine->bodies.active_count == w->count - w->engine->bodies.dropped) return; /* none is in flight */
-    for (ptrdiff_t i = 0; i < w->count; i++) marked[i] = 0;
-    for (ptrdiff_t k = 0; k < convex->pairs; k++) {
-        const dem__convex_pair *p = &convex->pair[k];
-        if (!p->is_close) continue;
-        marked[p->i] = 1;
-        if (p->j >= 0) marked[p->j] = 1;
-    }
-    dem__in_parts(w, parts, w->count, dem__place_flying, &step);
+    dem__in_parts(w, pair_parts, convex->pairs, dem__find_close, &list);
+    for (ptrdiff_t i = 0; some_fly && i < w->count; i++) w->engine->scratch.index[i] = 0;
+    dem__join_close(w, &list, pair_parts);
+    if (some_fly) dem__in_parts(w, parts, w->count, dem__place_flying, &step);
 }
 
 /* ---- points ---- */
@@ -20442,14 +20478,15 @@ typedef struct dem__convex_look {
     ptrdiff_t share;
     int full[DEM__PARTS_MAX];
 } dem__convex_look;
-/* Finds the points of pairs first .. end-1 at a step. look->full: they do not fit into this part. */
+/* Finds the points of close pairs first .. end-1 at a step. look->full: they do not fit into this part. */
 static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__convex_look *look = (dem__convex_look *)context;
     dem__convex_state *convex = &w->engine->convex;
     ptrdiff_t at = look->share * part;
     const ptrdiff_t limit = at + look->share;
     look->overlaps[part] = look->cuts[part] = look->full[part] = 0;
-    for (ptrdiff_t q = first; q < end; q++) {
+    for (ptrdiff_t k = first; k < end; k++) {
+        const int32_t q = convex->close[k];
         dem__convex_pair *p = &convex->pair[q];
         if (p->lead >= 0) { /* with the other pairs of two bodies */
             const ptrdiff_t n = p->lead != q ? 0
@@ -20462,7 +20499,6 @@ static inline void dem__look_at_polyhedra(dem_world *w, ptrdiff_t first, ptrdiff
             at += n;
             continue;
         }
-        if (!p->is_close) continue;
         p->first = (int32_t)at;
         if (limit - at < DEM__POINTS_MAX) {
             look->full[part] = 1;
@@ -20490,16 +20526,16 @@ static inline int dem__grow_points(dem_world *w, ptrdiff_t wanted) {
 /* Finds the points of all pairs at a step. Returns 0 when out of memory. */
 static inline int dem__find_convex_points(dem_world *w, int64_t step) {
     dem__convex_state *convex = &w->engine->convex;
-    const int parts = dem__parts(w, convex->pairs);
     dem__convex_look look;
     int full = 1;
     look.step = step;
     dem__place_close(w, step);
+    const int parts = dem__parts(w, convex->closes);
     if (!dem__grow_points(w, 2 * (w->engine->contacts.count + DEM__POINTS_MAX * (ptrdiff_t)parts))) return 0;
     while (full) {
         full = 0;
         look.share = convex->point_capacity / parts;
-        dem__in_parts(w, parts, convex->pairs, dem__look_at_polyhedra, &look);
+        dem__in_parts(w, parts, convex->closes, dem__look_at_polyhedra, &look);
         for (int q = 0; q < parts; q++) full |= look.full[q];
         if (full && !dem__grow_points(w, 2 * convex->point_capacity)) return 0;
     }
@@ -20560,23 +20596,53 @@ static inline void dem__follow_points(dem_world *w, ptrdiff_t first, ptrdiff_t e
     }
 }
 
+/* Returns whether a pair has a point without a contact. */
+DEM_INLINE int dem__has_new_point(const dem__convex_state *convex, const dem__convex_pair *p) {
+    int taken = 1;
+    for (int32_t k = p->first; k < p->first + p->count; k++) taken &= convex->point[k].taken;
+    return !taken;
+}
+
+/* Keeps those of close pairs first .. end-1 that have a point without a contact. */
+static inline void dem__find_new_points(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
+    dem__pair_list *list = (dem__pair_list *)context;
+    int32_t *close = w->engine->convex.close;
+    ptrdiff_t n = first;
+    for (ptrdiff_t k = first; k < end; k++) {
+        if (dem__has_new_point(&w->engine->convex, &w->engine->convex.pair[close[k]])) close[n++] = close[k];
+    }
+    list->first[part] = first, list->count[part] = n - first;
+}
+
+/* Begins the contacts of points that have none. Returns 0 when out of memory. */
+static inline int dem__begin_at_points(dem_world *w, ptrdiff_t q) {
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem__convex_pair *p = &convex->pair[q];
+    for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count;
+         point++) {
+        if (point->taken) continue;
+        if (!dem__new_contact(w, p->i, p->j, point->key, (int32_t)(-2 - q))) return 0;
+        dem__set_first_place(w, dem__next_slot(w) - 1, point);
+    }
+    return 1;
+}
+
 /* Moves the contacts of polyhedra to a step to which the walls have been moved, and begins new ones. */
 static inline void dem__follow_polyhedra(dem_world *w, int64_t step) {
-    dem__convex_state *convex = &w->engine->convex;
-    dem__contacts *contacts = &w->engine->contacts;
+    const dem__convex_state *convex = &w->engine->convex;
+    const dem__contacts *contacts = &w->engine->contacts;
+    dem__pair_list list;
     if (!dem__find_convex_points(w, step)) {
         w->status = DEM_OUT_OF_MEMORY;
         return;
     }
+    const int parts = dem__parts(w, convex->closes);
     dem__in_parts(w, dem__parts_of(w, contacts->count, contacts->chunk_count), contacts->chunk_count,
                   dem__follow_points, NULL);
-    for (ptrdiff_t q = 0; q < convex->pairs; q++) {
-        const dem__convex_pair *p = &convex->pair[q];
-        for (const dem__convex_point *point = convex->point + p->first; point < convex->point + p->first + p->count;
-             point++) {
-            if (point->taken) continue;
-            if (!dem__new_contact(w, p->i, p->j, point->key, (int32_t)(-2 - q))) return;
-            dem__set_first_place(w, dem__next_slot(w) - 1, point);
+    dem__in_parts(w, parts, convex->closes, dem__find_new_points, &list);
+    for (int q = 0; q < parts; q++) {
+        for (ptrdiff_t k = list.first[q]; k < list.first[q] + list.count[q]; k++) {
+            if (!dem__begin_at_points(w, convex->close[k])) return;
         }
     }
 }
@@ -20623,6 +20689,12 @@ static inline ptrdiff_t dem__put_convex_pairs(const dem_world *w, dem__convex_pa
     return n;
 }
 
+static inline void dem__release_pairs(const dem_world *w) {
+    const dem__convex_state *convex = &w->engine->convex;
+    dem__release(&w->def.allocator, convex->pair, (size_t)convex->pair_capacity * sizeof *convex->pair);
+    dem__release(&w->def.allocator, convex->close, (size_t)convex->pair_capacity * sizeof *convex->close);
+}
+
 /* Lists the pairs again, stops their tests as spheres, and finds the pair of each contact. Returns 0 when out of
    memory. */
 static inline int dem__list_convex_pairs(dem_world *w) {
@@ -20637,9 +20709,13 @@ static inline int dem__list_convex_pairs(dem_world *w) {
     if (n > convex->pair_capacity) {
         const ptrdiff_t larger = n + n / 4 + 64;
         dem__convex_pair *fresh = (dem__convex_pair *)a->fn(a->user, NULL, 0, (size_t)larger * sizeof *fresh);
-        if (!fresh) return 0;
-        dem__release(a, convex->pair, (size_t)convex->pair_capacity * sizeof *fresh);
-        convex->pair = fresh, convex->pair_capacity = larger;
+        int32_t *close = fresh ? (int32_t *)a->fn(a->user, NULL, 0, (size_t)larger * sizeof *close) : NULL;
+        if (!close) {
+            dem__release(a, fresh, (size_t)larger * sizeof *fresh);
+            return 0;
+        }
+        dem__release_pairs(w);
+        convex->pair = fresh, convex->close = close, convex->pair_capacity = larger;
     }
     convex->pairs = dem__put_convex_pairs(w, convex->pair, &convex->of_particles);
     dem__chain_pairs(w);
@@ -21829,7 +21905,7 @@ static inline void dem__release_polyhedra(dem_world *w) {
     const dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
     dem__release(a, convex->shape, (size_t)convex->shapes * sizeof *convex->shape);
-    dem__release(a, convex->pair, (size_t)convex->pair_capacity * sizeof *convex->pair);
+    dem__release_pairs(w);
     dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *convex->point);
 }
 

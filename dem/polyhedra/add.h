@@ -48,7 +48,7 @@ static inline void dem__release_polyhedra(dem_world *w) {
     const dem__convex_state *convex = &w->engine->convex;
     const dem_allocator *a = &w->def.allocator;
     dem__release(a, convex->shape, (size_t)convex->shapes * sizeof *convex->shape);
-    dem__release(a, convex->pair, (size_t)convex->pair_capacity * sizeof *convex->pair);
+    dem__release_pairs(w);
     dem__release(a, convex->point, (size_t)convex->point_capacity * sizeof *convex->point);
 }
 
