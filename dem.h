@@ -2572,6 +2572,7 @@ typedef struct dem__run {
     int running;      /* a run or a removal is in progress: functions of the caller may not change the world */
     int ending;       /* the law's hook ended is running: it may not even add links */
     int keeps_wrenches;
+    int has_friction;
     double power;    /* power of the overlap to which the elastic energy of a contact is proportional: 2, Hertz 2.5 */
     int turns;       /* whether spins may change in this step: without friction and loads only those of rigid bodies
                         do */
@@ -11276,7 +11277,7 @@ static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
 
 /* Returns whether spins may change in the steps of this run. */
 static inline int dem__may_turn(const dem_world *w) {
-    int may = (w->engine->run.features & DEM_FRICTION) || w->engine->bodies.adds_loads || w->engine->bodies.rigid;
+    int may = w->engine->run.has_friction || w->engine->bodies.adds_loads || w->engine->bodies.rigid;
     for (int k = 0; k < w->engine->features; k++) may |= w->engine->feature[k].add_forces != NULL;
     return may;
 }
@@ -11757,7 +11758,7 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
                              saved */
     if (!dem__reorder_contacts(w)) return 0;
     DEM__TELL(w, find_forces, (w));
-    dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
+    dem__evaluate(w, kernel->loop, 0.0, w->engine->run.has_friction, 1);
     DEM__TELL(w, forces_found, (w));
     DEM__TELL(w, add_forces, (w, 0.0));
     if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
@@ -11773,7 +11774,8 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
    failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
-    run->power = features & DEM_HERTZ ? 2.5 : 2.0; /* the first search for contacts needs it, too */
+    run->power = features & DEM_HERTZ ? 2.5 : 2.0; /* what begins before the first step needs both */
+    run->has_friction = (features & DEM_FRICTION) != 0;
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
     run->turns = 1; /* for the first step: an earlier run may have left spin rates */
@@ -11843,7 +11845,7 @@ static inline int dem__remove_leaving(dem_world *w) {
 
 /* Advances the world by one step. keep: stores the forces of contacts for readers. Returns 0 after a failure. */
 static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
-    const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
+    const int features = w->engine->run.features, has_friction = w->engine->run.has_friction;
     const double h = w->engine->run.dt;
     int going = 1;
     if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;
@@ -13991,7 +13993,7 @@ DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, const d
     const dem__rigid *r = dem__rigid_of(w, i);
     dem__turning q;
     q.spin = spin, q.c = 0.0, q.inertia = 1.0;
-    if (!turning || (!r && !(w->engine->run.features & DEM_FRICTION) && dem__is_zero(spin)))
+    if (!turning || (!r && !w->engine->run.has_friction && dem__is_zero(spin)))
         return q; /* spheres without friction do not turn */
     q.c = turning(at, &q.spin);
     const double square = dem__dot(q.spin, q.spin);

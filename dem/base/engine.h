@@ -161,6 +161,7 @@ typedef struct dem__run {
     int running;      /* a run or a removal is in progress: functions of the caller may not change the world */
     int ending;       /* the law's hook ended is running: it may not even add links */
     int keeps_wrenches;
+    int has_friction;
     double power;    /* power of the overlap to which the elastic energy of a contact is proportional: 2, Hertz 2.5 */
     int turns;       /* whether spins may change in this step: without friction and loads only those of rigid bodies
                         do */

@@ -92,7 +92,7 @@ DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, const d
     const dem__rigid *r = dem__rigid_of(w, i);
     dem__turning q;
     q.spin = spin, q.c = 0.0, q.inertia = 1.0;
-    if (!turning || (!r && !(w->engine->run.features & DEM_FRICTION) && dem__is_zero(spin)))
+    if (!turning || (!r && !w->engine->run.has_friction && dem__is_zero(spin)))
         return q; /* spheres without friction do not turn */
     q.c = turning(at, &q.spin);
     const double square = dem__dot(q.spin, q.spin);

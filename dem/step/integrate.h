@@ -192,7 +192,7 @@ static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
 
 /* Returns whether spins may change in the steps of this run. */
 static inline int dem__may_turn(const dem_world *w) {
-    int may = (w->engine->run.features & DEM_FRICTION) || w->engine->bodies.adds_loads || w->engine->bodies.rigid;
+    int may = w->engine->run.has_friction || w->engine->bodies.adds_loads || w->engine->bodies.rigid;
     for (int k = 0; k < w->engine->features; k++) may |= w->engine->feature[k].add_forces != NULL;
     return may;
 }

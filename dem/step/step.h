@@ -94,7 +94,7 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
                              saved */
     if (!dem__reorder_contacts(w)) return 0;
     DEM__TELL(w, find_forces, (w));
-    dem__evaluate(w, kernel->loop, 0.0, (w->engine->run.features & DEM_FRICTION) != 0, 1);
+    dem__evaluate(w, kernel->loop, 0.0, w->engine->run.has_friction, 1);
     DEM__TELL(w, forces_found, (w));
     DEM__TELL(w, add_forces, (w, 0.0));
     if (!dem__kick(w, 0.0)) return dem__fail(w, DEM_NOT_FINITE);
@@ -110,7 +110,8 @@ static inline int dem__find_forces(dem_world *w, const dem_kernel *kernel, ptrdi
    failure. */
 static DEM__NOINLINE int dem__prepare_run(dem_world *w, const dem_kernel *kernel, int features) {
     dem__run *run = &w->engine->run;
-    run->power = features & DEM_HERTZ ? 2.5 : 2.0; /* the first search for contacts needs it, too */
+    run->power = features & DEM_HERTZ ? 2.5 : 2.0; /* what begins before the first step needs both */
+    run->has_friction = (features & DEM_FRICTION) != 0;
     if (!dem__prepare_lists(w)) return 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
     run->turns = 1; /* for the first step: an earlier run may have left spin rates */
@@ -180,7 +181,7 @@ static inline int dem__remove_leaving(dem_world *w) {
 
 /* Advances the world by one step. keep: stores the forces of contacts for readers. Returns 0 after a failure. */
 static inline int dem__step(dem_world *w, const dem_kernel *kernel, int keep) {
-    const int features = w->engine->run.features, has_friction = (features & DEM_FRICTION) != 0;
+    const int features = w->engine->run.features, has_friction = w->engine->run.has_friction;
     const double h = w->engine->run.dt;
     int going = 1;
     if (w->step % DEM__REORDER_STEPS == 0 && !dem__reorder_contacts(w)) return 0;

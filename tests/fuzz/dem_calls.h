@@ -156,8 +156,9 @@ typedef struct side {
     int most_threads;       /* that it has had */
     int links;              /* have they a law? */
     double interval, near;
-    int bodies; /* may the feeds have clumps (1), and polyhedra (2)? */
+    int bodies; /* may the feeds have clumps (1), polyhedra (2), and compounds (3)? */
     dem_clump clump;
+    dem_compound compound;
     dem_gas gas;
     dem_force_field field; /* without a kernel: none is set */
 } side;
@@ -218,6 +219,9 @@ static void set_feed(side *s, const call *c) {
     feed->clump = s->bodies && c->pick[0] % 4 == 3 ? &s->clump : NULL;
     /* There is one from the beginning. */
     feed->polyhedron = s->bodies > 1 && c->pick[0] % 4 < 2 ? 1 + pick(c, 1, shapes_of(&s->w)) : 0;
+    /* with a polyhedron beside it the feed is refused */
+    feed->compound = s->bodies > 2 && c->pick[0] % 8 < (c->odd == NUMBERS ? 2 : 1) ? &s->compound : NULL;
+    if (feed->compound && c->odd != NUMBERS) feed->polyhedron = 0;
     feed->region = region_of(c);
     feed->sizes = sizes_of(c);
     feed->material = c->pick[3] % 2;

@@ -16,6 +16,7 @@
 /* Seeds: programs from here on have clumps, polyhedra and fields, too; those below stay the same. */
 #define FIRST_WITH_BODIES 100000
 #define FIRST_WITH_FIXED 200000 /* and fixed particles and all the rest of the public functions */
+#define FIRST_WITH_COMPOUNDS 300000
 
 /* ---- what a call may answer ---- */
 
@@ -222,6 +223,13 @@ static dem_def draw_def(fuzz_draws *d) {
     return def;
 }
 
+/* A compound of two bricks, one across the end of the other. */
+static void make_angle(side *s, const dem_convex *brick) {
+    const dem_convex parts[2] = {*brick, *brick};
+    const double places[6] = {0.0, 0.0, 0.0, 1e-3, 0.0, 3e-3}, turns[8] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0};
+    FUZZ_HOLDS(dem_make_compound(&s->w, 2, parts, places, turns, &s->compound, NULL) == DEM_OK);
+}
+
 static void begin(side *s, const dem_def *def, int skip, int threads, int backwards, int bodies) {
     dem_def own = *def;
     memset(s, 0, sizeof *s);
@@ -238,6 +246,7 @@ static void begin(side *s, const dem_def *def, int skip, int threads, int backwa
         dem_convex brick;
         FUZZ_HOLDS(dem_make_brick(&brick, dem_vec3(2e-3, 2e-3, 4e-3), 0.05, NULL) == DEM_OK &&
                    dem_add_shape(&s->w, &brick) == 0);
+        if (bodies > 2) make_angle(s, &brick);
     }
     set_threads(s);
 }
@@ -258,6 +267,7 @@ static void load_in_place(side *s, const side *of) {
     set_threads(s);
     s->feed = of->feed;
     if (s->feed.clump) s->feed.clump = &s->clump;
+    if (s->feed.compound) s->feed.compound = &s->compound;
     s->links = of->links, s->interval = of->interval, s->near = of->near;
     for (int k = 0; k < s->w.walls; k++) {
         if (s->w.wall[k].asked.drive != DEM_PRESCRIBED) continue;
@@ -274,7 +284,7 @@ static void load_in_place(side *s, const side *of) {
 
 /* Writes what a number of a save should not be: of 1, 4 or 8 bytes, a double or an integer. */
 static void forge_number(fuzz_draws *d, unsigned char *at, int width) {
-    static const int64_t odd[] = {0,  1,           2,          -1,     3,      31,      32,     100,
+    static const int64_t odd[] = {0,  1,           2,          -1,    3,       31,        32,        100,
                                   -2, -2147483648, 2147483647, 65536, 1 << 29, INT64_MAX, INT64_MIN, 1000000000000};
     uint64_t bits = (uint64_t)odd[fuzz_one_of(d, (int)(sizeof odd / sizeof *odd))];
     const double number =
@@ -300,8 +310,10 @@ static size_t forge(fuzz_draws *d, unsigned char *bytes, size_t size) {
     } else {
         const int width = chosen.bytes % 8 == 0 ? 8 : chosen.bytes % 4 == 0 ? 4 : 1, last = (int)chosen.count - 1;
         const int entry = fuzz_one_of(d, 3) ? fuzz_one_of(d, (int)chosen.count) : fuzz_one_of(d, 2) ? last : 0;
-        forge_number(d, bytes + chosen.at + (size_t)entry * chosen.bytes +
-                            (size_t)(width * fuzz_one_of(d, (int)(chosen.bytes / (uint64_t)width))), width);
+        forge_number(d,
+                     bytes + chosen.at + (size_t)entry * chosen.bytes +
+                         (size_t)(width * fuzz_one_of(d, (int)(chosen.bytes / (uint64_t)width))),
+                     width);
     }
     uint64_t check = dem__checksum(bytes, size - 8);
     for (int k = 0; k < 8; k++) bytes[size - 8 + (size_t)k] = (unsigned char)(check >> (8 * k));
@@ -486,8 +498,11 @@ static uint64_t run_program(fuzz_draws *d) {
     const int kinds = fuzz_seed >= FIRST_WITH_FIXED || d->bytes ? CALLS
                       : fuzz_seed >= FIRST_WITH_BODIES          ? MIDDLE_CALLS
                                                                 : OLD_CALLS;
-    /* a third feeds polyhedra */
-    const int bodies = kinds == OLD_CALLS ? 0 : d->bytes || (kinds == CALLS && fuzz_seed % 3 == 2) ? 2 : 1;
+    const int feeds_polyhedra = d->bytes || (kinds == CALLS && fuzz_seed % 3 == 2);
+    const int bodies = kinds == OLD_CALLS                              ? 0
+                       : !feeds_polyhedra                              ? 1
+                       : d->bytes || fuzz_seed >= FIRST_WITH_COMPOUNDS ? 3
+                                                                       : 2;
     begin(&p.a, &def, DEM_SKIP_ALL, 1, 0, bodies);
     /* a call draws its arguments in any order */
     const int threads = 1 + fuzz_one_of(d, 3), skip = fuzz_one_of(d, DEM_SKIP_ALL + 1);
@@ -515,4 +530,4 @@ static uint64_t run_program(fuzz_draws *d) {
 
 FUZZ_PROGRAMS(100, FIRST_WITH_BODIES, 1843, 8785, 11667, 18402, 30776, 100371, 100547, 100889, 105725, 109151, 112296,
               112838, 113162, 113956, 116184, 118699, 123140, 127298, 128703, 131164, 132917, 134508, 135463, 136227,
-              138284, 200082, 206089, 209162, 220493)
+              138284, 200082, 206089, 209162, 220493, 301639)
