@@ -331,7 +331,8 @@ DEM_INLINE void dem__add_field_force(dem_world *w, ptrdiff_t i, double h, dem_ve
     w->engine->field.force[i] = force;
     if (!turning) return;
     const dem__turning turn = dem__turning_of(w, i, &at, p->spin, turning);
-    const dem_vec torque = turn.c > 0.0 ? dem__scale(-turn.c, turn.spin) : none;
+    const double most = turn.inertia / w->engine->run.dt; /* stops the spin in a step: more would overshoot and grow */
+    const dem_vec torque = turn.c > 0.0 ? dem__scale(-(turn.c < most ? turn.c : most), turn.spin) : none;
     load[3] += torque.x, load[4] += torque.y, load[5] += torque.z;
     w->engine->field.torque[i] = torque;
 }
