@@ -19483,9 +19483,10 @@ static inline double dem__nearest_between(const dem__at_wall *q, const dem__plac
 }
 
 /* Finds the places at which an edge touches a sheet between its ends, by steps along it: long ones where no contact is
-   possible, otherwise short ones. Returns how many. */
+   possible, otherwise short ones, of a needle at most 4096. Returns how many. */
 static inline int dem__nearest_along(const dem__at_wall *q, const dem__placed_edge *e, double *at) {
-    const double step = 0.25 * q->shape->radius, least = 0.0625 * step;
+    const double fine = 0.25 * q->shape->radius, coarse = e->length / 4096.0, step = fine > coarse ? fine : coarse,
+                 least = 0.0625 * step;
     dem__touch was = dem__touch_sheet_along(q, e, 0.0);
     int n = 0;
     for (double t = 0.0; t < e->length && n < DEM__CROSSINGS_MAX;) {
