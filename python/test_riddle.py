@@ -1169,7 +1169,7 @@ class Shown(unittest.TestCase):
                           (lambda: world.add_spheres([[0, 0, 1]], [-1e-3], 0), "diameters = .*: must be above 0"),
                           (lambda: world.add_spheres([[0, 0, np.nan]], [1e-3], 0), "centres = .*: not finite"),
                           (lambda: world.run(-1.0, dem.LINEAR), "duration = -1: must not be below 0"),
-                          (lambda: world.run(1e-3, 0), "duration = 0.001, features = 0"),
+                          (lambda: world.run(1e-3, 0), "features: no shipped law .*; duration = 0.001, features = 0"),
                           (lambda: world.prescribe(9, (0, 0, 0), lambda now: ((0, 0, 0), (0, 0, 0))),
                            "wall = 9: the world has 1 walls"),
                           (lambda: dem.World(dem.def_(dt=-1.0)), "materials: is 0"),

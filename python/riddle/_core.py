@@ -796,8 +796,9 @@ class Function:
         if self.status and value != 0 or self.index and value < 0:
             status = int(value) if self.status else self.refusal or -int(value)
             field = None if field is None or field[0] == ffi.NULL else ffi.string(field[0]).decode()
+            changes = (self.lower, status) == ("dem", lib.DEM_BAD_ARGUMENT) and any(p.changes for p in self.visible)
             raise status_error(self.lower, status, field,
-                               of_field(field, arguments) or wrong_arguments(arguments, self.about["doc"]))
+                               of_field(field, arguments) or wrong_arguments(arguments, self.about["doc"], changes))
         made = [(name, answer() if callable(answer) else answer) for name, answer in answers]
         if not self.status and self.about["returns"] != "void":
             made.insert(0, ("value", self._value(value)))
@@ -848,9 +849,11 @@ def of_field(field, arguments):
 _EMPTY = {"axis", "normal", "direction", "right"}  # vectors that must not be zero
 
 
-def wrong_arguments(arguments, doc=""):
-    """Which arguments look wrong, for an error of C that names none; all of them where none does."""
+def wrong_arguments(arguments, doc="", changes=False):
+    """Which arguments look wrong, for an error of C that names none. Where none does: all of them, after what the world
+    says about a call that was to change it."""
     world = next((v for v in arguments.values() if isinstance(v, Handle) and v._name == "dem_world"), None)
+    said = ffi.string(lib.dem_error_text(world._alive)).decode() if changes and world is not None else ""
     found = []
     for name, value in arguments.items():
         if isinstance(value, Handle):
@@ -863,9 +866,9 @@ def wrong_arguments(arguments, doc=""):
             problem = wrong_value(name, value, world, doc)
             if problem:
                 found.append(f"{name} = {short(np.asarray(value) if isinstance(value, list) else value)}: {problem}")
-    return ("; ".join(found)
-            or ", ".join(f"{name} = {short(np.asarray(v) if isinstance(v, list) else v)}"
-                         for name, v in arguments.items() if not isinstance(v, Handle)))
+    given = ", ".join(f"{name} = {short(np.asarray(v) if isinstance(v, list) else v)}"
+                      for name, v in arguments.items() if not isinstance(v, Handle))
+    return "; ".join(found) or "; ".join(filter(None, (said, given)))
 
 
 def wrong_fields(structure):

@@ -157,7 +157,7 @@ class World(_core.Handle):
             if status == lib.DEM_PAIR_NOT_SET:
                 pair = tuple(lib.riddle_failed_material(self._alive, which) for which in (0, 1))
             error = _core.status_error("dem", status, f"materials {pair[0]} and {pair[1]}" if pair else None,
-                                       _core.wrong_arguments(given)
+                                       _core.wrong_arguments(given, changes=True)
                                        if given and status == lib.DEM_BAD_ARGUMENT else None)
             error.materials = pair
             if status in (lib.DEM_NOT_FINITE, lib.DEM_TOO_FAST, lib.DEM_PAIR_NOT_SET):
@@ -367,7 +367,7 @@ class World(_core.Handle):
                 source = file.read()
         mesh, report = ffi.new("dem_mesh *"), ffi.new("dem_stl_report *")
         self._check(lib.dem_read_stl(bytes(source), len(source), scale, weld, ffi.NULL, mesh, report),
-                    {"world": self, "scale": scale, "weld": weld})
+                    {"scale": scale, "weld": weld})
         wall = lib.dem_add_mesh(self._alive, material, mesh)
         lib.dem_free_mesh(mesh)
         if wall < 0:
