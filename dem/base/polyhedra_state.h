@@ -80,7 +80,8 @@ typedef struct dem__convex_state {
     dem__convex_pair *pair; /* pairs of particles in the order of near pairs, then pairs with walls in the order of
                                particles and walls */
     ptrdiff_t pairs, of_particles, pair_capacity;
-    int32_t *close;   /* [pair_capacity] numbers of the pairs that are close in the present step, rising */
+    int32_t *close;   /* [pair_capacity] numbers of the pairs that are close in the present step, and of the first pairs
+                         of compounds, rising */
     ptrdiff_t closes; /* how many */
     dem__convex_point *point;
     ptrdiff_t point_capacity;
