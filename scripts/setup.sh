@@ -74,7 +74,8 @@ is_there() {
     libyaml) pkg-config --exists yaml-0.1 2>/dev/null || pkgconf --exists yaml-0.1 2>/dev/null ;;
     binding) /usr/bin/python3 -c 'import cffi, numpy' >/dev/null 2>&1 || python3 -c 'import cffi, numpy' >/dev/null 2>&1 ;;
     libpng) pkg-config --exists libpng 2>/dev/null || pkgconf --exists libpng 2>/dev/null ;;
-    wasi-libc) printf '#include <stdio.h>\nint main(void) { return 0; }\n' | clang --target=wasm32-wasi -x c -c - -o /dev/null >/dev/null 2>&1 ;;
+    wasi-libc) # glibc for 32 bits has a stdio.h that this target takes, too
+        printf '#include <wasi/api.h>\nint main(void) { return 0; }\n' | clang --target=wasm32-wasi -x c -c - -o /dev/null >/dev/null 2>&1 ;;
     wasm-runtime) [ -n "$(find "$(clang -print-resource-dir)/lib" -name 'libclang_rt.builtins-wasm32.a' 2>/dev/null)" ] ;;
     python3-*) /usr/bin/python3 -c "import ${1#python3-}" >/dev/null 2>&1 ;;
     *) command -v "$1" >/dev/null 2>&1 ;;

@@ -2,7 +2,7 @@
 #ifndef RIDDLE_WASI_PTHREAD_H
 #define RIDDLE_WASI_PTHREAD_H
 #include <sys/types.h> /* has the types */
-#define PTHREAD_MUTEX_INITIALIZER {{{0}}}
+#define PTHREAD_MUTEX_INITIALIZER {0}
 #define pthread_mutex_lock(lock) ((void)(lock))
 #define pthread_mutex_unlock(lock) ((void)(lock))
 #define pthread_mutex_destroy(lock) ((void)(lock))
