@@ -113,7 +113,7 @@ enum {
     RIDDLE_PLOT_STEPS = 32,
     RIDDLE_PLOT_NO_LINE = 64
 };
-/* colours; 0 .. 7 from the palette */
+/* colours; 0 .. 7 from the palette, 8 .. 31 the same with other markers, lines without markers dash-dotted */
 enum { RIDDLE_PLOT_NEXT = -1, RIDDLE_PLOT_SAME = -2, RIDDLE_PLOT_GREY = -3, RIDDLE_PLOT_BLACK = -4 };
 RIDDLE_PLOT_API void riddle_plot_style(riddle_plot *p, int flags, int colour);
 
@@ -377,7 +377,7 @@ static inline riddle_plot__series *riddle_plot__add_coloured(riddle_plot *p, rid
     if ((!s->x && kind != RIDDLE_PLOT__BARS) || !s->y) s->n = 0;
     if (!s->z && (z || kind == RIDDLE_PLOT__BAND || kind == RIDDLE_PLOT__ERROR_BARS || kind == RIDDLE_PLOT__DISCS))
         s->n = 0;
-    s->colour = riddle_plot__current(p)->next_colour++ % 8;
+    s->colour = riddle_plot__current(p)->next_colour++ % 32;
     return s;
 }
 
@@ -461,7 +461,7 @@ RIDDLE_PLOT_API void riddle_plot_style(riddle_plot *p, int flags, int colour) {
     if (colour == RIDDLE_PLOT_NEXT) return;
     if (s->kind <= RIDDLE_PLOT__BARS) a->next_colour--; /* releases the colour that it took */
     if (colour == RIDDLE_PLOT_SAME) s->colour = a->n > 1 ? a->all[a->n - 2].colour : 0;
-    else s->colour = colour >= 0 ? colour % 8 : colour;
+    else s->colour = colour >= 0 ? colour % 32 : colour;
 }
 
 static inline void riddle_plot__add_at(riddle_plot *p, riddle_plot__series_kind kind, const char *label, double x,
@@ -724,16 +724,19 @@ static inline bool riddle_plot__visible(const riddle_plot__panel *a, double x, d
 /* Limits a coordinate to a range that renderers accept. */
 static inline double riddle_plot__limited(double v) { return v < -1e5 ? -1e5 : v > 1e5 ? 1e5 : v; }
 
+static inline const char *riddle_plot__dash_of(const riddle_plot__series *s) {
+    if (s->flags & RIDDLE_PLOT_DASHED) return " stroke-dasharray=\"8 5\"";
+    if (s->flags & RIDDLE_PLOT_DOTTED) return " stroke-dasharray=\"2 4\"";
+    return s->colour > 7 && !(s->flags & RIDDLE_PLOT_MARKED) ? " stroke-dasharray=\"9 4 1 4\"" : "";
+}
+
 static inline void riddle_plot__draw_path(riddle_io_file *f, const riddle_plot__panel *a,
                                           const riddle_plot__series *s) {
-    const char *dash = s->flags & RIDDLE_PLOT_DASHED   ? " stroke-dasharray=\"8 5\""
-                       : s->flags & RIDDLE_PLOT_DOTTED ? " stroke-dasharray=\"2 4\""
-                                                       : "";
     double width = s->flags & RIDDLE_PLOT_THIN ? 1.1 : 2.4;
     riddle_io_print(f,
                     "<path fill=\"none\" stroke=\"%s\" stroke-width=\"%.1f\" stroke-linejoin=\"round\" "
                     "stroke-linecap=\"round\"%s%s d=\"",
-                    riddle_plot__colour_of(s), width, dash,
+                    riddle_plot__colour_of(s), width, riddle_plot__dash_of(s),
                     s->flags & RIDDLE_PLOT_FAINT ? " stroke-opacity=\"0.35\"" : "");
     bool pen_down = false;
     double last_x = 0.0, last_y = 0.0;
@@ -755,10 +758,11 @@ static inline void riddle_plot__draw_path(riddle_io_file *f, const riddle_plot__
     riddle_io_print(f, "\"/>\n");
 }
 
-/* Draws a marker; each colour has its own shape, for readers who cannot tell the colours apart. */
+/* Draws a marker; each colour has its own shape, for readers who cannot tell the colours apart, and another one where it
+   comes again. */
 static inline void riddle_plot__draw_marker(riddle_io_file *f, const riddle_plot__series *s, double x, double y,
                                             double r) {
-    switch (s->colour < 0 ? 0 : s->colour % 4) {
+    switch (s->colour < 0 ? 0 : (s->colour + s->colour / 8) % 4) {
     case 1:
         riddle_io_print(f, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\"/>\n", x - 0.9 * r, y - 0.9 * r,
                         1.8 * r, 1.8 * r);
@@ -1457,14 +1461,11 @@ static inline void riddle_plot__draw_legend(riddle_io_file *f, const riddle_plot
         const riddle_plot__series *s = &a->all[k];
         if (!riddle_plot__in_legend(s)) continue;
         double middle = y + RIDDLE_PLOT__LEGEND_ROW / 2.0;
-        const char *dash = s->flags & RIDDLE_PLOT_DASHED   ? " stroke-dasharray=\"8 5\""
-                           : s->flags & RIDDLE_PLOT_DOTTED ? " stroke-dasharray=\"2 4\""
-                                                           : "";
         if (s->kind == RIDDLE_PLOT__LINE && !(s->flags & RIDDLE_PLOT_NO_LINE))
             riddle_io_print(
                 f, "<path d=\"M%.1f %.1fh%.0f\" stroke=\"%s\" stroke-width=\"%s\" stroke-linecap=\"round\"%s%s/>\n", x,
                 middle, RIDDLE_PLOT__SWATCH, riddle_plot__colour_of(s), s->flags & RIDDLE_PLOT_THIN ? "1.1" : "2.4",
-                dash, s->flags & RIDDLE_PLOT_FAINT ? " stroke-opacity=\"0.35\"" : "");
+                riddle_plot__dash_of(s), s->flags & RIDDLE_PLOT_FAINT ? " stroke-opacity=\"0.35\"" : "");
         if (s->kind == RIDDLE_PLOT__POINTS || s->kind == RIDDLE_PLOT__ERROR_BARS ||
             (s->kind == RIDDLE_PLOT__LINE && s->flags & RIDDLE_PLOT_MARKED)) {
             riddle_io_print(f, "<g fill=\"%s\">", riddle_plot__colour_of(s));

@@ -1,9 +1,13 @@
 /* dem_hash_program.c: runs the scenes of dem_scenes.h and dem_guard_scenes.h and prints their hashes, one a line.
-   Compiled in many ways and run with several numbers of threads by tests/check_dem: the lines must not differ. Usage:
-   dem_hash_program [threads] With TWO_KERNELS only the scenes of two kernels are compiled, which takes
-   half the time. */
+   Compiled in many ways and run with several numbers of threads by tests/check_dem: the lines must not differ.
+   Usage: dem_hash_program [threads]
+   With AT_ONCE each task of a loop has a thread of its own. With TWO_KERNELS only the scenes of two kernels are
+   compiled, which takes half the time. */
 #include <stdio.h>
 #include <stdlib.h>
+#ifdef AT_ONCE
+#include <pthread.h>
+#endif
 
 #include "dem_guard_scenes.h"
 
@@ -27,14 +31,41 @@ static dem_status run(dem_world *world, int scene) {
 static dem_status run_guard(int scene, int threads, uint64_t *hash) { return guard_run(scene, threads, hash); }
 #endif
 
+#ifdef AT_ONCE
+/* A thread for each task. One that cannot begin does its task here. */
+typedef struct one_task {
+    void (*task)(void *context, int index);
+    void *context;
+    int index;
+} one_task;
+static void *do_task(void *of) {
+    const one_task *t = of;
+    t->task(t->context, t->index);
+    return NULL;
+}
+static void run_tasks(void *user, int tasks, void (*task)(void *context, int index), void *context) {
+    pthread_t thread[64];
+    one_task of[64];
+    int begun = 0;
+    (void)user;
+    for (; begun < tasks && begun < 64; begun++) {
+        of[begun].task = task, of[begun].context = context, of[begun].index = begun;
+        if (pthread_create(&thread[begun], NULL, do_task, &of[begun]) != 0) break;
+    }
+    for (int k = begun; k < tasks; k++) task(context, k);
+    for (int k = 0; k < begun; k++) pthread_join(thread[k], NULL);
+}
+#else
 /* More threads than a machine may have: the tasks of a loop one after the other, the last one first. */
-static void run_backwards(void *user, int tasks, void (*task)(void *context, int index), void *context) {
+static void run_tasks(void *user, int tasks, void (*task)(void *context, int index), void *context) {
     (void)user;
     for (int k = tasks - 1; k >= 0; k--) task(context, k);
 }
+#endif
 
 int main(int argc, char **argv) {
     const int threads = argc > 1 ? atoi(argv[1]) : 1;
+    if (threads > 2) scene_parallel = run_tasks; /* OpenMP takes no more than there are processors */
     if (!dem_build_is_deterministic()) {
         printf("this build fuses products or keeps more digits\n");
         return 1;
@@ -43,7 +74,6 @@ int main(int argc, char **argv) {
         const int scene = scenes[k];
         dem_world world;
         dem_status status = scene_make(&world, scene, DEM_SKIP_ALL, threads, NULL);
-        if (threads > 2) world.def.parallel = run_backwards; /* OpenMP takes no more than there are processors */
         if (status == DEM_OK) status = run(&world, scene);
         printf("%-8s %016llx %s\n", scene_name(scene), (unsigned long long)dem_hash(&world),
                status == DEM_OK ? "" : dem_status_text(status));

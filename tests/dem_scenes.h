@@ -47,8 +47,12 @@ static inline double scene_duration(int scene) {
     return duration[scene];
 }
 
+/* The threads of all scenes: NULL for those of dem.h. */
+static void (*scene_parallel)(void *user, int tasks, void (*task)(void *context, int index), void *context);
+
 static inline dem_def scene_def(double dt) {
     dem_def def = dem_default_def();
+    def.parallel = scene_parallel;
     int glass = dem_add_material(&def, 2534.1, 5e7, 0.2), steel = dem_add_material(&def, 7800.0, 2e8, 0.3);
     dem_pair_def *p = dem_pair(&def, glass, glass), *q = dem_pair(&def, glass, steel);
     def.dt = dt;

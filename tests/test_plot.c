@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include <float.h>
+#include <ctype.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -291,6 +292,38 @@ static void test_classes_and_long_labels(void **state) {
     }
 }
 
+/* Sixteen lines, with markers and without: no two look the same in the legend. */
+static void test_many_lines_differ(void **state) {
+    (void)state;
+    enum { LINES = 16 };
+    const double x[2] = {0.0, 1.0};
+    for (int marked = 0; marked < 2; marked++) {
+        char look[LINES][200];
+        riddle_plot *p = riddle_plot_new(NULL, 1, 1);
+        riddle_plot_panel(p, 0, 0, "x", "y");
+        for (int k = 0; k < LINES; k++) {
+            const double y[2] = {k, k + 1.0};
+            riddle_plot_line(p, NULL, x, y, 2);
+            if (marked) riddle_plot_style(p, RIDDLE_PLOT_MARKED, RIDDLE_PLOT_NEXT);
+        }
+        char *text = drawn(p), *at = text;
+        expect_well_formed(text);
+        for (int k = 0; k < LINES; k++) { /* colour and dash of the line, shape of its first marker */
+            at = strstr(at + 1, "<path fill=\"none\"");
+            assert_non_null(at);
+            const int line = (int)(strstr(at, " d=") - at);
+            const char *marker = marked ? strchr(strstr(at, "<g fill") + 1, '<') : "/>";
+            assert_in_range(line, 1, 150);
+            int n = snprintf(look[k], sizeof look[k], "%.*s ", line, at);
+            for (; *marker != '/'; marker++) /* without its numbers */
+                if (isalpha((unsigned char)*marker) && n < 199) look[k][n++] = *marker;
+            look[k][n] = 0;
+            for (int other = 0; other < k; other++) assert_string_not_equal(look[k], look[other]);
+        }
+        free(text);
+    }
+}
+
 /* The white box of the legend, or false if it stands outside. */
 static bool legend_box(const char *text, double box[4]) {
     const char *at = strstr(text, "rx=\"4\"");
@@ -417,6 +450,7 @@ int main(void) {
         cmocka_unit_test(test_scale_bar),
         cmocka_unit_test(test_wrong_calls),
         cmocka_unit_test(test_classes_and_long_labels),
+        cmocka_unit_test(test_many_lines_differ),
         cmocka_unit_test(test_legend_keeps_off_the_data),
         cmocka_unit_test(test_text_stays_in_its_panel),
         cmocka_unit_test(test_discs_are_to_scale),
