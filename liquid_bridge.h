@@ -1256,14 +1256,15 @@ static inline int bridge__advance(bridge__problem *problem, bridge__meniscus *m,
     return 1;
 }
 
-/* Opens the bridge by one leap and tells of what (*aim). In general ln y0 falls by *step, or by half of it and so on if
+/* Opens the bridge a little and tells by what (*aim). In general ln y0 falls by *step, or by half of it and so on if
    the branch is lost; *step may then grow again. Where the neck runs off to one side, |z[3]| grows by a half: ln y0
    hardly changes there, and turns back soon after the fold. (From a z[3] of 0 nothing can grow by a half.) */
 static inline int bridge__open_a_little(bridge__problem *problem, bridge__meniscus *m, double *step, bridge__aim *aim) {
     *aim = BRIDGE__AT_NECK;
+    if (!problem->close) return bridge__advance(problem, m, *aim, m->z[1] - problem->step);
     for (; *step > 1e-3 * problem->step; *step *= 0.5) {
         double skew = m->z[3], more = 0.5 * fabs(skew) < 0.02 ? 0.5 * skew : (skew < 0.0 ? -0.02 : 0.02);
-        if (problem->close && fabs(skew) > 1e-13 && -m->drift * *step / skew > 0.5) {
+        if (fabs(skew) > 1e-13 && -m->drift * *step / skew > 0.5) {
             *aim = BRIDGE__AT_SKEW;
             return bridge__advance(problem, m, *aim, skew + more);
         }
