@@ -717,9 +717,9 @@ typedef struct dem_world {
     int64_t looks;          /* tests of pairs and of particles with walls */
     int64_t rebuilds;       /* of the neighbour list */
     double step_ratio; /* time step over the largest stable one; 0 before the first run. Computed when a run begins
-                          after a change, for the smallest and stiffest present pair (a particle of a body has its least
-                          effective mass). Contacts that begin later raise it if their law's prepare function returns a
-                          stiffness. Above 1 contacts create energy; dem_advise() advises 0.08 or less. With DEM_HERTZ,
+                          after a change, for the smallest and stiffest present pair (a body has its least effective
+                          mass). Contacts that begin later raise it if their law's prepare function returns a
+                          stiffness. Above 1 contacts create energy; dem_advise() advises 0.25 or less. With DEM_HERTZ,
                           whose contacts stiffen in an impact, it follows from the time of Rayleigh waves alone. Links
                           are not included: the caller chooses their interval */
 
@@ -2506,6 +2506,7 @@ typedef struct dem__rigid {
     dem_quaternion frame;     /* from its principal axes to the frame in which its shape is given */
     dem_vec moments;          /* [kg m2] */
     double mass;              /* [kg] */
+    double rate;              /* of the contacts of a clump over k/m; not saved */
     int32_t first, pieces;    /* of its particles */
     double
         rotation_steps; /* rotation steps of a flight, with three different moments, that have been integrated, */
@@ -6119,7 +6120,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem_passed *p = &w->passed[at];
     p->time = time;
     p->diameter = r ? dem__equal_diameter(w, r) : 2.0 * w->particle[i].radius;
-    p->position = x;
+    p->position = dem__in_box(w, x);
     p->velocity = v;
     p->id = w->id[i];
     p->group = w->group[i];
@@ -6744,9 +6745,11 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     if (!w || wall < 0 || wall >= w->walls) return NULL;
     dem_wall *a = &w->wall[wall];
     dem__place_wall(w, a);
+    const double t = w->time - a->asked.motion_start;
+    const dem_vec sway = a->asked.drive == DEM_KINEMATIC ? dem__oscillation_at(a, t).shift : dem_vec3(0.0, 0.0, 0.0);
     a->asked.origin = a->position;
     for (int k = 0; k < 3; k++) a->asked.rest_axis[k] = a->axis[k];
-    a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
+    a->asked.spin_centre = dem__add(dem__add(a->asked.spin_centre, dem__scale(t, a->asked.drift)), sway);
     a->asked.motion_start = w->time;
     if (a->asked.drive != DEM_KINEMATIC)
         a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive is the wall's only motion */
@@ -10190,6 +10193,7 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
 
 /* An evaluation of all contacts on several threads. */
 typedef struct dem__evaluation {
+    dem_world *w;
     dem_loop_fn loop;
     int has_friction;
 } dem__evaluation;
@@ -10223,9 +10227,14 @@ static inline void dem__add_postponed(dem_world *w, dem__evaluation *e) {
 }
 
 /* Evaluates the chunks of a share. Its thread may add forces to particles whose contacts are all in this share or in
-   later ones. It postpones the forces on others. */
-static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    ((const dem__evaluation *)context)->loop(w, first, end, part);
+   later ones. It postpones the forces on others. The first chunks have the contacts of the last particles, so the last
+   share comes first: a thread gets the contacts of the particles that it moves, which lie in its cache. */
+static inline void dem__evaluate_share(void *context, int index) {
+    const dem__evaluation *e = (const dem__evaluation *)context;
+    const dem__contacts *contacts = &e->w->engine->contacts;
+    const int shares = contacts->shares, share = shares - 1 - index;
+    e->loop(e->w, dem__part(contacts->chunk_count, share, shares), dem__part(contacts->chunk_count, share + 1, shares),
+            share);
 }
 
 /* Divides the chunks among threads. */
@@ -10252,11 +10261,11 @@ static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
 static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int has_friction, int keep) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;
-    e.loop = loop, e.has_friction = has_friction;
+    e.w = w, e.loop = loop, e.has_friction = has_friction;
     dem__make_shares(w);
     w->engine->run.kernel_dt = h;
     w->engine->run.keeps_wrenches = keep;
-    dem__in_parts(w, contacts->shares, contacts->chunk_count, dem__evaluate_range, &e);
+    dem__parallel(w, contacts->shares, dem__evaluate_share, &e);
     if (contacts->shares > 1) dem__add_postponed(w, &e);
     for (int k = 0; k < w->walls; k++) {
         dem_wall *wall = &w->wall[k];
@@ -14865,12 +14874,10 @@ DEM_API dem_status dem_make_capsule(dem_clump *clump, double diameter, double le
     return dem_make_clump(n, centre[0], width, clump);
 }
 
-/* ------------------------------------------------------------------------------------------- >>polyhedra/springs.h */
-/* What a shape tells about its contacts: among how many corners a face shares the spring of a pair, and how fast
-   contacts are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a single face or
-   corner. */
+/* -------------------------------------------------------------------------------------------------- >>base/modes.h */
+/* How fast a body answers to its contacts: the highest rate of all springs that act on it at once. */
 
-/* A contact's stiffness over k/m, for motion along its normal and for rotations about the three axes. */
+/* The stiffness of contacts over k/m, for motion along their normal and for rotations about the three axes. */
 typedef struct dem__modes {
     double of[4][4];
 } dem__modes;
@@ -14880,50 +14887,74 @@ static inline void dem__add_spring(dem__modes *m, double w, const double *u) {
     for (int k = 0; k < 16; k++) m->of[k / 4][k % 4] += w * u[k / 4] * u[k % 4];
 }
 
-/* Returns the largest eigenvalue, or at most 5 % more: the 32nd root of the trace of the 32nd power. */
-static inline double dem__highest_rate(const dem__modes *modes) {
+/* Adds the spring of a point at r from the centre of mass. agility: mass over the principal moments [1/m2]. */
+static inline void dem__add_spring_at(dem__modes *m, double w, dem_vec r, dem_vec normal, const double *agility) {
+    const dem_vec arm = dem__cross(r, normal);
+    double u[4] = {1.0, 0.0, 0.0, 0.0};
+    for (int a = 0; a < 3; a++) u[1 + a] = dem_axis(arm, a) * sqrt(agility[a]);
+    dem__add_spring(m, w, u);
+}
+
+/* Returns the largest eigenvalue, or more, at most 20 % after 3 passes and 5 % after 5, each of which squares the matrix:
+   the 8th root of the trace of the 8th power, or the 32nd of the 32nd. */
+static inline double dem__highest_rate(const dem__modes *modes, int passes) {
     dem__modes m = *modes, square;
     double scale = 0.0, trace = 0.0;
     for (int a = 0; a < 4; a++) scale += m.of[a][a];
     for (int k = 0; k < 16; k++) m.of[k / 4][k % 4] /= scale;
-    for (int pass = 0; pass < 5; pass++) {
+    for (int pass = 0; pass < passes; pass++) {
         memset(&square, 0, sizeof square);
         for (int k = 0; k < 64; k++) square.of[k / 16][k % 4] += m.of[k / 16][k / 4 % 4] * m.of[k / 4 % 4][k % 4];
         m = square;
     }
     for (int a = 0; a < 4; a++) trace += m.of[a][a];
-    for (int pass = 0; pass < 5; pass++) trace = sqrt(trace);
+    for (int pass = 0; pass < passes; pass++) trace = sqrt(trace);
     return scale * trace;
 }
 
-/* Returns the rate of a single corner, in the direction in which it is highest: along each direction the corner moves
+/* Returns the rate of a single point, in the direction in which it is highest: along each direction the point moves
    with the body, and by rotations about the axes. */
-static inline double dem__rate_of_corner(const dem_convex *s, dem_vec r) {
+static inline double dem__rate_of_point(dem_vec r, const double *agility) {
     dem__modes m;
     memset(&m, 0, sizeof m);
     for (int a = 0; a < 3; a++) {
         dem_vec axis = dem_vec3(0.0, 0.0, 0.0);
         double own[4] = {0.0, 0.0, 0.0, 0.0};
         *dem_axis_of(&axis, a) = own[a] = 1.0;
-        const dem_vec turned = dem__scale(sqrt(s->volume / s->moment[a]), dem__cross(axis, r));
+        const dem_vec turned = dem__scale(sqrt(agility[a]), dem__cross(axis, r));
         const double u[4] = {turned.x, turned.y, turned.z, 0.0};
         dem__add_spring(&m, 1.0, own), dem__add_spring(&m, 1.0, u);
     }
-    return dem__highest_rate(&m) / (double)s->springs;
+    return dem__highest_rate(&m, 5);
+}
+
+/* ------------------------------------------------------------------------------------------- >>polyhedra/springs.h */
+/* What a shape tells about its contacts: among how many corners a face shares the spring of a pair, and how fast
+   contacts are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a single face or
+   corner. */
+
+/* Sets the mass over the principal moments [1/m2]. */
+static inline void dem__agility_of(const dem_convex *s, double *agility) {
+    for (int a = 0; a < 3; a++) agility[a] = s->volume / s->moment[a];
+}
+
+/* Returns the rate of a single corner. */
+static inline double dem__rate_of_corner(const dem_convex *s, dem_vec r) {
+    double agility[3];
+    dem__agility_of(s, agility);
+    return dem__rate_of_point(r, agility) / (double)s->springs;
 }
 
 /* Returns the rate of a face. */
 static inline double dem__rate_of_face(const dem_convex *s, int f) {
     const dem_vec n = dem__point(s->plane[f]);
+    double agility[3];
     dem__modes m;
     memset(&m, 0, sizeof m);
-    for (int k = s->face_start[f]; k < s->face_start[f + 1]; k++) {
-        const dem_vec arm = dem__cross(dem__point(s->corner[s->face_corner[k]]), n);
-        double u[4] = {1.0, 0.0, 0.0, 0.0};
-        for (int a = 0; a < 3; a++) u[1 + a] = dem_axis(arm, a) * sqrt(s->volume / s->moment[a]);
-        dem__add_spring(&m, 1.0 / (double)s->springs, u);
-    }
-    return dem__highest_rate(&m);
+    dem__agility_of(s, agility);
+    for (int k = s->face_start[f]; k < s->face_start[f + 1]; k++)
+        dem__add_spring_at(&m, 1.0 / (double)s->springs, dem__point(s->corner[s->face_corner[k]]), n, agility);
+    return dem__highest_rate(&m, 5);
 }
 
 /* Sets how many corners share a spring, and the rate. */
@@ -15713,6 +15744,39 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
     return dem__dot(c.force, c.force) > 0.0;
 }
 
+/* ------------------------------------------------------------------------------------------------- >>bodies/rate.h */
+/* How fast a clump answers to its contacts, on which the advice on the time step counts. */
+
+#define DEM__TOUCHES_TOO                                                                                               \
+    0.1 /* of a radius: what lies no further from a plane counts as touching with the first sphere */
+
+/* Sets the rate of the contacts of a clump over k/m: of all spheres that a plane across a principal axis touches at
+   once, at most 20 % too high, and of each sphere alone, at most twice too high. */
+static inline void dem__set_rate(const dem_world *w, dem__rigid *r) {
+    const dem_vec *at = w->engine->bodies.offset + r->first;
+    const dem_particle *sphere = w->particle + r->first;
+    const double agility[3] = {r->mass / r->moments.x, r->mass / r->moments.y, r->mass / r->moments.z};
+    r->rate = 1.0;
+    for (int side = 0; side < 6; side++) {
+        dem_vec normal = dem_vec3(0.0, 0.0, 0.0);
+        double top = -HUGE_VAL;
+        dem__modes m;
+        memset(&m, 0, sizeof m);
+        *dem_axis_of(&normal, side / 2) = side % 2 ? -1.0 : 1.0;
+        for (ptrdiff_t k = 0; k < r->pieces; k++) top = fmax(top, dem__dot(at[k], normal) + sphere[k].radius);
+        for (ptrdiff_t k = 0; k < r->pieces; k++) {
+            if (dem__dot(at[k], normal) + sphere[k].radius > top - DEM__TOUCHES_TOO * sphere[k].radius)
+                dem__add_spring_at(&m, 1.0, at[k], normal, agility);
+        }
+        r->rate = fmax(r->rate, dem__highest_rate(&m, 3));
+    }
+    for (ptrdiff_t k = 0; k < r->pieces; k++) {
+        const dem_vec x = at[k];
+        r->rate = fmax(r->rate, 1.0 + agility[0] * (x.y * x.y + x.z * x.z) + agility[1] * (x.z * x.z + x.x * x.x) +
+                                    agility[2] * (x.x * x.x + x.y * x.y));
+    }
+}
+
 /* ------------------------------------------------------------------------------------------------- >>bodies/save.h */
 /* Rigid bodies in a saved world. */
 
@@ -15766,7 +15830,7 @@ static inline dem_status dem__load_bodies(const dem__file *file, dem_world *w, d
     memset(bodies->rigid, 0, (size_t)n * sizeof *bodies->rigid);
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
     for (bodies->rigid_count = 0; bodies->rigid_count < n;) {
-        const dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+        dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
         const dem_quaternion t = r->turn;
         if (r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) return DEM_BAD_DATA;
         if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) ||
@@ -15780,6 +15844,7 @@ static inline dem_status dem__load_bodies(const dem__file *file, dem_world *w, d
                 return DEM_BAD_DATA;
             bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
         }
+        dem__set_rate(w, r);
     }
     return DEM_OK;
 }
@@ -15889,6 +15954,7 @@ static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
         bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
         bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
     }
+    dem__set_rate(w, r);
     dem__free_body(w, r);
     dem__book_added(w, dem__potential(w, r->first));
     w->engine->run.needs_forces = w->engine->run.needs_lists = 1;
@@ -17332,6 +17398,9 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
     q.region = region, q.share = volume > 0.0 ? 1.0 / volume : (double)NAN;
     q.images = dem__images(w, q.shift);
     dem__tree_bounds(region, &q.low, &q.high);
+    for (int a = 0; a < 3; a++) { /* of a particle on the edge of a periodic box one image counts */
+        if (w->def.periodic[a]) *dem_axis_of(&q.high, a) = nextafter(dem_axis(q.high, a), -HUGE_VAL);
+    }
     memset(&m, 0, sizeof m);
     dem__measure_bodies(w, &q, &m);
     dem__measure_fluctuations(w, &q, &m);
@@ -17371,6 +17440,11 @@ static inline int dem__cells_of(const dem_cells *c, int a, double v, int *first,
     return 1;
 }
 
+/* Returns whether a point at v is at the end of the cells along a periodic axis. Its image at their start counts. */
+DEM_INLINE int dem__is_next_image(const dem_world *w, const dem_cells *c, int a, double v) {
+    return w->def.periodic[a] && c->width[a] == 0.0 && v >= dem_axis(c->high, a);
+}
+
 /* Returns the share of a point at v that counts in cell k of an axis. */
 DEM_INLINE double dem__share_of(const dem_cells *c, int a, int k, double v) {
     if (c->width[a] == 0.0) return 1.0;
@@ -17393,6 +17467,8 @@ static inline void dem__coarse_grain(const dem_world *w, const dem_cells *c, dem
     for (int image = 0; image < images; image++) {
         int first[3], last[3];
         const dem_vec x = dem__add(at, shift[image]);
+        if (dem__is_next_image(w, c, 0, x.x) || dem__is_next_image(w, c, 1, x.y) || dem__is_next_image(w, c, 2, x.z))
+            continue;
         if (!dem__cells_of(c, 0, x.x, &first[0], &last[0]) || !dem__cells_of(c, 1, x.y, &first[1], &last[1]) ||
             !dem__cells_of(c, 2, x.z, &first[2], &last[2]))
             continue;
@@ -22520,38 +22596,29 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
     return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
 }
 
-/* Returns the least effective mass of particle i in a contact [kg]. For a particle of a body it is less than the body's
-   mass, because the body turns. */
-static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) return w->particle[i].mass;
-    const dem_convex *s = dem__shape_of(w, i);
-    if (s) return r->mass / s->rate;
-    const double arm = dem__length(w->engine->bodies.offset[i]);
-    const double two = r->moments.x < r->moments.y ? r->moments.x : r->moments.y,
-                 least = two < r->moments.z ? two : r->moments.z;
-    return 1.0 / (1.0 / r->mass + arm * arm / least);
-}
-
-/* What is present of a material: the least radius of its free and of its fixed particles, and the least effective mass
-   of a particle of a body. */
+/* What is present of a material: the least radius of its free and of its fixed particles, the least effective mass of a
+   body in its contacts, and the highest rate of these. */
 typedef struct dem__present {
     double smallest, fixed, lightest; /* [m], [m], [kg]; infinite if there is none */
+    double rate;                      /* over k/m; 1 for spheres */
     int is_wall;
 } dem__present;
 static inline void dem__list_present(const dem_world *w, dem__present *of) {
     for (int m = 0; m < DEM_MATERIALS_MAX; m++) {
         of[m].smallest = of[m].fixed = of[m].lightest = HUGE_VAL;
-        of[m].is_wall = 0;
+        of[m].is_wall = 0, of[m].rate = 1.0;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__present *q = &of[w->material[i]];
         double *least = dem__is_fixed(w, i) ? &q->fixed : &q->smallest;
         if (!w->alive[i]) continue;
         if (w->particle[i].radius < *least) *least = w->particle[i].radius;
-        if (least == &q->fixed || !dem__rigid_of(w, i)) continue;
-        const double mass = dem__least_mass(w, i);
-        q->lightest = mass < q->lightest ? mass : q->lightest;
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (least == &q->fixed || !r || r->first != i) continue;
+        const dem_convex *s = dem__shape_of(w, i);
+        const double rate = s ? s->rate : r->rate;
+        q->lightest = fmin(q->lightest, r->mass / rate);
+        q->rate = fmax(q->rate, rate);
     }
     for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= dem__has_surface(&w->wall[k]);
 }
@@ -22563,8 +22630,9 @@ static inline double dem__mass_of(const dem_world *w, const dem__present *of, in
     return sphere < of[m].lightest ? sphere : of[m].lightest;
 }
 
-/* Lowers the advised times to those that a pair needs. */
-static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice *a) {
+/* Lowers the advised times to those that a pair needs. b->mass: the effective one, of which the contacts' damping knows
+   nothing; rate: mass over effective mass. */
+static inline void dem__advise_pair(const dem_birth *b, double speed, double rate, dem_advice *a) {
     double constants[DEM_CONSTANTS_MAX], contact, damping;
     if (b->features & DEM_HERTZ) {
         dem_prepare_hertz(b, constants);
@@ -22577,6 +22645,7 @@ static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice
         damping = 2.0 * zeta * sqrt(b->pair->stiffness * b->mass);
     }
     a->contact = contact < a->contact ? contact : a->contact;
+    damping *= sqrt(rate);
     if (damping > 0.0 && b->mass / damping < a->dashpot) a->dashpot = b->mass / damping;
 }
 
@@ -22607,7 +22676,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
                 b.material_i = m, b.material_j = q;
                 b.radius_i = of[m].smallest, b.radius_j = radius;
                 b.mass = side ? mass_m : mass_m * mass_q / (mass_m + mass_q);
-                dem__advise_pair(&b, speed, &a);
+                dem__advise_pair(&b, speed, side ? of[m].rate : fmax(of[m].rate, of[q].rate), &a);
             }
         }
     }
@@ -22692,7 +22761,7 @@ static inline void dem__find_body_rate(dem__builder *b, dem_vec at, dem_quaterni
                         springs += dem__add_face_modes(b, o, g, at, axes, normal, &m);
                 }
             }
-            const double rate = dem__highest_rate(&m) / dem__divide(springs).by;
+            const double rate = dem__highest_rate(&m, 5) / dem__divide(springs).by;
             b->body.rate = rate > b->body.rate ? rate : b->body.rate;
         }
         b->body.springs = s->springs;

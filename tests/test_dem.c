@@ -1079,6 +1079,16 @@ static void test_exit_in_contact(void **state) {
     dem_energy_ledger l = dem_energy(&w);
     assert_true(fabs(l.error) < 2e-3 * (l.removed - l.removed_potential + l.released) && l.kinetic == 0.0);
     dem_free(&w);
+    /* the record of one that has gone round a periodic box lies in the box */
+    dem_def round = def;
+    round.gravity = zero, round.periodic[0] = 1, round.low = v3(0, 0, 0), round.high = v3(0.03, 1, 1);
+    start(&w, &round);
+    dem_add_exit(&w, v3(0, 0, 0), v3(0, 0, 1));
+    add(&w, v3(5e-3, 0, 0.01), diameter);
+    move(&w, 0, v3(3.0, 0, -0.5), zero);
+    run(&w, 0.05, DEM_LINEAR);
+    assert_true(w.passed_count == 1 && w.passed[0].position.x >= 0.0 && w.passed[0].position.x < 0.03);
+    dem_free(&w);
     /* who was pushed by one that has left flies free of its force */
     def.gravity = v3(0, 0, 0.3);
     start(&w, &def);

@@ -834,6 +834,54 @@ static void test_measures_count_a_clump_once(void **state) {
     dem_free(&w);
 }
 
+/* A plate of side x side spheres lands flat at the advised step: as with a twentieth of it, and the books balance. */
+static double land_plate(int side, double e, double share, int reload, double *error) {
+    dem_def def = dem_default_def();
+    double centre[192], diameter[64];
+    const double at[3] = {0.0, 0.0, 1.001e-3};
+    const int features = DEM_LINEAR | DEM_FRICTION | DEM_ENERGY;
+    dem_clump plate;
+    dem_world w;
+    dem_add_material(&def, 2000.0, 1e8, 0.25);
+    dem_pair(&def, 0, 0)->stiffness = 1e4, dem_pair(&def, 0, 0)->restitution = e;
+    def.gravity = dem_vec3(0.0, 0.0, 0.0);
+    for (int k = 0; k < side * side; k++)
+        centre[3 * k] = k % side * 2e-3, centre[3 * k + 1] = k / side * 2e-3, centre[3 * k + 2] = 0.0, diameter[k] = 2e-3;
+    assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+    assert_true(dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) >= 0);
+    assert_int_equal(dem_make_clump(side * side, centre, diameter, &plate), DEM_OK);
+    assert_int_equal(dem_add_clumps(&w, 1, &plate, at, NULL, NULL, 0, 0), DEM_OK);
+    if (reload) {
+        unsigned char bytes[60000];
+        dem_world loaded;
+        const size_t size = dem_save(&w, NULL, 0);
+        assert_true(size <= sizeof bytes && dem_save(&w, bytes, size) == size);
+        assert_int_equal(dem_load(&loaded, bytes, size, NULL), DEM_OK);
+        dem_free(&w);
+        w = loaded;
+    }
+    assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0.0, 0.0, -0.1), dem_vec3(0.0, 0.0, 0.0)), DEM_OK);
+    assert_int_equal(dem_set_time_step(&w, share * dem_advise(&w, features, 0.1).advised), DEM_OK);
+    assert_int_equal(dem_run(&w, 6e-4, features), DEM_OK);
+    assert_true(w.step_ratio < 0.251 * share);
+    const double v = dem_get_body(&w, 0).velocity.z;
+    *error = fabs(dem_energy(&w).error) / (0.005 * dem_get_body(&w, 0).mass);
+    dem_free(&w);
+    return v / 0.1;
+}
+static void test_flat_clump_at_the_advised_step(void **state) {
+    (void)state;
+    const double restitution[4] = {0.8, 0.5, 0.2, 0.05};
+    for (int k = 0; k < 12; k++) {
+        double coarse, fine;
+        const double e = restitution[k % 4];
+        const int side = 2 << k / 4;
+        const double v = land_plate(side, e, 1.0, k % 2, &coarse), exact = land_plate(side, e, 0.05, 0, &fine);
+        if (!(v > -1e-6 && fabs(v - exact) < 0.02 && coarse < 0.15 && fine < 0.01))
+            fail_msg("%d spheres, restitution %g: leaves at %g, exactly %g; error %g", side * side, e, v, exact, coarse);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_euler_top_flies_to_the_reference),
@@ -856,6 +904,7 @@ int main(void) {
         cmocka_unit_test(test_clumps_leave_whole),
         cmocka_unit_test(test_links_between_clumps),
         cmocka_unit_test(test_feed_of_clumps),
+        cmocka_unit_test(test_flat_clump_at_the_advised_step),
         cmocka_unit_test(test_measures_count_a_clump_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

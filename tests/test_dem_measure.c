@@ -589,6 +589,34 @@ static void test_bad_input(void **state) {
     dem_free(&w);
 }
 
+/* Spheres on the edges and in the corners of a periodic box count once, like those inside, wherever the box lies. */
+static void test_periodic_edges(void **state) {
+    (void)state;
+    for (int k = 0; k < 8; k++) {
+        const double pitch = 0.0078125, corner = k < 4 ? 0.0 : -4.0 * pitch, shift = k % 2 ? 0.5 * pitch : 0.0;
+        dem_def def = soft_def();
+        dem_world w;
+        dem_measure m;
+        dem_field field[16];
+        def.gravity = v3(0, 0, 0);
+        for (int a = 0; a < 3; a++) def.periodic[a] = k % 4 < 2 || a < 2;
+        def.low = v3(corner, corner, corner), def.high = v3(corner + 8 * pitch, corner + 8 * pitch, corner + 8 * pitch);
+        start(&w, &def);
+        for (int i = 0; i < 512; i++)
+            add(&w, v3(corner + shift + i % 8 * pitch, corner + shift + i / 8 % 8 * pitch, corner + shift + i / 64 * pitch),
+                5e-3, 0);
+        const dem_region box = dem_box_region(def.low, def.high);
+        const dem_cells cells = {def.low, def.high, {4, 2, 2}, {0.0, 0.0, 0.0}};
+        const double volume = pow(8.0 * pitch, 3.0), mass = dem_mass(&w, 0);
+        assert_int_equal(dem_measure_region(&w, &box, &m), DEM_OK);
+        assert_int_equal(m.count, 512);
+        near_relative(m.mass, 512.0 * mass, 1e-13, "mass in the box");
+        assert_int_equal(dem_coarse_grain(&w, &cells, field), DEM_OK);
+        for (int c = 0; c < 16; c++) near_relative(field[c].density * volume / 16.0, 32.0 * mass, 1e-13, "mass of a cell");
+        dem_free(&w);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_ball_in_box),
@@ -600,6 +628,7 @@ int main(void) {
         cmocka_unit_test(test_histogram_of_tangential_forces),
         cmocka_unit_test(test_histogram_and_unlike_contacts),
         cmocka_unit_test(test_order),
+        cmocka_unit_test(test_periodic_edges),
         cmocka_unit_test(test_residence),
         cmocka_unit_test(test_mixing),
         cmocka_unit_test(test_bad_input),

@@ -1847,6 +1847,35 @@ static void test_stl_stray_vertex(void **state) {
     free(bytes);
 }
 
+/* A drum that turns about its axis and vibrates: its motion changes in mid-swing, and it goes on about its axis. */
+static void test_axis_goes_with_the_vibration(void **state) {
+    (void)state;
+    for (int change = 0; change < 4; change++) {
+        dem_def def = one_material(0.5, 0.3);
+        dem_world w;
+        start(&w, &def);
+        const int drum = wall_index(dem_add_cylinder(&w, 0, v3(0.1, 0, 0), v3(0, 1, 0), 0.05, 1));
+        assert_int_equal(dem_rotate(&w, drum, v3(0.1, 0, 0), v3(0, 1, 0), 10.0), DEM_OK);
+        assert_int_equal(dem_vibrate(&w, drum, v3(0, 0, 2e-3), zero, 10.0), DEM_OK);
+        run(&w, 0.02, DEM_LINEAR);
+        const double z = 2e-3 * sin(2.0 * RIDDLE_PI * 10.0 * 0.02);
+        near_absolute(w.wall[drum].position.z, z, 1e-12, "drum before the change");
+        if (change == 0) assert_int_equal(dem_vibrate(&w, drum, zero, zero, 10.0), DEM_OK);
+        if (change == 1) assert_int_equal(dem_move(&w, drum, v3(0, 0, 0.01)), DEM_OK);
+        if (change == 2) assert_int_equal(dem_vibrate(&w, drum, v3(0, 0, 1e-3), zero, 20.0), DEM_OK);
+        if (change == 3)
+            assert_int_equal(dem_move(&w, drum, v3(0.01, 0, 0)), DEM_OK), run(&w, 0.01, DEM_LINEAR),
+                assert_int_equal(dem_vibrate(&w, drum, zero, zero, 0.0), DEM_OK);
+        for (int k = 1; k < 5; k++) {
+            run(&w, 0.137, DEM_LINEAR);
+            const double x = change == 3 ? 0.1 + 0.01 * (w.time - 0.02) : 0.1;
+            near_absolute(w.wall[drum].position.x, x, 1e-12, "a drum that turns about its axis");
+            if (change == 0) near_absolute(w.wall[drum].position.z, z, 1e-12, "a drum that has stopped");
+        }
+        dem_free(&w);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_mesh_distance),
@@ -1882,6 +1911,7 @@ int main(void) {
         cmocka_unit_test(test_stl_with_faults),
         cmocka_unit_test(test_hostile_stl),
         cmocka_unit_test(test_stl_variants),
+        cmocka_unit_test(test_axis_goes_with_the_vibration),
         cmocka_unit_test(test_stl_polygons),
         cmocka_unit_test(test_stl_junctions),
         cmocka_unit_test(test_stl_stray_vertex),

@@ -471,6 +471,84 @@ static void test_nearly_equal_spheres(void **state) {
         }
 }
 
+/* The pair of equal spheres at one angle with a difference x: in one radius, in one angle [rad], in both, of either
+   sphere (kind 0 to 5). */
+static bridge_pair_def almost_equal(double degrees, double x, int kind) {
+    bridge_pair_def def = pair_of(1.0, 1.0, degrees, degrees);
+    double toward = def.angle_i + x > 1.05 ? -x : x;
+    if (kind % 3 != 1) *(kind < 3 ? &def.radius_i : &def.radius_j) *= 1.0 + x;
+    if (kind % 3 != 0) *(kind < 3 ? &def.angle_i : &def.angle_j) += toward;
+    return def;
+}
+
+/* Rupture gap and share go to those of equal spheres, by the powers 2/3 and 1/3 of the difference as at any imperfect
+   bifurcation, from 1e-3 to the last bit, whatever differs, in a bounded number of iterations. */
+static void test_almost_equal_spheres(void **state) {
+    (void)state;
+    const double angles[] = {0.0, 20.0, 28.0, 30.0, 35.0, 46.2, 60.0}, volumes[] = {0.002, 0.02, 0.05, 0.15};
+    int most = 0;
+    for (int n = 0; n < 7 * 4; n++) {
+        double degrees = angles[n / 4], v = volumes[n % 4];
+        if (degrees > 55.0 && v > 0.05) continue;
+        bridge_pair_def equal = pair_of(1.0, 1.0, degrees, degrees);
+        bridge__problem problem = bridge__problem_of(&equal, v);
+        bridge__curve first, curve[6];
+        assert_true(bridge__curve_solve(&problem, &first));
+        for (double x = 1e-3; x > 1e-16; x *= x < 1e-15 ? 0.222 : 0.1)
+            for (int kind = 0; kind < 6; kind++) {
+                bridge_pair_def def = almost_equal(degrees, x, kind);
+                if (kind == 1 && degrees == 0.0 && x < 1e-10) continue;
+                problem = bridge__problem_of(&def, v);
+                int ok = bridge__curve_solve(&problem, &curve[kind]);
+                double gap = curve[kind].rupture_gap / first.rupture_gap - 1.0, share = curve[kind].share - 0.5;
+                if (problem.work > most) most = problem.work;
+                if (!(ok && fabs(gap) <= 0.7 * riddle_cbrt(x * x) + 2.0 * x && fabs(share) <= riddle_cbrt(x) &&
+                      problem.work < 5000))
+                    fail_msg("%g degrees, V* %g, x %g, kind %d: %d, gap %g, share %g, %d iterations", degrees, v, x,
+                             kind, ok, gap, share, problem.work);
+                if (kind >= 3) {
+                    near_relative(curve[kind].rupture_gap, curve[kind - 3].rupture_gap, 1e-9, "exchanged, gap");
+                    assert_true(fabs(curve[kind].share + curve[kind - 3].share - 1.0) < 1e-6);
+                }
+            }
+    }
+    print_message("    at most %d iterations a volume\n", most);
+    /* single bridges, to the last of the way */
+    for (double x = 1e-3; x > 1e-16; x *= 0.1)
+        for (int k = 0; k < 4; k++) {
+            const double part[] = {0.0, 0.5, 0.9, 0.999};
+            bridge_pair_def equal = almost_equal(46.2, 0.0, 0), def = almost_equal(46.2, x, 5);
+            double R = bridge_harmonic_radius(def.radius_i, def.radius_j), v = 0.05 * R * R * R;
+            bridge_shape last = {0}, shape = {0}, same = {0};
+            assert_int_equal(bridge_young_laplace_rupture(&def, v, &last, NULL), BRIDGE_OK);
+            assert_int_equal(bridge_young_laplace(&def, v, part[k] * last.gap, &shape), BRIDGE_OK);
+            assert_int_equal(bridge_young_laplace(&equal, 0.05, part[k] * last.gap / R, &same), BRIDGE_OK);
+            assert_true(shape.stable && same.stable);
+            near_relative(shape.force / R, same.force, 0.3 * riddle_cbrt(x * x) + 1e-9, "force");
+        }
+    /* prepared pairs: the tables of equal spheres, to within what they state */
+    const double pairs[][4] = {{30.0, 2.3e-16, 0.02, 0}, {30.0, 2.3e-16, 0.02, 4}, {46.2, 2e-16, 0.05, 3},
+                               {46.2, 1e-12, 0.05, 5},   {46.2, 1e-7, 0.05, 0},    {45.0, 1e-5, 0.15, 2},
+                               {60.0, 1e-9, 0.05, 4}};
+    for (int n = 0; n < 7; n++) {
+        bridge_pair_def equal = almost_equal(pairs[n][0], 0.0, 0),
+                        def = almost_equal(pairs[n][0], pairs[n][1], (int)pairs[n][3]);
+        equal.volume_max = def.volume_max = pairs[n][2];
+        bridge_pair whole = prepared(&equal), pair = prepared(&def);
+        assert_true(pair.deviation < 3e-3 && pair.rupture_deviation < 1e-3);
+        for (double v = 1.01e-6; v < pairs[n][2]; v *= 3.1) {
+            bridge a = formed(&whole, v), b = formed(&pair, v);
+            double allowed = whole.deviation + pair.deviation;
+            near_relative(b.rupture_gap, a.rupture_gap,
+                          whole.rupture_deviation + pair.rupture_deviation + riddle_cbrt(pairs[n][1] * pairs[n][1]),
+                          "rupture gap");
+            for (double s = 0.0; s < 0.9; s += 0.11)
+                near_relative(bridge_attraction(&b, s * a.rupture_gap), bridge_attraction(&a, s * a.rupture_gap),
+                              allowed, "force");
+        }
+    }
+}
+
 typedef struct errors {
     double to_09, rupture, split;
 } errors;
@@ -1253,6 +1331,7 @@ int main(void) {
         cmocka_unit_test(test_definitions),
         cmocka_unit_test(test_young_laplace_refuses),
         cmocka_unit_test(test_nearly_equal_spheres),
+        cmocka_unit_test(test_almost_equal_spheres),
         cmocka_unit_test(test_tables_against_young_laplace),
         cmocka_unit_test(test_random_pairs),
         cmocka_unit_test(test_stated_deviation),

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "csv.h"
 #include "sheet.h"
 
 static void near(const char *what, double value, double expected) {
@@ -294,6 +295,205 @@ static void test_screen_table(void **state) {
     sheet_free(&s);
 }
 
+/* An optional column in a unit that the reader does not know is refused by each of its names: a default would take its
+   place. */
+static void test_optional_columns(void **state) {
+    static const char *const wrong[] = {"pressure (mmHg)",
+                                        "Druckdifferenz in mmHg",
+                                        "Druckdifferenz in bar(g)",
+                                        "p (mmHg)",
+                                        "p [kg/cm2]",
+                                        "Druck mmHg",
+                                        "Druck_mmHg",
+                                        "differenzdruck (atm)",
+                                        "dp (bar g)",
+                                        "\xce\x94p (Torr)",
+                                        "Drukdifferenz in bar",
+                                        "gemessener Druck [at]",
+                                        "pressure drop [mmH2O]",
+                                        "Delta p [mmHg]"};
+    static const char *const passed_over[] = {"Filtrat Temperatur [\xc2\xb0"
+                                              "C]",
+                                              "filtrate pH",
+                                              "Masse Kuchen [g]",
+                                              "Probe",
+                                              "Dampfdruck [mmHg]",
+                                              "d50 [um]"};
+    static const char *const moist[] = {"moisture [g/kg]",       "Feuchte [g/kg]",    "Wassergehalt in g/kg",
+                                        "water_content (g/kg)",  "Feuchtigkeit, ppm", "Feuchte kg/kg dry",
+                                        "water content [mg/kg]", "Fechte [%]"};
+    char text[200], message[600];
+    sheet s;
+    (void)state;
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong + sizeof passed_over / sizeof *passed_over; k++) {
+        const bool read = k >= sizeof wrong / sizeof *wrong;
+        const char *heading = read ? passed_over[k - sizeof wrong / sizeof *wrong] : wrong[k];
+        sheet_column c[4] = {sheet_want("time", 'T', true), sheet_want("volume", 'V', false),
+                             sheet_want("mass", 'M', false), sheet_want("pressure", 'P', false)};
+        snprintf(text, sizeof text, "time_s;volume_ml;%s\n1;2;3\n", heading);
+        const int status = table_of(text, c, 4, &s, message);
+        if ((status == 0) != read) fail_msg("'%s' %s", heading, read ? message : "is passed over");
+        if (!read && (!strstr(message, "a column pressure") || !strstr(message, heading))) fail_msg("%s", message);
+        if (read) assert_true(c[2].index < 0 && c[3].index < 0);
+        sheet_free(&s);
+    }
+    for (size_t k = 0; k < sizeof moist / sizeof *moist; k++) {
+        sheet_column c[2] = {sheet_want("time", 'T', true), sheet_want("moisture", 's', false)};
+        snprintf(text, sizeof text, "time_s;%s\n1;2\n", moist[k]);
+        if (table_of(text, c, 2, &s, message) == 0) fail_msg("'%s' is passed over", moist[k]);
+        if (!strstr(message, "a column moisture") || !strstr(message, moist[k])) fail_msg("%s", message);
+    }
+    sheet_column c[2] = {sheet_want("time", 'T', true), sheet_want("moisture", 's', false)};
+    if (table_of("time_s;Feuchte [\xe2\x80\xb0]\n1;2,5\n", c, 2, &s, message)) fail_msg("%s", message);
+    near("per mille", c[1].value[0], 2.5e-3);
+    sheet_free(&s);
+    static const char *const names[2] = {"feed", "feed_sd"};
+    sheet_sizes z;
+    assert_int_equal(sizes_of("low_um;high_um;Aufgabe;Aufgabe sd [g/kg]\n1;2;1;3\n", names, 2, &z, message), -1);
+    assert_string_equal(message,
+                        "f: no column feed_sd; the columns are 'low_um', 'high_um', 'Aufgabe', 'Aufgabe sd [g/kg]'");
+    assert_int_equal(sizes_of("low_um,high_um,feed,feed_sd_mm\n1,2,1,3\n", names, 2, &z, message), -1);
+}
+
+/* 3/4 and 1 1/2 inch, however the file says it. */
+static void test_inches(void **state) {
+    static const char *const same[] = {
+        "Sieve (in);Passing (%)\n3/4;60\n1 1/2;90\n",
+        "Sieve (inch);Passing (%)\n3/4;60\n1 1/2;90\n",
+        "Sieve (inches);Passing (%)\n3/4;60\n1 1/2;90\n",
+        "Sieve, inches;Passing (%)\n3/4;60\n1.5;90\n",
+        "Sieve opening, in.;Passing (%)\n0.75;60\n1 1/2;90\n",
+        "Sieve (\");Passing (%)\n3/4;60\n1 1/2;90\n",
+        "\"Sieve (\"\")\";Passing (%)\n3/4;60\n1 1/2;90\n",
+        "Maschenweite [Zoll];Durchgang [%]\n3/4;60\n1 1/2;90\n",
+        "Maschenweite in Zoll\tDurchgang in %\n0,75\t60\n1 1/2\t90\n",
+        "size_inch,passing_%\n3/4,60\n1 1/2,90\n",
+        "Sieve,Passing (%)\n3/4\",60\n1 1/2\",90\n",
+        "Sieve;Passing (%)\n3/4\";60\n1 1/2\";90\n",
+        "Sieve,Passing (%)\n\"3/4\"\"\",60\n\"1 1/2\"\"\",90\n",
+        "\"Sieve\";\"Passing (%)\"\n\"3/4\"\"\";\"60\"\n\"1 1/2\"\"\";\"90\"\n",
+        "Sieve,Passing (%)\n3/4 in,60\n1 1/2 in.,90\n",
+        "Sieve,Passing (%)\n3/4 inch,60\n1.5 inches,90\n",
+        "Sieb;Durchgang [%]\n3/4 Zoll;60\n1,5 Zoll;90\n",
+        "Sieve,Passing (%)\n3/4'',60\n1.5'',90\n",
+        "Sieve,Passing (%)\n3/4\xe2\x80\xb3,60\n1 1/2\xe2\x80\xb3,90\n",
+        "mesh,Passing (%)\n\"3/4\"\"\",60\n1 1/2 inches,90\n",
+        "ASTM mesh;Passing (%)\n3/4 Zoll;60\n1,5 Zoll;90\n",
+        "from (inch);to (inch);retained (g)\n0;3/4;60\n3/4;1 1/2;30\n1 1/2;2;10\n",
+        "class (inch);retained (g)\n0-3/4;60\n3/4 - 1 1/2;30\n1 1/2 to 2;10\n",
+        "class;retained (g)\n< 3/4\";60\n3/4\" - 1 1/2\";30\n> 1 1/2\";10\n",
+        "class (Zoll);share %\n-3/4;60\n-1 1/2+3/4;30\n+1 1/2;10\n",
+    };
+    char message[600];
+    sheet_sizes s;
+    (void)state;
+    for (size_t k = 0; k < sizeof same / sizeof *same; k++) {
+        if (sizes_of(same[k], NULL, 1, &s, message)) fail_msg("%s: %s", same[k], message);
+        near(same[k], s.size[0], 0.01905), near(same[k], s.size[1], 0.0381);
+        near(same[k], s.amount[0][0], 0.6), near(same[k], s.amount[0][1], 0.9);
+        sheet_free_sizes(&s);
+    }
+    assert_int_equal(sizes_of("Sieve (inch),Passing %\n1-1/2,60\n", NULL, 1, &s, message), -1);
+    assert_string_equal(message, "f:2: column 'Sieve (inch)': '1-1/2' is no size"); /* a class, or 1 1/2? */
+    /* limits beside a size in another unit keep theirs */
+    if (sizes_of("from [um];to [um];mean size [mm];share %\n1000;2000;1.5;60\n2000;4000;3;40\n", NULL, 1, &s, message))
+        fail_msg("%s", message);
+    near("low", s.size[0], 1e-3);
+    sheet_free_sizes(&s);
+    csv_data data;
+    static const char quoted[] = "name,\"text, \"\"so\"\" [mm]\",x\n3/4\",\"a;\"\"b\"\"\",3 # note\n";
+    if (csv_parse(quoted, (long)strlen(quoted), "f", &data, message, 600)) fail_msg("%s", message);
+    assert_string_equal(data.names[1], "text, \"so\" [mm]");
+    assert_string_equal(data.cells[0], "3/4\""), assert_string_equal(data.cells[1], "a;\"b\"");
+    near("x", csv_value(&data, 0, "x"), 3.0);
+    csv_free(&data);
+}
+
+/* Shares must be a whole, of classes and of single sizes: a curve whose heading does not say so is none of shares. */
+static void test_shares_are_a_whole(void **state) {
+    static const char *const wrong[][2] = {
+        {"diameter_mm;volume %\n3.5;10\n5;60\n7;100\n",
+         "f: column 'volume %' adds up to 170 %, not to 100; a curve says so, such as passing or cumulative"},
+        {"diameter_um;volume share %\n60;40\n80;70\n100;95\n",
+         "f: column 'volume share %' adds up to 205 %, not to 100"},
+        {"diameter_um;number_share\n60;0.4\n80;0.7\n100;0.95\n",
+         "f: column 'number_share' adds up to 205 %, not to 100"},
+        {"diameter_um;volume_share\n60;0,1\n80;0,6\n100;1\n",
+         "f: column 'volume_share' adds up to 170 %, not to 100; a curve says so, such as passing or cumulative"},
+        {"diameter_um;share\n60;10\n80;60\n100;100\n",
+         "f: column 'share' adds up to 170 %, not to 100; a curve says so, such as passing or cumulative"},
+        {"size_mm;Anteil\n1;20 %\n2;30 %\n", "f: column 'Anteil' adds up to 50 %, not to 100"},
+        {"size_mm;Anteil [\xe2\x80\xb0]\n1;200\n2;300\n",
+         "f: column 'Anteil [\xe2\x80\xb0]' adds up to 50 %, not to 100"},
+        {"class mm;share %\n0-1;10\n1-2;60\n2-4;100\n", "f: column 'share %' adds up to 170 %, not to 100"},
+        {"class mm;share\n0-1;0.1\n1-2;0.6\n2-4;1\n", "f: column 'share' adds up to 170 %, not to 100"},
+        {"class mm;Anteil\n0-1;20 %\n1-2;30 %\n", "f: column 'Anteil' adds up to 50 %, not to 100"},
+    };
+    static const char *const right[] = {
+        "size_mm;volume %\n1;24.5\n2;73.5\n",
+        "size_mm;share\n1;0.25\n2;0.75\n",
+        "size_mm;share\n1;25\n2;75\n",
+        "size_mm;number_share\n1;1\n2;3\n",
+        "size_mm;Anteil [\xe2\x80\xb0]\n1;250\n2;750\n",
+        "size_mm;share\n1;25 %\n2;75 %\n",
+        "size_mm;share [-]\n1;0.25\n2;0.75\n",
+    };
+    char message[600];
+    sheet_sizes s;
+    (void)state;
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        strcpy(message, "read");
+        sizes_of(wrong[k][0], NULL, 1, &s, message);
+        assert_string_equal(message, wrong[k][1]);
+    }
+    for (size_t k = 0; k < sizeof right / sizeof *right; k++) {
+        if (sizes_of(right[k], NULL, 1, &s, message)) fail_msg("%s: %s", right[k], message);
+        assert_true(s.single);
+        near(right[k], s.amount[0][1] / s.amount[0][0], 3.0);
+        sheet_free_sizes(&s);
+    }
+    if (sizes_of("diameter_um;mass_g\n0;1\n60;40\n80;70\n", NULL, 1, &s, message)) fail_msg("%s", message);
+    sheet_free_sizes(&s);
+    if (sizes_of("diameter_um,q3\n1,0\n2,0.4\n3,1\n", NULL, 1, &s, message)) fail_msg("%s", message);
+    assert_false(s.single); /* as filter_cake promises: q3 of a curve */
+    near("q3", s.amount[0][1], 0.4);
+    sheet_free_sizes(&s);
+}
+
+/* Marks that may separate thousands where no number has decimals. */
+static void test_thousands_without_decimals(void **state) {
+    static const char *const wrong[] = {
+        "Siebweite [um];Masse [g]\n4.000;0\n2.000;12\n1.000;21\n500;8\nBoden;7\n",
+        "Siebweite [um];Masse [g]\n4,000;0\n2,000;12\n1,000;21\n500;8\nBoden;7\n",
+        "Siebweite [um]\tMasse [g]\n4.000\t0\n63\t12\nBoden\t7\n",
+        "size [um];Masse [g]\n400;0\n200;1.250\n100;2.125\n50;875\nBoden;750\n",
+        "Kornklasse [um];Masse [g]\n500-1.000;5\n1.000-2.000;7\n",
+    };
+    static const char *const right[] = {
+        "size [mm];mass [g]\n4.000;0\n2.000;12\n1.000;21\n0.500;8\nPan;7\n",
+        "size [mm];mass [g]\n4.000;12.125\n2.000;21.250\n1.000;8.375\n",
+        "size [mm];mass [g]\n2;12\n3;21\n4.125;8\n150;5\n", /* as thousands they would not rise */
+        "size [mm];mass [g]\n4.000;1\n2.000;2\n1.000;3\n",
+    };
+    char message[600];
+    sheet_sizes s;
+    (void)state;
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        strcpy(message, "read");
+        sizes_of(wrong[k], NULL, 1, &s, message);
+        if (!strstr(message, "may be in thousands: write numbers without a mark for them"))
+            fail_msg("%s: %s", wrong[k], message);
+    }
+    for (size_t k = 0; k < sizeof right / sizeof *right; k++) {
+        if (sizes_of(right[k], NULL, 1, &s, message)) fail_msg("%s: %s", right[k], message);
+        sheet_free_sizes(&s);
+    }
+    sheet_column c[2] = {sheet_want("time", 'T', true), sheet_want("volume", 'V', true)};
+    sheet t;
+    assert_int_equal(table_of("Zeit [s];Volumen [ml]\n60;250\n310;750\n520;1.000\n", c, 2, &t, message), -1);
+    assert_string_equal(message, "f:4: '1.000' may be in thousands: write numbers without a mark for them");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_one_sand_in_many_tables),
@@ -302,6 +502,10 @@ int main(void) {
         cmocka_unit_test(test_amounts_by_name),
         cmocka_unit_test(test_readings),
         cmocka_unit_test(test_screen_table),
+        cmocka_unit_test(test_optional_columns),
+        cmocka_unit_test(test_inches),
+        cmocka_unit_test(test_shares_are_a_whole),
+        cmocka_unit_test(test_thousands_without_decimals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -94,6 +94,7 @@ typedef struct dem__rigid {
     dem_quaternion frame;     /* from its principal axes to the frame in which its shape is given */
     dem_vec moments;          /* [kg m2] */
     double mass;              /* [kg] */
+    double rate;              /* of the contacts of a clump over k/m; not saved */
     int32_t first, pieces;    /* of its particles */
     double
         rotation_steps; /* rotation steps of a flight, with three different moments, that have been integrated, */

@@ -478,9 +478,9 @@ typedef struct dem_world {
     int64_t looks;          /* tests of pairs and of particles with walls */
     int64_t rebuilds;       /* of the neighbour list */
     double step_ratio; /* time step over the largest stable one; 0 before the first run. Computed when a run begins
-                          after a change, for the smallest and stiffest present pair (a particle of a body has its least
-                          effective mass). Contacts that begin later raise it if their law's prepare function returns a
-                          stiffness. Above 1 contacts create energy; dem_advise() advises 0.08 or less. With DEM_HERTZ,
+                          after a change, for the smallest and stiffest present pair (a body has its least effective
+                          mass). Contacts that begin later raise it if their law's prepare function returns a
+                          stiffness. Above 1 contacts create energy; dem_advise() advises 0.25 or less. With DEM_HERTZ,
                           whose contacts stiffen in an impact, it follows from the time of Rayleigh waves alone. Links
                           are not included: the caller chooses their interval */
 

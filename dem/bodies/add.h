@@ -85,6 +85,7 @@ static inline ptrdiff_t dem__add_body(dem_world *w, const dem__body_def *def) {
         bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
         bodies->offset[i] = dem_vec3(dem_axis(from, order[0]), dem_axis(from, order[1]), dem_axis(from, order[2]));
     }
+    dem__set_rate(w, r);
     dem__free_body(w, r);
     dem__book_added(w, dem__potential(w, r->first));
     w->engine->run.needs_forces = w->engine->run.needs_lists = 1;

@@ -1,6 +1,7 @@
 /* Rigid bodies in a saved world. */
 #pragma once
 #include "../records/groups.h"
+#include "rate.h"
 #include "rigid.h"
 
 /* Lists the fields of rigid bodies present. bodies.rigid_of follows from `first` and `pieces`. */
@@ -53,7 +54,7 @@ static inline dem_status dem__load_bodies(const dem__file *file, dem_world *w, d
     memset(bodies->rigid, 0, (size_t)n * sizeof *bodies->rigid);
     if (!dem__read_group(file, g, n)) return DEM_BAD_DATA;
     for (bodies->rigid_count = 0; bodies->rigid_count < n;) {
-        const dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
+        dem__rigid *r = &bodies->rigid[bodies->rigid_count++];
         const dem_quaternion t = r->turn;
         if (r->first < 0 || r->pieces < 1 || r->first > w->count - r->pieces) return DEM_BAD_DATA;
         if (!dem__positive(r->moments.x) || !dem__positive(r->moments.y) || !dem__positive(r->moments.z) ||
@@ -67,6 +68,7 @@ static inline dem_status dem__load_bodies(const dem__file *file, dem_world *w, d
                 return DEM_BAD_DATA;
             bodies->rigid_of[i] = (int32_t)bodies->rigid_count;
         }
+        dem__set_rate(w, r);
     }
     return DEM_OK;
 }

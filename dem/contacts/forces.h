@@ -5,6 +5,7 @@
 
 /* An evaluation of all contacts on several threads. */
 typedef struct dem__evaluation {
+    dem_world *w;
     dem_loop_fn loop;
     int has_friction;
 } dem__evaluation;
@@ -38,9 +39,14 @@ static inline void dem__add_postponed(dem_world *w, dem__evaluation *e) {
 }
 
 /* Evaluates the chunks of a share. Its thread may add forces to particles whose contacts are all in this share or in
-   later ones. It postpones the forces on others. */
-static inline void dem__evaluate_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
-    ((const dem__evaluation *)context)->loop(w, first, end, part);
+   later ones. It postpones the forces on others. The first chunks have the contacts of the last particles, so the last
+   share comes first: a thread gets the contacts of the particles that it moves, which lie in its cache. */
+static inline void dem__evaluate_share(void *context, int index) {
+    const dem__evaluation *e = (const dem__evaluation *)context;
+    const dem__contacts *contacts = &e->w->engine->contacts;
+    const int shares = contacts->shares, share = shares - 1 - index;
+    e->loop(e->w, dem__part(contacts->chunk_count, share, shares), dem__part(contacts->chunk_count, share + 1, shares),
+            share);
 }
 
 /* Divides the chunks among threads. */
@@ -67,11 +73,11 @@ static inline void dem__find_stored(dem_world *w, dem_loop_fn loop) {
 static inline void dem__evaluate(dem_world *w, dem_loop_fn loop, double h, int has_friction, int keep) {
     dem__contacts *contacts = &w->engine->contacts;
     dem__evaluation e;
-    e.loop = loop, e.has_friction = has_friction;
+    e.w = w, e.loop = loop, e.has_friction = has_friction;
     dem__make_shares(w);
     w->engine->run.kernel_dt = h;
     w->engine->run.keeps_wrenches = keep;
-    dem__in_parts(w, contacts->shares, contacts->chunk_count, dem__evaluate_range, &e);
+    dem__parallel(w, contacts->shares, dem__evaluate_share, &e);
     if (contacts->shares > 1) dem__add_postponed(w, &e);
     for (int k = 0; k < w->walls; k++) {
         dem_wall *wall = &w->wall[k];

@@ -53,38 +53,29 @@ DEM_API double dem_hertz_contact_time(double modulus, double radius, double mass
     return 2.943275175395 * overlap / speed; /* 2 sqrt(pi) Gamma(7/5)/Gamma(9/10) */
 }
 
-/* Returns the least effective mass of particle i in a contact [kg]. For a particle of a body it is less than the body's
-   mass, because the body turns. */
-static inline double dem__least_mass(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (!r) return w->particle[i].mass;
-    const dem_convex *s = dem__shape_of(w, i);
-    if (s) return r->mass / s->rate;
-    const double arm = dem__length(w->engine->bodies.offset[i]);
-    const double two = r->moments.x < r->moments.y ? r->moments.x : r->moments.y,
-                 least = two < r->moments.z ? two : r->moments.z;
-    return 1.0 / (1.0 / r->mass + arm * arm / least);
-}
-
-/* What is present of a material: the least radius of its free and of its fixed particles, and the least effective mass
-   of a particle of a body. */
+/* What is present of a material: the least radius of its free and of its fixed particles, the least effective mass of a
+   body in its contacts, and the highest rate of these. */
 typedef struct dem__present {
     double smallest, fixed, lightest; /* [m], [m], [kg]; infinite if there is none */
+    double rate;                      /* over k/m; 1 for spheres */
     int is_wall;
 } dem__present;
 static inline void dem__list_present(const dem_world *w, dem__present *of) {
     for (int m = 0; m < DEM_MATERIALS_MAX; m++) {
         of[m].smallest = of[m].fixed = of[m].lightest = HUGE_VAL;
-        of[m].is_wall = 0;
+        of[m].is_wall = 0, of[m].rate = 1.0;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__present *q = &of[w->material[i]];
         double *least = dem__is_fixed(w, i) ? &q->fixed : &q->smallest;
         if (!w->alive[i]) continue;
         if (w->particle[i].radius < *least) *least = w->particle[i].radius;
-        if (least == &q->fixed || !dem__rigid_of(w, i)) continue;
-        const double mass = dem__least_mass(w, i);
-        q->lightest = mass < q->lightest ? mass : q->lightest;
+        const dem__rigid *r = dem__rigid_of(w, i);
+        if (least == &q->fixed || !r || r->first != i) continue;
+        const dem_convex *s = dem__shape_of(w, i);
+        const double rate = s ? s->rate : r->rate;
+        q->lightest = fmin(q->lightest, r->mass / rate);
+        q->rate = fmax(q->rate, rate);
     }
     for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= dem__has_surface(&w->wall[k]);
 }
@@ -96,8 +87,9 @@ static inline double dem__mass_of(const dem_world *w, const dem__present *of, in
     return sphere < of[m].lightest ? sphere : of[m].lightest;
 }
 
-/* Lowers the advised times to those that a pair needs. */
-static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice *a) {
+/* Lowers the advised times to those that a pair needs. b->mass: the effective one, of which the contacts' damping knows
+   nothing; rate: mass over effective mass. */
+static inline void dem__advise_pair(const dem_birth *b, double speed, double rate, dem_advice *a) {
     double constants[DEM_CONSTANTS_MAX], contact, damping;
     if (b->features & DEM_HERTZ) {
         dem_prepare_hertz(b, constants);
@@ -110,6 +102,7 @@ static inline void dem__advise_pair(const dem_birth *b, double speed, dem_advice
         damping = 2.0 * zeta * sqrt(b->pair->stiffness * b->mass);
     }
     a->contact = contact < a->contact ? contact : a->contact;
+    damping *= sqrt(rate);
     if (damping > 0.0 && b->mass / damping < a->dashpot) a->dashpot = b->mass / damping;
 }
 
@@ -140,7 +133,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
                 b.material_i = m, b.material_j = q;
                 b.radius_i = of[m].smallest, b.radius_j = radius;
                 b.mass = side ? mass_m : mass_m * mass_q / (mass_m + mass_q);
-                dem__advise_pair(&b, speed, &a);
+                dem__advise_pair(&b, speed, side ? of[m].rate : fmax(of[m].rate, of[q].rate), &a);
             }
         }
     }

@@ -150,6 +150,9 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
     q.region = region, q.share = volume > 0.0 ? 1.0 / volume : (double)NAN;
     q.images = dem__images(w, q.shift);
     dem__tree_bounds(region, &q.low, &q.high);
+    for (int a = 0; a < 3; a++) { /* of a particle on the edge of a periodic box one image counts */
+        if (w->def.periodic[a]) *dem_axis_of(&q.high, a) = nextafter(dem_axis(q.high, a), -HUGE_VAL);
+    }
     memset(&m, 0, sizeof m);
     dem__measure_bodies(w, &q, &m);
     dem__measure_fluctuations(w, &q, &m);
@@ -189,6 +192,11 @@ static inline int dem__cells_of(const dem_cells *c, int a, double v, int *first,
     return 1;
 }
 
+/* Returns whether a point at v is at the end of the cells along a periodic axis. Its image at their start counts. */
+DEM_INLINE int dem__is_next_image(const dem_world *w, const dem_cells *c, int a, double v) {
+    return w->def.periodic[a] && c->width[a] == 0.0 && v >= dem_axis(c->high, a);
+}
+
 /* Returns the share of a point at v that counts in cell k of an axis. */
 DEM_INLINE double dem__share_of(const dem_cells *c, int a, int k, double v) {
     if (c->width[a] == 0.0) return 1.0;
@@ -211,6 +219,8 @@ static inline void dem__coarse_grain(const dem_world *w, const dem_cells *c, dem
     for (int image = 0; image < images; image++) {
         int first[3], last[3];
         const dem_vec x = dem__add(at, shift[image]);
+        if (dem__is_next_image(w, c, 0, x.x) || dem__is_next_image(w, c, 1, x.y) || dem__is_next_image(w, c, 2, x.z))
+            continue;
         if (!dem__cells_of(c, 0, x.x, &first[0], &last[0]) || !dem__cells_of(c, 1, x.y, &first[1], &last[1]) ||
             !dem__cells_of(c, 2, x.z, &first[2], &last[2]))
             continue;

@@ -48,7 +48,7 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem_passed *p = &w->passed[at];
     p->time = time;
     p->diameter = r ? dem__equal_diameter(w, r) : 2.0 * w->particle[i].radius;
-    p->position = x;
+    p->position = dem__in_box(w, x);
     p->velocity = v;
     p->id = w->id[i];
     p->group = w->group[i];

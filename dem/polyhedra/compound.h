@@ -74,7 +74,7 @@ static inline void dem__find_body_rate(dem__builder *b, dem_vec at, dem_quaterni
                         springs += dem__add_face_modes(b, o, g, at, axes, normal, &m);
                 }
             }
-            const double rate = dem__highest_rate(&m) / dem__divide(springs).by;
+            const double rate = dem__highest_rate(&m, 5) / dem__divide(springs).by;
             b->body.rate = rate > b->body.rate ? rate : b->body.rate;
         }
         b->body.springs = s->springs;

@@ -2,63 +2,31 @@
    contacts are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a single face or
    corner. */
 #pragma once
+#include "../base/modes.h"
 #include "../base/polyhedron.h"
-#include "../base/vectors.h"
 
-/* A contact's stiffness over k/m, for motion along its normal and for rotations about the three axes. */
-typedef struct dem__modes {
-    double of[4][4];
-} dem__modes;
-
-/* Adds the spring of a point with part w. u: how fast the point moves along the normal by each motion. */
-static inline void dem__add_spring(dem__modes *m, double w, const double *u) {
-    for (int k = 0; k < 16; k++) m->of[k / 4][k % 4] += w * u[k / 4] * u[k % 4];
+/* Sets the mass over the principal moments [1/m2]. */
+static inline void dem__agility_of(const dem_convex *s, double *agility) {
+    for (int a = 0; a < 3; a++) agility[a] = s->volume / s->moment[a];
 }
 
-/* Returns the largest eigenvalue, or at most 5 % more: the 32nd root of the trace of the 32nd power. */
-static inline double dem__highest_rate(const dem__modes *modes) {
-    dem__modes m = *modes, square;
-    double scale = 0.0, trace = 0.0;
-    for (int a = 0; a < 4; a++) scale += m.of[a][a];
-    for (int k = 0; k < 16; k++) m.of[k / 4][k % 4] /= scale;
-    for (int pass = 0; pass < 5; pass++) {
-        memset(&square, 0, sizeof square);
-        for (int k = 0; k < 64; k++) square.of[k / 16][k % 4] += m.of[k / 16][k / 4 % 4] * m.of[k / 4 % 4][k % 4];
-        m = square;
-    }
-    for (int a = 0; a < 4; a++) trace += m.of[a][a];
-    for (int pass = 0; pass < 5; pass++) trace = sqrt(trace);
-    return scale * trace;
-}
-
-/* Returns the rate of a single corner, in the direction in which it is highest: along each direction the corner moves
-   with the body, and by rotations about the axes. */
+/* Returns the rate of a single corner. */
 static inline double dem__rate_of_corner(const dem_convex *s, dem_vec r) {
-    dem__modes m;
-    memset(&m, 0, sizeof m);
-    for (int a = 0; a < 3; a++) {
-        dem_vec axis = dem_vec3(0.0, 0.0, 0.0);
-        double own[4] = {0.0, 0.0, 0.0, 0.0};
-        *dem_axis_of(&axis, a) = own[a] = 1.0;
-        const dem_vec turned = dem__scale(sqrt(s->volume / s->moment[a]), dem__cross(axis, r));
-        const double u[4] = {turned.x, turned.y, turned.z, 0.0};
-        dem__add_spring(&m, 1.0, own), dem__add_spring(&m, 1.0, u);
-    }
-    return dem__highest_rate(&m) / (double)s->springs;
+    double agility[3];
+    dem__agility_of(s, agility);
+    return dem__rate_of_point(r, agility) / (double)s->springs;
 }
 
 /* Returns the rate of a face. */
 static inline double dem__rate_of_face(const dem_convex *s, int f) {
     const dem_vec n = dem__point(s->plane[f]);
+    double agility[3];
     dem__modes m;
     memset(&m, 0, sizeof m);
-    for (int k = s->face_start[f]; k < s->face_start[f + 1]; k++) {
-        const dem_vec arm = dem__cross(dem__point(s->corner[s->face_corner[k]]), n);
-        double u[4] = {1.0, 0.0, 0.0, 0.0};
-        for (int a = 0; a < 3; a++) u[1 + a] = dem_axis(arm, a) * sqrt(s->volume / s->moment[a]);
-        dem__add_spring(&m, 1.0 / (double)s->springs, u);
-    }
-    return dem__highest_rate(&m);
+    dem__agility_of(s, agility);
+    for (int k = s->face_start[f]; k < s->face_start[f + 1]; k++)
+        dem__add_spring_at(&m, 1.0 / (double)s->springs, dem__point(s->corner[s->face_corner[k]]), n, agility);
+    return dem__highest_rate(&m, 5);
 }
 
 /* Sets how many corners share a spring, and the rate. */

@@ -15,9 +15,11 @@ static inline dem_wall *dem__rebase_wall(dem_world *w, int wall) {
     if (!w || wall < 0 || wall >= w->walls) return NULL;
     dem_wall *a = &w->wall[wall];
     dem__place_wall(w, a);
+    const double t = w->time - a->asked.motion_start;
+    const dem_vec sway = a->asked.drive == DEM_KINEMATIC ? dem__oscillation_at(a, t).shift : dem_vec3(0.0, 0.0, 0.0);
     a->asked.origin = a->position;
     for (int k = 0; k < 3; k++) a->asked.rest_axis[k] = a->axis[k];
-    a->asked.spin_centre = dem__add(a->asked.spin_centre, dem__scale(w->time - a->asked.motion_start, a->asked.drift));
+    a->asked.spin_centre = dem__add(dem__add(a->asked.spin_centre, dem__scale(t, a->asked.drift)), sway);
     a->asked.motion_start = w->time;
     if (a->asked.drive != DEM_KINEMATIC)
         a->spin = a->spin_rate = a->spin_bound = 0.0; /* a drive is the wall's only motion */

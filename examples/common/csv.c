@@ -42,26 +42,46 @@ static bool may_be_thousands(const char *cell) {
     return strspn(cell + first + 1, "0123456789") == 3 && cell[first + 4] == '\0';
 }
 
-/* Returns the end of a quoted cell, its closing quote, or NULL: another character follows the quote, or
-   there is none. */
-static char *closing_quote(char *cell, char separator) {
-    char *close = *cell == '"' ? strchr(cell + 1, '"') : NULL;
-    const char *next = close ? close + 1 : NULL;
-    while (next && is_blank(*next) && *next != separator) next++;
-    return next && (*next == separator || !*next) ? close : NULL;
+size_t csv_quoted(const char *cell, const char *stops) {
+    const char *close = cell + 1, *next;
+    if (*cell != '"') return 0;
+    while ((close = strchr(close, '"')) != NULL && close[1] == '"') close += 2;
+    if (!close) return 0;
+    for (next = close + 1; is_blank(*next) && !strchr(stops, *next);) next++;
+    return !*next || strchr(stops, *next) ? (size_t)(close - cell) : 0;
 }
 
-/* Cuts a line (ended by 0) at its separators into cells without blanks and quotes around; returns how many. */
+/* Two quotes in a quoted cell are one of its text. */
+static void undo_doubled(char *cell) {
+    char *to = cell;
+    for (const char *from = cell; *from; from++) {
+        *to++ = *from;
+        if (from[0] == '"' && from[1] == '"') from++;
+    }
+    *to = '\0';
+}
+
+/* The quotes around a cell that begins at `at` end here; else `at`. A quote within a cell, as in 3/4", begins none. */
+static const char *pass_quoted(const char *at, const char *line, const char *stops) {
+    const char *before = at;
+    if (*at != '"') return at;
+    while (before > line && is_blank(before[-1]) && !strchr(stops, before[-1])) before--;
+    return before == line || strchr(stops, before[-1]) ? at + csv_quoted(at, stops) : at;
+}
+
 int csv_cut(char *line, char separator, char **cells) {
     const char stop[2] = {separator, '\0'};
     int n = 0;
     for (char *at = line;; n++) {
         char *end;
         while (is_blank(*at) && *at != separator) at++;
-        if ((end = closing_quote(at, separator)) != NULL) {
+        const size_t quoted = csv_quoted(at, stop);
+        if (quoted > 0) {
             cells[n] = at + 1;
+            end = at + quoted;
             *end++ = '\0';
             end += strcspn(end, stop);
+            undo_doubled(cells[n]);
         } else {
             cells[n] = at;
             end = at + strcspn(at, stop);
@@ -75,10 +95,9 @@ int csv_cut(char *line, char separator, char **cells) {
 
 /* What separates the cells: the first semicolon or tab of the line of names outside quotes, else commas. */
 static char separator_of(const char *line) {
-    bool quoted = false;
     for (const char *c = line; *c; c++) {
-        quoted ^= *c == '"';
-        if (!quoted && (*c == ';' || *c == '\t')) return *c;
+        c = pass_quoted(c, line, ",;\t");
+        if (*c == ';' || *c == '\t') return *c;
     }
     return ',';
 }
@@ -146,12 +165,10 @@ static int check_decimals(csv_data *data, const char *path, char *message, int m
 /* Takes off a comment that follows the last cell of a row, if that cell is a number: text may have a '#'. */
 static void cut_comment(const csv_data *data, char *line, char separator) {
     const int last = data->columns - 1;
-    const char *cell = line;
+    const char *cell = line, stop[2] = {separator, '\0'};
     int cuts = 0;
-    bool quoted = false;
     for (char *c = line; *c; c++) {
-        quoted ^= *c == '"';
-        if (quoted) continue;
+        c += pass_quoted(c, line, stop) - c;
         if (*c == separator) cuts++, cell = c + 1;
         if (*c != '#' || c == cell || !is_blank(c[-1])) continue;
         char text[64];
@@ -309,6 +326,7 @@ static const unit units[] = {
     {"n", 'F', 1.0},
     {"%", 's', 0.01},
     {"percent", 's', 0.01},
+    {"permille", 's', 1e-3},
     {"-", 's', 1.0},
 };
 
@@ -365,7 +383,8 @@ int csv_is(const char *name, const char *wanted, double *factor) {
     *factor = 1.0;
     char base[128], asked[128];
     const unit *in, *out;
-    if (small_letter(*name) != small_letter(*wanted)) return 0; /* most columns of most tables: csv_value asks
+    if (small_letter(*name) != small_letter(*wanted))
+        return 0; /* most columns of most tables: csv_value asks
                                                                    for every cell */
     const bool known = split_name(name, base, sizeof base, &in);
     split_name(wanted, asked, sizeof asked, &out);

@@ -11,6 +11,8 @@
 #ifndef RIDDLE_CSV_H
 #define RIDDLE_CSV_H
 
+#include <stddef.h>
+
 #include "progress.h"
 
 /* A column is of text if its first cell that is not empty is no number; its values are NaN. An empty cell is NaN. */
@@ -39,9 +41,13 @@ int csv_find(const csv_data *data, const char *name, double *factor, char *messa
 int csv_measures(const char *name, char dimension);
 /* Of a unit in small letters; 0: there is none of this name. */
 int csv_unit(const char *name, char *dimension, double *si);
-/* Cuts a line (ended by 0) at its separators into cells without blanks and quotes around; returns how many. */
+/* Where the quotes around a cell end, before one of these characters or the end of the text: the place of the closing
+   quote from the cell's beginning on; 0: the cell has none around it. Doubled quotes within close nothing. */
+size_t csv_quoted(const char *cell, const char *stops);
+/* Cuts a line (ended by 0) at its separators into cells without blanks and quotes around; returns how many. Doubled
+   quotes in a quoted cell become one. */
 int csv_cut(char *line, char separator, char **cells);
-int csv_column(const csv_data *data, const char *name);            /* its index, or -1 */
+int csv_column(const csv_data *data, const char *name); /* its index, or -1 */
 /* In the unit asked for; NaN if there is no such cell. */
 double csv_value(const csv_data *data, int row, const char *name);
 void csv_free(csv_data *data);

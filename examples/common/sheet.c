@@ -100,7 +100,45 @@ static int distance(const char *a, const char *b) {
     return row[width];
 }
 
-/* A column that is nearly one that may be missing: a default in its place would be wrong. */
+/* Does a heading begin with one of these words, whatever follows: "Druckdifferenz in mmHg"? A long first word may have a
+   mistake in it, for a short one would be another word. */
+static bool begins_with(const sheet_heading *h, const char *words) {
+    int from = 0;
+    while (from < h->n && sheet_is_word(sheet_harmless, h->words[from])) from++;
+    char joined[200] = "";
+    for (int k = from; k < h->n && k < from + 3; k++) {
+        const size_t used = strlen(joined);
+        snprintf(joined + used, sizeof joined - used, "%s%s", k > from ? "_" : "", h->words[k]);
+        if (sheet_is_word(words, joined)) return true;
+    }
+    for (const char *at = words; from < h->n && *at; at += strspn(at, " ")) {
+        char word[40];
+        const size_t n = strcspn(at, " ");
+        snprintf(word, sizeof word, "%.*s", (int)(n < 39 ? n : 39), at);
+        if (n >= 5 && distance(h->words[from], word) <= (n > 6 ? 2 : 1)) return true;
+        at += n;
+    }
+    return false;
+}
+
+/* Is another column there that may be named alike, as volume beside mass: "filtrate"? Then this one is not missed. */
+static bool has_instead(const sheet_column *want, int wants, int missing) {
+    const char *words = sheet_words_of(want[missing].name);
+    for (int w = 0; w < wants; w++) {
+        if (want[w].index < 0) continue;
+        const char *others = sheet_words_of(want[w].name);
+        for (const char *at = words; *at; at += strspn(at, " ")) {
+            char word[40];
+            const size_t n = strcspn(at, " ");
+            snprintf(word, sizeof word, "%.*s", (int)(n < 39 ? n : 39), at);
+            if (sheet_is_word(others, word)) return true;
+            at += n;
+        }
+    }
+    return false;
+}
+
+/* A column that is nearly one that may be missing, by any of its names: a default in its place would be wrong. */
 static int refuse_near(const char **names, int n, const sheet_column *want, int wants, const char *path, char *message,
                        int size) {
     for (int k = 0; k < n; k++) {
@@ -111,7 +149,9 @@ static int refuse_near(const char **names, int n, const sheet_column *want, int 
         if (taken || h.n < 1) continue;
         const char *word = h.words[0];
         for (int w = 0; w < wants; w++)
-            if (want[w].index < 0 && strlen(word) >= 4 && distance(word, want[w].name) <= (strlen(word) > 4 ? 2 : 1))
+            if (want[w].index < 0 && !has_instead(want, wants, w) &&
+                ((strlen(word) >= 4 && distance(word, want[w].name) <= (strlen(word) > 4 ? 2 : 1)) ||
+                 begins_with(&h, sheet_words_of(want[w].name))))
                 return sheet_refuse(message, size,
                                     "%s: a column %s, in a unit such as _mm, _percent, _kg_m2; there is '%.60s'", path,
                                     want[w].name, names[k]);

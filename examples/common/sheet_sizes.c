@@ -53,7 +53,7 @@ typedef struct amount {
 /* What the columns are. */
 typedef struct layout {
     int size, low, high, phi, mesh; /* columns, or -1 */
-    sheet_heading size_heading, high_heading;
+    sheet_heading size_heading, low_heading, high_heading;
     unsigned mesh_bits;
     bool size_is_class;
     amount amount[SHEET_AMOUNTS];
@@ -111,8 +111,9 @@ static column_kind kind_of(const sheet_heading *h, unsigned b) {
     return NONE;
 }
 
-/* Is the heading that of amounts "feed" or of their deviations "feed_sd"? */
-static bool is_amount_of(const char *name, const sheet_heading *h, column_kind *kind) {
+/* Is the heading that of amounts "feed" or of their deviations "feed_sd"? *unfit: it is one of deviations, but with
+   other words or a unit that is none of amounts. */
+static bool is_amount_of(const char *name, const sheet_heading *h, column_kind *kind, bool *unfit) {
     char base[40], skip[200];
     const size_t n = strlen(name);
     const bool wanted = n > 3 && strcmp(name + n - 3, "_sd") == 0;
@@ -124,7 +125,10 @@ static bool is_amount_of(const char *name, const sheet_heading *h, column_kind *
         deviates |= sheet_is_word("sd stdev standardabweichung", h->words[k]);
     }
     const unsigned bits = bits_of(h, skip);
-    if (!named || deviates != wanted || (bits & WORD_UNKNOWN)) return false;
+    if (!named || deviates != wanted) return false;
+    const bool fits = !(bits & WORD_UNKNOWN) && (!wanted || !h->dimension || strchr("sM", h->dimension));
+    *unfit |= wanted && !fits;
+    if (!fits) return false;
     *kind = wanted ? DEVIATION : kind_of(h, bits);
     if (*kind < FINER) *kind = NONE;
     return wanted || *kind != NONE || bits == (bits & (WORD_NOTHING | WORD_SHARE));
@@ -143,7 +147,7 @@ static const char *find_layout(const char *const *names, int n, const char *cons
     const char *twice = NULL;
     int by_kind[DEVIATION + 1];
     sheet_heading by_heading[DEVIATION + 1];
-    bool has_unit = false;
+    bool has_unit = false, unfit[SHEET_AMOUNTS] = {false};
     *l = empty;
     l->size = l->low = l->high = l->phi = l->mesh = -1;
     l->amounts = wanted ? wants : 1;
@@ -156,7 +160,7 @@ static const char *find_layout(const char *const *names, int n, const char *cons
         bool named = false;
         sheet_read_heading(names[k], &h);
         for (int j = 0; wanted && j < wants; j++) {
-            if (!is_amount_of(wanted[j], &h, &kind)) continue;
+            if (!is_amount_of(wanted[j], &h, &kind, &unfit[j])) continue;
             if (l->amount[j].column >= 0) twice = wanted[j];
             l->amount[j].column = k, l->amount[j].kind = kind, l->amount[j].heading = h, named = true;
         }
@@ -179,11 +183,11 @@ static const char *find_layout(const char *const *names, int n, const char *cons
             if (by_kind[kind] >= 0) twice = kind_text[kind];
             by_kind[kind] = k, by_heading[kind] = h;
         }
-        if (kind == LOW) l->size_heading = l->size < 0 ? h : l->size_heading;
+        if (kind == LOW) l->low_heading = h;
         if (kind == HIGH) l->high_heading = h;
     }
     if (l->low < 0 || l->high < 0) { /* an end alone is a sieve */
-        if (l->size < 0 && l->low >= 0) l->size = l->low;
+        if (l->size < 0 && l->low >= 0) l->size = l->low, l->size_heading = l->low_heading;
         if (l->size < 0 && l->high >= 0) l->size = l->high, l->size_heading = l->high_heading;
         l->low = l->high = -1;
     }
@@ -201,7 +205,7 @@ static const char *find_layout(const char *const *names, int n, const char *cons
         if (twice && strcmp(twice, kind_text[a->kind]) != 0 && strcmp(twice, "sizes") != 0) twice = NULL;
     }
     for (int j = 0; j < l->amounts; j++)
-        if (l->amount[j].column < 0 && !(wanted && strstr(wanted[j], "_sd"))) return wanted[j];
+        if (l->amount[j].column < 0 && (unfit[j] || !(wanted && strstr(wanted[j], "_sd")))) return wanted[j];
     if (twice) snprintf(l->twice, sizeof l->twice, "%s", twice);
     return twice ? l->twice : NULL;
 }
@@ -220,17 +224,28 @@ static double tyler_width(double number) {
     return mesh_width(sheet_tyler, sizeof sheet_tyler / sizeof *sheet_tyler, number);
 }
 
+#define INCH 0.0254 /* [m] */
+
+static bool is_in_inches(const sheet_heading *h) { return h->dimension == 'L' && fabs(h->si - INCH) < 1e-9; }
+
+/* A cell in small letters with a sign or word of inches? */
+static bool says_inch(const char *text) {
+    return strchr(text, '"') || strstr(text, "''") || strstr(text, "in") || strstr(text, "zoll");
+}
+
 /* Whole and broken inches at the beginning of a text: 1 1/2, 3/8; NaN if there is no fraction. */
 static double inches(const char *text, const char **end) {
-    double whole = 0.0, above, below;
-    char *at;
-    above = strtod(text, &at);
-    if (at != text && *at == ' ' && at[1] >= '1' && at[1] <= '9') whole = above, above = strtod(at, &at);
-    if (at == text || *at != '/') return (double)NAN;
-    const char *second = at + 1;
-    below = strtod(second, &at);
-    *end = at;
-    return at != second && below > 0.0 ? whole + above / below : (double)NAN;
+    double part[3] = {0.0, 0.0, 0.0};
+    int n = 0;
+    for (const char *at = text; n < 3; n++, at++) {
+        size_t digits = strspn(at, "0123456789");
+        if (digits == 0 || digits > 6) return (double)NAN;
+        part[n] = strtod(at, NULL), at += digits;
+        if (n == 0 && *at == '/') part[1] = part[0], part[0] = 0.0, n = 1;
+        *end = at;
+        if (*at != (n == 0 ? ' ' : '/')) break;
+    }
+    return n == 2 && part[2] > 0.0 ? part[0] + part[1] / part[2] : (double)NAN;
 }
 
 static bool is_any(const char *words, const char *text) {
@@ -242,13 +257,17 @@ static bool is_any(const char *words, const char *text) {
     return sheet_is_word(words, word);
 }
 
-/* A number and its unit [m]; si 0: it has none. */
-static bool read_length(const char **at, const sheet_marks *marks, double *size, double *si) {
-    static const char *const units[] = {"mm", "um", "cm", "nm", "microns", "micron", "m", "inch", "in", "\""};
-    static const double factors[] = {1e-3, 1e-6, 1e-2, 1e-9, 1e-6, 1e-6, 1.0, 0.0254, 0.0254, 0.0254};
-    if (!sheet_scan(*at, marks, size, at)) return false;
+/* A number and its unit [m]; si 0: it has none. inch: it may be a fraction. */
+static bool read_length(const char **at, const sheet_marks *marks, bool inch, double *size, double *si) {
+    static const char *const units[] = {"mm",     "um",   "cm",  "nm", "microns", "micron", "m",
+                                        "inches", "inch", "in.", "in", "zoll",    "\"",     "''"};
+    static const double factors[] = {1e-3, 1e-6, 1e-2, 1e-9, 1e-6, 1e-6, 1.0, INCH, INCH, INCH, INCH, INCH, INCH, INCH};
+    const char *end;
+    const double broken = inch ? inches(*at, &end) : (double)NAN;
+    if (!isnan(broken)) *size = broken, *at = end;
+    else if (!sheet_scan(*at, marks, size, at)) return false;
     while (**at == ' ') ++*at;
-    *si = 0.0;
+    *si = isnan(broken) ? 0.0 : INCH;
     for (size_t k = 0; k < sizeof units / sizeof *units; k++) {
         const size_t n = strlen(units[k]);
         if (strncmp(*at, units[k], n) != 0 || ((*at)[n] >= 'a' && (*at)[n] <= 'z')) continue;
@@ -279,19 +298,18 @@ static bool read_size(const char *cell, const sheet_marks *marks, double factor,
         at += strcspn(at, "0123456789");
         if (!*at) return false;
     }
-    if (inch || strchr(at, '"') || strstr(at, "in")) {
-        const double broken = inches(at, &end);
-        if (!isnan(broken)) {
-            row->low = row->high = 0.0254 * broken;
-            return true;
-        }
-    }
-    if (!read_length(&at, marks, &x, &si[0])) return false;
+    inch |= says_inch(at);
+    if (!read_length(&at, marks, inch, &x, &si[0])) return false;
+    const bool whole = si[0] == 0.0;
     for (size_t k = 0; *at && k < sizeof words / sizeof *words; k++) {
         if (strncmp(at, words[k], strlen(words[k])) != 0) continue;
+        const char sign = *at;
         at += strlen(words[k]);
         while (*at == ' ') at++;
-        if (!read_length(&at, marks, &y, &si[1])) return false;
+        const bool broken = inch && !isnan(inches(at, &end));
+        if (inch && (sign == '/' || (sign == '-' && whole && x > 0.0 && broken)))
+            return false; /* 1-1/2: a class, or 1 1/2? */
+        if (!read_length(&at, marks, inch, &y, &si[1])) return false;
         second = true;
         break;
     }
@@ -383,19 +401,19 @@ static int read_place(reader *r, int row, double (*width)(double), sieve_row *ou
         const char *low_cell = cell_of(r, row, l->low), *high_cell = cell_of(r, row, l->high);
         out->low = out->high = 0.0;
         if (*low_cell && strcmp(low_cell, "-") != 0 &&
-            !read_size(low_cell, &r->marks, l->size_heading.si, false, out, &r->bare))
+            !read_size(low_cell, &r->marks, l->low_heading.si, is_in_inches(&l->low_heading), out, &r->bare))
             return refuse_cell(r, row, l->low, "no size");
         high.high = HUGE_VAL;
         if (*high_cell && strcmp(high_cell, "-") != 0 &&
-            !read_size(high_cell, &r->marks, l->high_heading.si, false, &high, &r->bare))
+            !read_size(high_cell, &r->marks, l->high_heading.si, is_in_inches(&l->high_heading), &high, &r->bare))
             return refuse_cell(r, row, l->high, "no size");
         out->high = high.high, out->less = out->more = false;
         r->classes = true;
         return out->high > out->low ? 0 : refuse_cell(r, row, l->high, "not above the lower limit");
     }
     if (l->size >= 0) {
-        if (!read_size(cell_of(r, row, l->size), &r->marks, l->size_heading.si, strcmp(l->size_heading.unit, "in") == 0,
-                       out, &r->bare))
+        if (!read_size(cell_of(r, row, l->size), &r->marks, l->size_heading.si, is_in_inches(&l->size_heading), out,
+                       &r->bare))
             return refuse_cell(r, row, l->size, "no size");
         if (out->high > out->low) r->classes = true;
         else if (out->low == 0.0) out->pan = true; /* a sieve of width 0 */
@@ -410,8 +428,10 @@ static int read_place(reader *r, int row, double (*width)(double), sieve_row *ou
     }
     const char *cell = cell_of(r, row, l->mesh);
     bool unused = false;
-    if (strpbrk(cell, "\"/") || strstr(cell, "in")) {
-        if (!read_size(cell, &r->marks, 0.0254, true, out, &unused)) return refuse_cell(r, row, l->mesh, "no sieve");
+    char folded[60];
+    sheet_fold(cell, folded, sizeof folded);
+    if (strchr(folded, '/') || says_inch(folded)) {
+        if (!read_size(cell, &r->marks, INCH, true, out, &unused)) return refuse_cell(r, row, l->mesh, "no sieve");
         return 0;
     }
     if (!read_mesh(cell, &r->marks, &x)) return refuse_cell(r, row, l->mesh, "no mesh number");
@@ -431,7 +451,7 @@ static int read_amount(reader *r, int row, int column, int j, double *value) {
     const int unit = sheet_scan(cell, &r->marks, value, &end) ? sheet_unit(end, &dimension, &si) : -1;
     if (unit < 0 || (unit > 0 && dimension != 's' && dimension != 'M'))
         return refuse_cell(r, row, column, "not a number");
-    if (unit > 0 && si == 0.01) r->scaled[j] = true;
+    if (unit > 0 && dimension == 's' && si < 1.0) r->scaled[j] = true;
     *value *= unit > 0 ? si : h->si;
     return *value >= 0.0 || r->l.amount[j].kind == DEVIATION ? 0 : refuse_cell(r, row, column, "below 0");
 }
@@ -442,8 +462,8 @@ static int find_unit(reader *r, double (*width)(double)) {
     int at = 0;
     for (int k = 0; k < r->n; k++)
         if (!r->row[k].pan && r->row[k].low > largest) largest = r->row[k].low, at = k;
-    if (!r->bare || r->l.phi >= 0 || (r->l.size < 0 && r->l.low < 0) || r->l.size_heading.dimension || !(largest > 0.5))
-        return 0;
+    const sheet_heading *h = r->l.low >= 0 ? &r->l.low_heading : &r->l.size_heading;
+    if (!r->bare || r->l.phi >= 0 || (r->l.size < 0 && r->l.low < 0) || h->dimension || !(largest > 0.5)) return 0;
     for (int k = 0; k < r->n && r->l.mesh >= 0; k++) {
         double number;
         if (r->row[k].pan || !read_mesh(cell_of(r, r->row[k].row, r->l.mesh), &r->marks, &number) ||
@@ -547,6 +567,10 @@ static int settle_kind(reader *r, int j) {
             : rises(r, j) && most > 0.0 && fabs(r->row[r->n - 1].value[j] / (most > 1.5 ? 100.0 : 1.0) - 1.0) < 0.01
                 ? FINER
                 : SHARE;
+    for (int k = 0; k < a->heading.n && a->kind == SHARE && !r->classes && !r->pan; k++)
+        if (sheet_is_word("q3 q0", a->heading.words[k]) && rises(r, j) && sum > 1.03 * most &&
+            fabs(most * a->heading.si / (most > 1.5 ? 100.0 : 1.0) - 1.0) < 0.01)
+            a->kind = FINER; /* q3 for Q3 */
     if (a->kind == SHARE && (r->classes || r->pan)) a->kind = RETAINED;
     if (a->kind == CUM) {
         if (rises(r, j) == falls(r, j))
@@ -596,6 +620,28 @@ static void place_deviations(const reader *r, int j, sheet_sizes *out) {
     out->above[j] = 0.0;
 }
 
+/* Shares of classes or of single sizes must be a whole: else they are cumulated, or some are missing. Without a unit,
+   whole numbers may be parts or counts, if they do not rise to 100. */
+static int check_whole(const reader *r, int j, double all) {
+    const amount *a = &r->l.amount[j];
+    const bool single = a->kind == SHARE;
+    const double last = r->row[r->n - 1].value[j];
+    double most = 0.0;
+    bool whole = true;
+    for (int k = 0; k < r->n; k++) {
+        const double v = r->row[k].value[j];
+        most = fmax(most, v), whole &= v == floor(v);
+    }
+    const bool said = a->heading.dimension == 's' || r->scaled[j];
+    const double unit = a->heading.si == 1.0 && !r->scaled[j] && most > 1.5 ? 100.0 : 1.0;
+    const bool curve = rises(r, j) && r->row[0].value[j] < last && fabs(last / unit - 1.0) < 0.01 && all / unit > 1.03;
+    if (!said && (!(bits_of(&a->heading, NULL) & (WORD_SHARE | WORD_FRACTION)) || (whole && !curve))) return 0;
+    if (fabs(all / unit - 1.0) <= 0.03) return 0;
+    return sheet_refuse(r->message, r->message_size, "%s: column '%.60s' adds up to %.4g %%, not to 100%s", r->path,
+                        r->names[a->column], 100.0 * all / unit,
+                        single && curve ? "; a curve says so, such as passing or cumulative" : "");
+}
+
 /* The amount of a row in what passes the sizes above it. */
 static int sum_up(reader *r, int j, sheet_sizes *out) {
     const amount *a = &r->l.amount[j];
@@ -603,6 +649,7 @@ static int sum_up(reader *r, int j, sheet_sizes *out) {
     int n = 0;
     const bool shares = a->kind == RETAINED || a->kind == MASS || a->kind == GROSS;
     for (int k = 0; k < r->n; k++) all += r->row[k].value[j];
+    if (((a->kind == RETAINED && r->classes) || a->kind == SHARE) && all > 0.0 && check_whole(r, j, all)) return -1;
     if (a->kind == DEVIATION) {
         place_deviations(r, j, out);
         return 0;
@@ -613,9 +660,6 @@ static int sum_up(reader *r, int j, sheet_sizes *out) {
             return sheet_refuse(r->message, r->message_size,
                                 "%s: the rows of '%.60s' add up to %g kg, the row of the total says %g kg", r->path,
                                 r->names[a->column], all, r->total);
-        if (a->kind == RETAINED && r->classes && a->heading.percent && !(fabs(all - 1.0) <= 0.03))
-            return sheet_refuse(r->message, r->message_size, "%s: column '%.60s' adds up to %.4g %%, not to 100",
-                                r->path, r->names[a->column], 100.0 * all);
         if (a->kind == RETAINED && !r->pan && all < 0.99 && !r->classes) sum = 1.0 - all, all = 1.0;
     }
     if (a->kind == COARSER && a->heading.dimension == 'M') {
@@ -767,6 +811,7 @@ static int read_body(reader *r, int from, sheet_sizes *out) {
     }
     for (int j = 0; j < l->amounts; j++) column[used++] = l->amount[j].column, column[used++] = l->amount[j].tare;
     column[used++] = l->size, column[used++] = l->low, column[used++] = l->high, column[used++] = l->phi;
+    column[used++] = l->mesh;
     if (sheet_find_marks(r->text, from, column, used, r->path, &r->marks, r->message, r->message_size) ||
         read_rows(r, from))
         return -1;

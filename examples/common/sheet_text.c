@@ -42,7 +42,8 @@ static size_t put_rune(char *out, uint32_t c) {
     case 0x2212: c = '-'; break;
     case 0x201c:
     case 0x201d:
-    case 0x201e: c = '"'; break;
+    case 0x201e:
+    case 0x2033: c = '"'; break; /* quotes, and the sign of inches */
     case 0x2018:
     case 0x2019: c = '\''; break;
     case 0xfeff: return 0;
@@ -104,14 +105,12 @@ static bool is_space(char c) { return c == ' ' || c == '\r'; }
 
 /* Line ends within a quoted cell become blanks, if its quote closes before the next cell. */
 static void join_quoted(char *text, char separator) {
+    const char stops[3] = {separator, '\n', '\0'};
     char before = '\n';
     for (char *at = text; *at; before = *at++) {
         if (*at != '"' || (before != separator && before != '\n')) continue;
-        char *close = strchr(at + 1, '"');
-        if (!close || close - at > 200) continue;
-        char *next = close + 1;
-        while (is_space(*next)) next++;
-        if (*next && *next != separator && *next != '\n') continue;
+        char *close = at + csv_quoted(at, stops);
+        if (close == at || close - at > 200) continue;
         for (char *c = at; c < close; c++)
             if (*c == '\n' || *c == '\r') *c = ' ';
         at = close;
@@ -140,11 +139,13 @@ static int split_lines(char *text, char **lines, int *number, char *separator) {
 }
 
 static int count_of(const char *line, char separator) {
+    static const char stops[] = ",;\t";
     int n = 0;
-    bool quoted = false;
+    bool begins = true; /* a cell: only there a quote is one around it */
     for (; *line; line++) {
-        quoted ^= *line == '"';
-        n += !quoted && *line == separator;
+        if (begins) line += csv_quoted(line, stops);
+        n += *line == separator;
+        begins = strchr(stops, *line) || (begins && is_space(*line));
     }
     return n;
 }
@@ -234,11 +235,11 @@ void sheet_fold(const char *text, char *out, size_t size) {
     static const struct {
         uint32_t rune;
         const char *text;
-    } folds[] = {{0xe4, "ae"},   {0xf6, "oe"},  {0xfc, "ue"},   {0xc4, "ae"},    {0xd6, "oe"},   {0xdc, "ue"},
-                 {0xdf, "ss"},   {0xe9, "e"},   {0xe8, "e"},    {0xb5, "u"},     {0x3bc, "u"},   {0xb2, "2"},
-                 {0xb3, "3"},    {0xb0, "deg"}, {0x3c6, "phi"}, {0x3d5, "phi"},  {0x3a6, "phi"}, {0x2300, "d"},
-                 {0xd8, "d"},    {0xf8, "d"},   {0x3a3, "sum"}, {0x2211, "sum"}, {0x2264, "<"},  {0x2265, ">"},
-                 {0x2026, ".."}, {0x394, "d"}};
+    } folds[] = {{0xe4, "ae"},   {0xf6, "oe"},  {0xfc, "ue"},        {0xc4, "ae"},    {0xd6, "oe"},   {0xdc, "ue"},
+                 {0xdf, "ss"},   {0xe9, "e"},   {0xe8, "e"},         {0xb5, "u"},     {0x3bc, "u"},   {0xb2, "2"},
+                 {0xb3, "3"},    {0xb0, "deg"}, {0x3c6, "phi"},      {0x3d5, "phi"},  {0x3a6, "phi"}, {0x2300, "d"},
+                 {0xd8, "d"},    {0xf8, "d"},   {0x3a3, "sum"},      {0x2211, "sum"}, {0x2264, "<"},  {0x2265, ">"},
+                 {0x2026, ".."}, {0x394, "d"},  {0x2030, "permille"}};
     const unsigned char *at = (const unsigned char *)text;
     size_t n = 0, left = strlen(text), length;
     uint32_t c = 0;
@@ -286,13 +287,14 @@ static bool is_percent(const char *text) {
 static bool unit_of(const char *text, char *dimension, double *si) {
     static const struct {
         const char *name, *as;
-    } others[] = {{"sek", "s"},         {"sekunden", "s"},    {"seconds", "s"},     {"minutes", "min"},
-                  {"minuten", "min"},   {"stunden", "h"},     {"hours", "h"},       {"micron", "um"},
-                  {"microns", "um"},    {"mikrometer", "um"}, {"micrometer", "um"}, {"millimeter", "mm"},
-                  {"millimetre", "mm"}, {"mym", "um"},        {"gram", "g"},        {"grams", "g"},
-                  {"gramm", "g"},       {"liter", "l"},       {"litre", "l"},       {"degrees", "deg"},
-                  {"inch", "in"},       {"zoll", "in"},       {"\"", "in"},         {"kg/m^2", "kg/m2"},
-                  {"m^3", "m3"},        {"cm^3", "cm3"},      {"fraction", "-"},    {"1", "-"}};
+    } others[] = {{"sek", "s"},         {"sekunden", "s"},    {"seconds", "s"},        {"minutes", "min"},
+                  {"minuten", "min"},   {"stunden", "h"},     {"hours", "h"},          {"micron", "um"},
+                  {"microns", "um"},    {"mikrometer", "um"}, {"micrometer", "um"},    {"millimeter", "mm"},
+                  {"millimetre", "mm"}, {"mym", "um"},        {"gram", "g"},           {"grams", "g"},
+                  {"gramm", "g"},       {"liter", "l"},       {"litre", "l"},          {"degrees", "deg"},
+                  {"inch", "in"},       {"inches", "in"},     {"zoll", "in"},          {"\"", "in"},
+                  {"''", "in"},         {"kg/m^2", "kg/m2"},  {"m^3", "m3"},           {"cm^3", "cm3"},
+                  {"fraction", "-"},    {"1", "-"},           {"promille", "permille"}};
     char plain[24];
     size_t n = strlen(text);
     while (n > 0 && (text[n - 1] == ' ' || (text[n - 1] == '.' && n > 1))) n--;
@@ -464,6 +466,38 @@ static bool in_doubt(const char *token, size_t n, size_t mark) {
     return mark >= 1 && mark <= 3 && token[0] != '0' && n - mark == 4;
 }
 
+/* A column whose marks are all in doubt, beside numbers without one: 4.000, 2.000, 500. Do they separate thousands? If
+   only one of the two readings rises or falls down the column, it is that; else a number of three digits or a last 0 of
+   decimals tells: with decimals of one format every number would have them. */
+static bool may_be_thousands(const sheet_text *t, int from, int column) {
+    double before[2] = {0.0, 0.0};
+    bool rises[2] = {true, true}, falls[2] = {true, true}, hint = false, bare = false, marked = false;
+    for (int r = from, n = 0; r < t->rows; r++) {
+        if (column < 0 || column >= t->first[r + 1] - t->first[r] || sheet_is_total(t, r)) continue;
+        for (const char *at = t->cell[t->first[r] + column]; *at;) {
+            int commas, points;
+            size_t last;
+            const size_t length = token_of(at, &commas, &points, &last);
+            if (length > 0 && length < 12) {
+                const bool mark = commas + points > 0;
+                const double head = floor(strtod(at, NULL)), tail = mark ? strtod(at + last + 1, NULL) : 0.0;
+                const double value[2] = {mark ? head + 1e-3 * tail : head, mark ? 1e3 * head + tail : head};
+                for (int k = 0; k < 2; k++) {
+                    rises[k] &= n == 0 || value[k] >= before[k], falls[k] &= n == 0 || value[k] <= before[k];
+                    before[k] = value[k];
+                }
+                hint |= mark ? at[length - 1] == '0' : length == 3 && *at != '0';
+                bare |= !mark && head > 0.0;
+                marked |= mark;
+                n++;
+            }
+            at += length ? length : 1;
+        }
+    }
+    const bool decimals = rises[0] || falls[0], thousands = rises[1] || falls[1];
+    return bare && marked && (decimals == thousands ? hint : thousands);
+}
+
 int sheet_find_marks(const sheet_text *t, int from, const int *column, int n, const char *path, sheet_marks *marks,
                      char *message, int message_size) {
     bool sure[2] = {false, false}, grouped[2] = {false, false}; /* of commas, of points */
@@ -489,9 +523,11 @@ int sheet_find_marks(const sheet_text *t, int from, const int *column, int n, co
         }
     for (int mark = 0; mark < 2; mark++) { /* a number that may have thousands */
         const int other = 1 - mark;
-        const bool clear =
-            sure[mark] ? !sure[other] && !grouped[mark]
-                       : grouped[mark] || (!sure[other] && doubt[other] < 0 && (mark == 1 || t->separator != ','));
+        bool clear = sure[mark]
+                         ? !sure[other] && !grouped[mark]
+                         : grouped[mark] || (!sure[other] && doubt[other] < 0 && (mark == 1 || t->separator != ','));
+        for (int k = 0; k < n && clear && !sure[mark] && !grouped[mark]; k++)
+            clear = !may_be_thousands(t, from, column[k]);
         if (doubt[mark] < 0 || clear) continue;
         return sheet_refuse(message, message_size,
                             "%s:%d: '%.60s' may be in thousands: write numbers without a mark for them", path,

@@ -16,7 +16,7 @@ static const sheet_name sheet_names[] = {
     {"time", "time zeit dauer t filtrationszeit siebzeit elapsed_time duration"},
     {"volume", "volume volumen filtratvolumen filtrate filtrat v filtrate_volume vf"},
     {"mass", "mass masse gewicht weight filtratmasse m filtrate filtrat filtrate_mass balance waage"},
-    {"pressure", "pressure druck druckdifferenz differenzdruck pressure_difference pressure_drop p dp"},
+    {"pressure", "pressure druck druckdifferenz differenzdruck pressure_difference pressure_drop delta_p p dp"},
     {"case", "case fall versuch test run"},
     {"test", "test versuch case fall run"},
     {"size", "size sizes korngroesse korn groesse grain_size particle_size diameter durchmesser d x"},
@@ -45,7 +45,7 @@ static const sheet_name sheet_names[] = {
 };
 
 /* Words beside a name that do not change what it names. */
-static const char sheet_harmless[] = " the of in der des die das measured gemessen ";
+static const char sheet_harmless[] = " the of in der des die das measured gemessen gemessene gemessener ";
 
 /* ---- sizes and amounts of sieves ---- */
 
