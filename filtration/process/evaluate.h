@@ -62,10 +62,9 @@ FILTRATION_API filtration_status filtration_curve_check_def(const filtration_cur
 
 /* How far the readings of a stretch bend: the departure of a parabola and a cubic from the line, over the mean
    ordinate; the probability that chance alone would bend it as much (F test with 2 and n - 4 degrees of freedom), its
-   mean over the kinds of scatter by their likelihoods, because few readings over a wide range of volumes always have one
-   kind by which they bend; size and the drift
-   of the balance that would bend it so, in shares of the end, are for the likeliest kind. A parabola alone
-   would miss an S-shaped curve (flat, steep, less steep). */
+   mean over the kinds of scatter by their likelihoods, because few readings over a wide range of volumes always have
+   one kind by which they bend; size and the drift of the balance that would bend it so, in shares of the end, are for
+   the likeliest kind. A parabola alone would miss an S-shaped curve (flat, steep, less steep). */
 typedef struct filtration__bend {
     double size, chance, drift;
 } filtration__bend;
