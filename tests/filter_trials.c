@@ -156,7 +156,7 @@ static int trials_of(const knowledge *known, int kind, int spacing, size_t n, in
         printf(" %5.1f%s", percent, outside ? "!" : " ");
         if (csv) fprintf(csv, "%s%.17g", i == 0 ? "" : ",", percent);
     }
-    bad |= given < 0.85 * (trials - refused) || refused > 0.2 * trials;
+    bad |= given < 0.85 * (trials - refused) || refused > 0.5 * trials;
     printf("| %7.2g %7.2g\n", 100.0 * width / given, 100.0 * sqrt(square / given));
     if (csv) fprintf(csv, ",%.17g,%.17g\n", 100.0 * width / given, 100.0 * sqrt(square / given));
     return bad;
