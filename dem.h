@@ -14895,7 +14895,7 @@ static inline void dem__add_spring_at(dem__modes *m, double w, dem_vec r, dem_ve
     dem__add_spring(m, w, u);
 }
 
-/* Returns the largest eigenvalue, or more, at most 20 % after 3 passes and 5 % after 5, each of which squares the matrix:
+/* Returns the largest eigenvalue, or more, at most 20 % after 3 passes and 5 % after 5. Each squares the matrix: it is
    the 8th root of the trace of the 8th power, or the 32nd of the 32nd. */
 static inline double dem__highest_rate(const dem__modes *modes, int passes) {
     dem__modes m = *modes, square;
@@ -15763,17 +15763,22 @@ static inline void dem__set_rate(const dem_world *w, dem__rigid *r) {
         dem__modes m;
         memset(&m, 0, sizeof m);
         *dem_axis_of(&normal, side / 2) = side % 2 ? -1.0 : 1.0;
-        for (ptrdiff_t k = 0; k < r->pieces; k++) top = fmax(top, dem__dot(at[k], normal) + sphere[k].radius);
+        for (ptrdiff_t k = 0; k < r->pieces; k++) {
+            const double end = dem__dot(at[k], normal) + sphere[k].radius;
+            top = end > top ? end : top;
+        }
         for (ptrdiff_t k = 0; k < r->pieces; k++) {
             if (dem__dot(at[k], normal) + sphere[k].radius > top - DEM__TOUCHES_TOO * sphere[k].radius)
                 dem__add_spring_at(&m, 1.0, at[k], normal, agility);
         }
-        r->rate = fmax(r->rate, dem__highest_rate(&m, 3));
+        const double together = dem__highest_rate(&m, 3);
+        r->rate = together > r->rate ? together : r->rate;
     }
     for (ptrdiff_t k = 0; k < r->pieces; k++) {
         const dem_vec x = at[k];
-        r->rate = fmax(r->rate, 1.0 + agility[0] * (x.y * x.y + x.z * x.z) + agility[1] * (x.z * x.z + x.x * x.x) +
-                                    agility[2] * (x.x * x.x + x.y * x.y));
+        const double alone = 1.0 + agility[0] * (x.y * x.y + x.z * x.z) + agility[1] * (x.z * x.z + x.x * x.x) +
+                             agility[2] * (x.x * x.x + x.y * x.y);
+        r->rate = alone > r->rate ? alone : r->rate;
     }
 }
 
@@ -17329,13 +17334,18 @@ static inline void dem__add_solid(const dem_world *w, const dem__measured *q, pt
     }
 }
 
+/* Returns whether v lies in a region's box along an axis. Of a point on the edge of a periodic box one image counts. */
+DEM_INLINE int dem__is_between(const dem_world *w, const dem__measured *q, int a, double v) {
+    const double high = dem_axis(q->high, a);
+    return v >= dem_axis(q->low, a) && (w->def.periodic[a] ? v < high : v <= high);
+}
+
 /* Returns how many images of a point are in a region. */
-static inline int dem__images_in(const dem__measured *q, dem_vec point) {
-    const dem_vec low = q->low, high = q->high;
+static inline int dem__images_in(const dem_world *w, const dem__measured *q, dem_vec point) {
     int n = 0;
     for (int image = 0; image < q->images; image++) {
         const dem_vec c = dem__add(point, q->shift[image]);
-        if (!(c.x >= low.x && c.x <= high.x && c.y >= low.y && c.y <= high.y && c.z >= low.z && c.z <= high.z))
+        if (!(dem__is_between(w, q, 0, c.x) && dem__is_between(w, q, 1, c.y) && dem__is_between(w, q, 2, c.z)))
             continue;
         n += dem__holds(q->region, &q->inside, c);
     }
@@ -17348,7 +17358,7 @@ static inline void dem__measure_bodies(const dem_world *w, const dem__measured *
         dem_vec centre, v;
         if (!w->alive[i]) continue;
         dem__add_solid(w, q, i, m);
-        for (int n = dem__counts(w, i, &centre, &v) ? dem__images_in(q, centre) : 0; n > 0; n--) {
+        for (int n = dem__counts(w, i, &centre, &v) ? dem__images_in(w, q, centre) : 0; n > 0; n--) {
             m->count++;
             m->mass += w->particle[i].mass;
             m->coordination += w->touching[i];
@@ -17365,7 +17375,7 @@ static inline void dem__measure_fluctuations(const dem_world *w, const dem__meas
         dem_vec centre, v;
         if (!w->alive[i] || !dem__counts(w, i, &centre, &v)) continue;
         const dem_vec u = dem__sub(v, m->velocity);
-        for (int n = dem__images_in(q, centre); n > 0; n--) {
+        for (int n = dem__images_in(w, q, centre); n > 0; n--) {
             m->granular_temperature += w->particle[i].mass * dem__dot(u, u);
             dem__add_stress(m->kinetic_stress, w->particle[i].mass * q->share, u, u);
         }
@@ -17398,9 +17408,6 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
     q.region = region, q.share = volume > 0.0 ? 1.0 / volume : (double)NAN;
     q.images = dem__images(w, q.shift);
     dem__tree_bounds(region, &q.low, &q.high);
-    for (int a = 0; a < 3; a++) { /* of a particle on the edge of a periodic box one image counts */
-        if (w->def.periodic[a]) *dem_axis_of(&q.high, a) = nextafter(dem_axis(q.high, a), -HUGE_VAL);
-    }
     memset(&m, 0, sizeof m);
     dem__measure_bodies(w, &q, &m);
     dem__measure_fluctuations(w, &q, &m);
@@ -22617,8 +22624,8 @@ static inline void dem__list_present(const dem_world *w, dem__present *of) {
         if (least == &q->fixed || !r || r->first != i) continue;
         const dem_convex *s = dem__shape_of(w, i);
         const double rate = s ? s->rate : r->rate;
-        q->lightest = fmin(q->lightest, r->mass / rate);
-        q->rate = fmax(q->rate, rate);
+        q->lightest = r->mass / rate < q->lightest ? r->mass / rate : q->lightest;
+        q->rate = rate > q->rate ? rate : q->rate;
     }
     for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= dem__has_surface(&w->wall[k]);
 }
@@ -22676,7 +22683,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
                 b.material_i = m, b.material_j = q;
                 b.radius_i = of[m].smallest, b.radius_j = radius;
                 b.mass = side ? mass_m : mass_m * mass_q / (mass_m + mass_q);
-                dem__advise_pair(&b, speed, side ? of[m].rate : fmax(of[m].rate, of[q].rate), &a);
+                dem__advise_pair(&b, speed, !side && of[q].rate > of[m].rate ? of[q].rate : of[m].rate, &a);
             }
         }
     }

@@ -758,8 +758,8 @@ static inline void riddle_plot__draw_path(riddle_io_file *f, const riddle_plot__
     riddle_io_print(f, "\"/>\n");
 }
 
-/* Draws a marker; each colour has its own shape, for readers who cannot tell the colours apart, and another one where it
-   comes again. */
+/* Draws a marker; each colour has its own shape, for readers who cannot tell the colours apart, and another one where
+   it comes again. */
 static inline void riddle_plot__draw_marker(riddle_io_file *f, const riddle_plot__series *s, double x, double y,
                                             double r) {
     switch (s->colour < 0 ? 0 : (s->colour + s->colour / 8) % 4) {

@@ -178,6 +178,8 @@ def filter_ranges(r, csv, json):
                 ("a balance that wanders: errors add up to 0.8 %", ("balance walks",)),
                 ("a balance that drifts in proportion to time, 1.2 %", ("balance drifts",))]
 
+    rows = [row for row in rows if row["spacing"] == "even"]
+
     def held(known, scatters, low, high):
         chosen = [row[key] for row in rows for key in ("slope", "intercept", "half", "whole", "twice")
                   if row["known"] == known and row["scatter"] in scatters and low <= row["readings"] <= high]

@@ -605,6 +605,9 @@ static void draw_curves(const program *self, const run *r, const findings *f) {
     }
     figure = riddle_plot_new("Filter curve", 1, 1);
     riddle_plot_panel(figure, 0, 0, "filtrate over 20 cm² [mL]", "t / V [s/mL]");
+    double high = 0.0; /* of what the cake shows; while the flow begins t/V is far higher */
+    for (int i = 0; i < c->samples; i++) high = c->time[i] < c->first_touch ? high : fmax(high, ratio[i]);
+    riddle_plot_range_y(figure, f->evaluated == FILTRATION_OK ? fmin(0.0, 1.1 * line[0]) : 0.0, 1.1 * high);
     riddle_plot_line(figure, "simulated", V, ratio, c->samples);
     if (f->evaluated == FILTRATION_OK) {
         riddle_plot_line(figure, "line of the stretch chosen", V, line, c->samples);

@@ -2,7 +2,7 @@
 """Makes the binding from the headers: declarations for cffi, their comments as docstrings, and the two C files of the
 shared library.
 
-    python/generate.py FOLDER      writes api.json, _types.py, shared_dem.c, shared_rest.c and the stubs (.pyi) to FOLDER
+    python/generate.py FOLDER      writes api.json, _types.py, shared_dem.c, shared_rest.c and the stubs (.pyi) there
 
 What cannot be read off a declaration, how long an array is and what is an answer, stands in shapes.txt. A pointer to
 numbers without a line there is an error, so that a new function cannot be forgotten.

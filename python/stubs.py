@@ -274,7 +274,9 @@ class Module:
                     called = f"_{called}"
                 read, given = f"Part[{called}]", f"{called} | Sequence[float]" if self.plain(base) else called
             elif "[" in about["type"] or "*" in about["type"]:
-                read, given = "Array", "ArrayLike"
+                changed = ("*" in about["type"] and "const" not in about["type"]
+                           and not self.shapes.get(f"{name}.{field}", "").startswith("read"))
+                read, given = "Array", "NDArray[Any]" if changed else "ArrayLike"
             else:
                 read = given = self.value(base)
             lines.append(f"    {field}: {read}")

@@ -352,6 +352,42 @@ class Worlds(unittest.TestCase):
         with self.assertRaises(ValueError):
             world.velocities(np.empty((world.count, 3), dtype=np.float32))
 
+    def test_only_arrays_that_c_may_change(self):
+        def spheres(**other):
+            given = {name: np.zeros((1, 3)) for name in ("velocity", "spin", "force", "torque")}
+            return filtration.spheres(**{"centre": np.full((1, 3), 64e-6), "radius": [30e-6], **given, **other})
+
+        definition = filtration.fluid_default_def()
+        definition.voxel, definition.nodes = 8e-6, [16, 16, 16]
+        fluid, fixed = filtration.Fluid(definition), np.zeros((1, 3))
+        fixed.flags.writeable = False
+        for name in ("centre", "velocity", "spin", "force", "torque"):
+            for wrong in (fixed, np.zeros((1, 3), np.float32), np.zeros((1, 6))[:, ::2], [[0.0, 0.0, 0.0]]):
+                with self.assertRaisesRegex(TypeError, f"spheres.{name}: a writable contiguous numpy array of float64"):
+                    spheres(**{name: wrong})
+        force, velocity, radius = np.zeros((1, 3)), np.array([[1e-3, 0.0, 0.0]]), np.array([30e-6], np.float32)
+        radius.flags.writeable = False
+        taken = spheres(force=force, velocity=velocity, radius=radius)
+        fluid.step(taken)
+        self.assertLess(force[0, 0], 0.0)
+        before = force.copy()
+        force.flags.writeable = False  # after it was given
+        with self.assertRaisesRegex(TypeError, "spheres.force: a writable"):
+            fluid.step(taken)
+        np.testing.assert_array_equal(force, before)
+
+    def test_films_give_liquid(self):
+        films = {"quantum": bridge.quantum(1e-9), "n_particles": 2, "n_patches": 0, "scratch": np.zeros(2)}
+        for wrong in ([1e-12, 1e-12], np.full(2, 1e-12, np.float32)):
+            with self.assertRaisesRegex(TypeError, "films.particle: a writable contiguous numpy array of float64"):
+                bridge.films(particle=wrong, **films)
+        liquid = np.full(2, 1e-12)
+        new = bridge.contact(i=0, j=1, partner=bridge.SPHERE, radius_i=1e-3, radius_j=1e-3, volume_min=1e-15,
+                             volume_max=1e-11)
+        bridge.allocate(bridge.films(particle=liquid, **films), [new])
+        self.assertGreater(new.given_i, 0.0)
+        self.assertEqual(liquid[0], 1e-12 - new.given_i)
+
     def test_views_go_stale(self):
         world = bed()
         ids = world.ids()
@@ -1178,6 +1214,14 @@ class Shown(unittest.TestCase):
                 use()
             again = pickle.loads(pickle.dumps(raised.exception))
             self.assertEqual((str(again), again.hint), (str(raised.exception), raised.exception.hint))
+
+    def test_nan_that_means_something_is_no_mistake(self):
+        shares = {name: [0.1, 0.5, 0.3] for name in ("feed", "coarse", "fine", "feed_sd", "coarse_sd", "fine_sd")}
+        with self.assertRaises(riddle.Error) as raised:
+            classifier.reconcile(classifier.balance_data(coarse_share=np.nan, coarse_share_sd=np.nan, **shares))
+        self.assertNotIn("not a number", str(raised.exception))
+        with self.assertRaisesRegex(riddle.Error, "K = nan: not a number"):
+            blocking.average_free(blocking.SPHERICAL, blocking.conditions(x_h=0.3))
 
     def test_millimetres_are_refused(self):
         world, feed = bed(0), dem.default_feed()

@@ -846,7 +846,8 @@ static double land_plate(int side, double e, double share, int reload, double *e
     dem_pair(&def, 0, 0)->stiffness = 1e4, dem_pair(&def, 0, 0)->restitution = e;
     def.gravity = dem_vec3(0.0, 0.0, 0.0);
     for (int k = 0; k < side * side; k++)
-        centre[3 * k] = k % side * 2e-3, centre[3 * k + 1] = k / side * 2e-3, centre[3 * k + 2] = 0.0, diameter[k] = 2e-3;
+        centre[3 * k] = k % side * 2e-3, centre[3 * k + 1] = k / side * 2e-3, centre[3 * k + 2] = 0.0,
+                   diameter[k] = 2e-3;
     assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
     assert_true(dem_add_plane(&w, 0, dem_vec3(0, 0, 0), dem_vec3(0, 0, 1)) >= 0);
     assert_int_equal(dem_make_clump(side * side, centre, diameter, &plate), DEM_OK);
@@ -878,7 +879,8 @@ static void test_flat_clump_at_the_advised_step(void **state) {
         const int side = 2 << k / 4;
         const double v = land_plate(side, e, 1.0, k % 2, &coarse), exact = land_plate(side, e, 0.05, 0, &fine);
         if (!(v > -1e-6 && fabs(v - exact) < 0.02 && coarse < 0.15 && fine < 0.01))
-            fail_msg("%d spheres, restitution %g: leaves at %g, exactly %g; error %g", side * side, e, v, exact, coarse);
+            fail_msg("%d spheres, restitution %g: leaves at %g, exactly %g; error %g", side * side, e, v, exact,
+                     coarse);
     }
 }
 

@@ -603,7 +603,8 @@ static void test_periodic_edges(void **state) {
         def.low = v3(corner, corner, corner), def.high = v3(corner + 8 * pitch, corner + 8 * pitch, corner + 8 * pitch);
         start(&w, &def);
         for (int i = 0; i < 512; i++)
-            add(&w, v3(corner + shift + i % 8 * pitch, corner + shift + i / 8 % 8 * pitch, corner + shift + i / 64 * pitch),
+            add(&w,
+                v3(corner + shift + i % 8 * pitch, corner + shift + i / 8 % 8 * pitch, corner + shift + i / 64 * pitch),
                 5e-3, 0);
         const dem_region box = dem_box_region(def.low, def.high);
         const dem_cells cells = {def.low, def.high, {4, 2, 2}, {0.0, 0.0, 0.0}};
@@ -612,7 +613,8 @@ static void test_periodic_edges(void **state) {
         assert_int_equal(m.count, 512);
         near_relative(m.mass, 512.0 * mass, 1e-13, "mass in the box");
         assert_int_equal(dem_coarse_grain(&w, &cells, field), DEM_OK);
-        for (int c = 0; c < 16; c++) near_relative(field[c].density * volume / 16.0, 32.0 * mass, 1e-13, "mass of a cell");
+        for (int c = 0; c < 16; c++)
+            near_relative(field[c].density * volume / 16.0, 32.0 * mass, 1e-13, "mass of a cell");
         dem_free(&w);
     }
 }

@@ -20,7 +20,7 @@ static inline void dem__add_spring_at(dem__modes *m, double w, dem_vec r, dem_ve
     dem__add_spring(m, w, u);
 }
 
-/* Returns the largest eigenvalue, or more, at most 20 % after 3 passes and 5 % after 5, each of which squares the matrix:
+/* Returns the largest eigenvalue, or more, at most 20 % after 3 passes and 5 % after 5. Each squares the matrix: it is
    the 8th root of the trace of the 8th power, or the 32nd of the 32nd. */
 static inline double dem__highest_rate(const dem__modes *modes, int passes) {
     dem__modes m = *modes, square;

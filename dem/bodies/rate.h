@@ -19,16 +19,21 @@ static inline void dem__set_rate(const dem_world *w, dem__rigid *r) {
         dem__modes m;
         memset(&m, 0, sizeof m);
         *dem_axis_of(&normal, side / 2) = side % 2 ? -1.0 : 1.0;
-        for (ptrdiff_t k = 0; k < r->pieces; k++) top = fmax(top, dem__dot(at[k], normal) + sphere[k].radius);
+        for (ptrdiff_t k = 0; k < r->pieces; k++) {
+            const double end = dem__dot(at[k], normal) + sphere[k].radius;
+            top = end > top ? end : top;
+        }
         for (ptrdiff_t k = 0; k < r->pieces; k++) {
             if (dem__dot(at[k], normal) + sphere[k].radius > top - DEM__TOUCHES_TOO * sphere[k].radius)
                 dem__add_spring_at(&m, 1.0, at[k], normal, agility);
         }
-        r->rate = fmax(r->rate, dem__highest_rate(&m, 3));
+        const double together = dem__highest_rate(&m, 3);
+        r->rate = together > r->rate ? together : r->rate;
     }
     for (ptrdiff_t k = 0; k < r->pieces; k++) {
         const dem_vec x = at[k];
-        r->rate = fmax(r->rate, 1.0 + agility[0] * (x.y * x.y + x.z * x.z) + agility[1] * (x.z * x.z + x.x * x.x) +
-                                    agility[2] * (x.x * x.x + x.y * x.y));
+        const double alone = 1.0 + agility[0] * (x.y * x.y + x.z * x.z) + agility[1] * (x.z * x.z + x.x * x.x) +
+                             agility[2] * (x.x * x.x + x.y * x.y);
+        r->rate = alone > r->rate ? alone : r->rate;
     }
 }

@@ -74,8 +74,8 @@ static inline void dem__list_present(const dem_world *w, dem__present *of) {
         if (least == &q->fixed || !r || r->first != i) continue;
         const dem_convex *s = dem__shape_of(w, i);
         const double rate = s ? s->rate : r->rate;
-        q->lightest = fmin(q->lightest, r->mass / rate);
-        q->rate = fmax(q->rate, rate);
+        q->lightest = r->mass / rate < q->lightest ? r->mass / rate : q->lightest;
+        q->rate = rate > q->rate ? rate : q->rate;
     }
     for (int k = 0; k < w->walls; k++) of[w->wall[k].material].is_wall |= dem__has_surface(&w->wall[k]);
 }
@@ -133,7 +133,7 @@ DEM_API dem_advice dem_advise(const dem_world *world, int features, double speed
                 b.material_i = m, b.material_j = q;
                 b.radius_i = of[m].smallest, b.radius_j = radius;
                 b.mass = side ? mass_m : mass_m * mass_q / (mass_m + mass_q);
-                dem__advise_pair(&b, speed, side ? of[m].rate : fmax(of[m].rate, of[q].rate), &a);
+                dem__advise_pair(&b, speed, !side && of[q].rate > of[m].rate ? of[q].rate : of[m].rate, &a);
             }
         }
     }

@@ -81,13 +81,18 @@ static inline void dem__add_solid(const dem_world *w, const dem__measured *q, pt
     }
 }
 
+/* Returns whether v lies in a region's box along an axis. Of a point on the edge of a periodic box one image counts. */
+DEM_INLINE int dem__is_between(const dem_world *w, const dem__measured *q, int a, double v) {
+    const double high = dem_axis(q->high, a);
+    return v >= dem_axis(q->low, a) && (w->def.periodic[a] ? v < high : v <= high);
+}
+
 /* Returns how many images of a point are in a region. */
-static inline int dem__images_in(const dem__measured *q, dem_vec point) {
-    const dem_vec low = q->low, high = q->high;
+static inline int dem__images_in(const dem_world *w, const dem__measured *q, dem_vec point) {
     int n = 0;
     for (int image = 0; image < q->images; image++) {
         const dem_vec c = dem__add(point, q->shift[image]);
-        if (!(c.x >= low.x && c.x <= high.x && c.y >= low.y && c.y <= high.y && c.z >= low.z && c.z <= high.z))
+        if (!(dem__is_between(w, q, 0, c.x) && dem__is_between(w, q, 1, c.y) && dem__is_between(w, q, 2, c.z)))
             continue;
         n += dem__holds(q->region, &q->inside, c);
     }
@@ -100,7 +105,7 @@ static inline void dem__measure_bodies(const dem_world *w, const dem__measured *
         dem_vec centre, v;
         if (!w->alive[i]) continue;
         dem__add_solid(w, q, i, m);
-        for (int n = dem__counts(w, i, &centre, &v) ? dem__images_in(q, centre) : 0; n > 0; n--) {
+        for (int n = dem__counts(w, i, &centre, &v) ? dem__images_in(w, q, centre) : 0; n > 0; n--) {
             m->count++;
             m->mass += w->particle[i].mass;
             m->coordination += w->touching[i];
@@ -117,7 +122,7 @@ static inline void dem__measure_fluctuations(const dem_world *w, const dem__meas
         dem_vec centre, v;
         if (!w->alive[i] || !dem__counts(w, i, &centre, &v)) continue;
         const dem_vec u = dem__sub(v, m->velocity);
-        for (int n = dem__images_in(q, centre); n > 0; n--) {
+        for (int n = dem__images_in(w, q, centre); n > 0; n--) {
             m->granular_temperature += w->particle[i].mass * dem__dot(u, u);
             dem__add_stress(m->kinetic_stress, w->particle[i].mass * q->share, u, u);
         }
@@ -150,9 +155,6 @@ DEM_API dem_status dem_measure_region(const dem_world *world, const dem_region *
     q.region = region, q.share = volume > 0.0 ? 1.0 / volume : (double)NAN;
     q.images = dem__images(w, q.shift);
     dem__tree_bounds(region, &q.low, &q.high);
-    for (int a = 0; a < 3; a++) { /* of a particle on the edge of a periodic box one image counts */
-        if (w->def.periodic[a]) *dem_axis_of(&q.high, a) = nextafter(dem_axis(q.high, a), -HUGE_VAL);
-    }
     memset(&m, 0, sizeof m);
     dem__measure_bodies(w, &q, &m);
     dem__measure_fluctuations(w, &q, &m);

@@ -100,8 +100,8 @@ static int distance(const char *a, const char *b) {
     return row[width];
 }
 
-/* Does a heading begin with one of these words, whatever follows: "Druckdifferenz in mmHg"? A long first word may have a
-   mistake in it, for a short one would be another word. */
+/* Does a heading begin with one of these words, whatever follows: "Druckdifferenz in mmHg"? A long first word may have
+   a mistake in it; a short one would be another word. */
 static bool begins_with(const sheet_heading *h, const char *words) {
     int from = 0;
     while (from < h->n && sheet_is_word(sheet_harmless, h->words[from])) from++;

@@ -61,9 +61,10 @@ FILTRATION_API filtration_status filtration_curve_check_def(const filtration_cur
 }
 
 /* How far the readings of a stretch bend: the departure of a parabola and a cubic from the line, over the mean
-   ordinate; the probability that chance alone would bend it as much (F test with 2 and n - 4 degrees of freedom), for
-   the likeliest kind of scatter; the drift of the balance that would bend it so, in shares of the end. A parabola alone
-   would miss an S-shaped curve (flat, steep, less steep). */
+   ordinate; the probability that chance alone would bend it as much (F test with 2 and n - 4 degrees of freedom), its
+   mean over the kinds of scatter by their likelihoods, because few readings over a wide range of volumes always have
+   one kind by which they bend; size and the drift of the balance that would bend it so, in shares of the end, are for
+   the likeliest kind. A parabola alone would miss an S-shaped curve (flat, steep, less steep). */
 typedef struct filtration__bend {
     double size, chance, drift;
 } filtration__bend;
@@ -75,16 +76,26 @@ static inline filtration__bend filtration__find_bend(const filtration__readings 
                                                      const filtration__line *line) {
     filtration__bend bend = {0.0, 1.0, 0.0};
     filtration__kind kind, best = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, {0.0, 0.0}, 0.0, 0.0, 0.0, {0.0, 0.0}};
+    double of_weight[FILTRATION__WEIGHTS], most = -HUGE_VAL, sum = 0.0, chance = 0.0;
     if (line->n < 6) return bend; /* too few readings to tell a bend */
+    filtration__fill_priors(r, first, last, line, of_weight);
     for (int k = 0; k < FILTRATION__FITS; k++) {
-        if (!filtration__is_thought_of(r->def, k) || !filtration__roughs[k % FILTRATION__ROUGHS].for_bend) continue;
-        filtration__fit_kind(r, first, last, line, 2, k / FILTRATION__ROUGHS,
-                             &filtration__roughs[k % FILTRATION__ROUGHS], 1, &kind);
+        const filtration__roughness *rough = &filtration__roughs[k % FILTRATION__ROUGHS];
+        if (!filtration__is_thought_of(r->def, k) || !rough->for_bend) continue;
+        filtration__fit_kind(r, first, last, line, 2, k / FILTRATION__ROUGHS, rough, 1, &kind);
+        kind.bent_likelihood += riddle_log(rough->prior * of_weight[k / FILTRATION__ROUGHS]);
         if (k == 0 || kind.bent_likelihood > best.bent_likelihood) best = kind;
+        if (kind.bent_likelihood > most) {
+            const double less = riddle_exp(most - kind.bent_likelihood);
+            sum *= less, chance *= less, most = kind.bent_likelihood;
+        }
+        const double share = riddle_exp(kind.bent_likelihood - most);
+        const double explained = (kind.squares - kind.bent_squares) / kind.bent_squares;
+        sum += share;
+        chance += share * riddle_exp(-0.5 * ((double)line->n - 4.0) * riddle_log1p(explained > 0.0 ? explained : 0.0));
     }
     bend.size = (fabs(best.coefficient[0]) * 2.0 / 3.0 + fabs(best.coefficient[1]) * 0.4) / line->mean_y;
-    const double explained = (best.squares - best.bent_squares) / best.bent_squares;
-    bend.chance = riddle_exp(-0.5 * ((double)line->n - 4.0) * riddle_log1p(explained > 0.0 ? explained : 0.0));
+    bend.chance = sum > 0.0 ? chance / sum : 1.0;
     bend.drift = fabs(best.drift);
     return bend;
 }

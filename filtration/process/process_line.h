@@ -23,7 +23,8 @@ enum {
     FILTRATION__KINDS = FILTRATION__FITS * FILTRATION__DRIFTS
 };
 static const filtration__drifting filtration__drifts[FILTRATION__DRIFTS] = {{0.0, 0.4}, {7.0, 0.6}};
-static const double filtration__weight_prior[FILTRATION__WEIGHTS] = {1.0, 1.0, 0.5, 0.5};
+static const double filtration__weight_prior[FILTRATION__WEIGHTS] = {6.0, 2.7, 2.7, 1.0}; /* about equal chances where
+                                             volumes lie evenly; see filtration__fill_priors */
 static const filtration__roughness filtration__roughs[FILTRATION__ROUGHS] = {
     {0.0, 0.0, 1.0, 1.0, 1},                                                      /* independent errors */
     /* each similar to the one before, of variance 1 */
@@ -238,6 +239,36 @@ static inline int filtration__is_thought_of(const filtration_curve_def *d, int k
     return kind / FILTRATION__ROUGHS < weights && (!d->independent || kind % FILTRATION__ROUGHS == 0);
 }
 
+/* Returns how evenly a kind of scatter takes its knowledge from the readings: the number of readings that would tell as
+   much if all told alike (Kish 1965), as a share of them. An error in proportion to t: 1. */
+static inline double filtration__evenness(const filtration__readings *r, size_t first, size_t last,
+                                          const filtration__line *line, int weight) {
+    double x, y, u, rate, sum = 0.0, squares = 0.0;
+    for (size_t i = first; i <= last; i++) {
+        if (!filtration__reading(r, i, &x, &y, &u)) continue;
+        const double root = filtration__factor(r, line, weight, x, u) * filtration__on_line(line, x, u, &rate);
+        sum += root * root, squares += root * root * root * root;
+    }
+    const double share = sum * sum / (squares * (double)line->n);
+    return share > 0.1 ? share : 0.1;
+}
+
+/* Fills the prior of each law of scatter. Where volumes span decades, a law by which the last two or three readings
+   fix the line has a high likelihood whenever these lie on a line by chance, and its range is then far too narrow: the
+   less even a law is, the less it is trusted. Returns the degrees of freedom that not knowing the law costs: none for
+   even volumes, up to one. The constants were chosen so that ranges hold about alike for all laws and spacings
+   (scripts/verify filter_ranges). */
+static inline double filtration__fill_priors(const filtration__readings *r, size_t first, size_t last,
+                                             const filtration__line *line, double prior[FILTRATION__WEIGHTS]) {
+    double loss = 0.0;
+    for (int weight = 0; weight < FILTRATION__WEIGHTS; weight++) {
+        const double even = filtration__evenness(r, first, last, line, weight);
+        prior[weight] = filtration__weight_prior[weight] * even * even;
+        if (weight == 0 && even < 0.4) loss = 1.5 * (1.0 - even / 0.4);
+    }
+    return r->def->time_error > 0.0 || r->def->volume_error > 0.0 ? 0.0 : loss < 1.0 ? loss : 1.0;
+}
+
 /* The mean over the kinds. */
 typedef struct filtration__mixture {
     int n;
@@ -267,9 +298,10 @@ static inline void filtration__average(filtration__mixture *m, int drifts) {
 
 static inline void filtration__mix(const filtration__readings *r, size_t first, size_t last,
                                    const filtration__line *line, int unknowns, filtration__mixture *m) {
-    double best = -HUGE_VAL;
+    double best = -HUGE_VAL, of_weight[FILTRATION__WEIGHTS];
     memset(m, 0, sizeof *m);
-    m->freedom = (double)line->n - unknowns, m->confidence = r->def->confidence;
+    const double loss = filtration__fill_priors(r, first, last, line, of_weight);
+    m->freedom = (double)line->n - unknowns - (unknowns == 2 ? loss : 0.0), m->confidence = r->def->confidence;
     m->student = filtration_student(m->confidence, m->freedom);
     m->drift = r->def->drift_error / r->x_scale / line->end;
     const int drifts = unknowns == 1 || r->def->independent || m->drift > 0.0 ? 1 : FILTRATION__DRIFTS;
@@ -279,8 +311,7 @@ static inline void filtration__mix(const filtration__readings *r, size_t first, 
         filtration__fit_kind(r, first, last, line, unknowns, k / FILTRATION__ROUGHS, rough, drifts, &m->kind[m->n]);
         for (int q = 0; q < drifts; q++, m->n++) {
             filtration__kind *kind = &m->kind[m->n];
-            const double prior =
-                rough->prior * filtration__weight_prior[k / FILTRATION__ROUGHS] * filtration__drifts[q].prior;
+            const double prior = rough->prior * of_weight[k / FILTRATION__ROUGHS] * filtration__drifts[q].prior;
             m->share[m->n] = riddle_log(prior) + kind->likelihood;
             /* From here on: of neighbours. */
             kind->likelihood = rough->white > 0.0 && rough->step == 0.0 ? 0.0 : rough->keeps;

@@ -167,6 +167,19 @@ def _array(value, dtype, what):
     return made
 
 
+def _changed(value, dtype, what):
+    """An array of the caller's that C writes into."""
+    if not (isinstance(value, np.ndarray) and not np.ma.isMaskedArray(value) and value.dtype == dtype
+            and value.flags.c_contiguous and value.flags.writeable):
+        raise TypeError(f"{what}: a writable contiguous numpy array of {np.dtype(dtype)} is needed; it is changed")
+    return value
+
+
+def _writes(name, about):
+    """Does C write into the array that a field of a structure points to?"""
+    return "const" not in about["type"] and not _shapes.get(name, "").startswith("read")
+
+
 def _fits(array, dims):
     """Has an array this shape, or are its numbers given flat, row by row?"""
     return array.shape == tuple(dims) or array.ndim == 1 and array.size == int(np.prod(dims))
@@ -189,7 +202,7 @@ class Shape:
     def __init__(self, text, constants):
         self.inout = text.startswith("inout")
         self.optional = text.startswith("optional")
-        rest = text.replace("inout", "", 1).replace("optional", "", 1).strip()
+        rest = re.sub(r"^(inout|optional|read)\b", "", text).strip()
         self.scalar = rest == "scalar"
         self.any = rest == "any"
         self.checked = rest[len("checked by "):] if rest.startswith("checked by ") else None
@@ -402,7 +415,7 @@ class Structure:
             setattr(self._c, name, made)
             self._kept[name] = made
         elif about.get("pointer") in DTYPES:
-            array = _array(value, DTYPES[about["pointer"]], what)
+            array = (_changed if _writes(what, about) else _array)(value, DTYPES[about["pointer"]], what)
             setattr(self._c, name, ffi.cast(c_type, ffi.from_buffer(array)))
             self._kept[name] = array
             shape = _shape(f"{self._name}.{name}", {})
@@ -464,6 +477,8 @@ class Structure:
             if array is None or not _fits(array, dims):
                 raise ValueError(f"{self._name}.{name}: {'not set' if array is None else array.shape}, but "
                                  f"{dims} is needed")
+            if _writes(f"{self._name}.{name}", about):
+                _changed(array, array.dtype, f"{self._name}.{name}")
         for name, field in _fields_of(ffi.typeof(self._c).item).items():
             if field.type.kind == "struct" and _named(field.type) in _classes and _points(field.type):
                 getattr(self, name)._check_arrays(above=above)
@@ -744,6 +759,10 @@ class Function:
             else:
                 arguments.append(p.number(names[p.name]))
         value = self._run(arguments, [value for _, value in keep if isinstance(value, Handle)])
+        for p in self.parameters:
+            if p.name in converted and p.structure and p.shape and p.shape.inout and p.shape.dims:
+                for k, item in enumerate(keep_of(keep, p.name)):  # C has changed copies
+                    item._c[0] = converted[p.name][k]
         functions = [c for p, c in zip(self.parameters, arguments) if p.about["function"] and c is not ffi.NULL]
         for handle in [value for _, value in (*keep, *answers) if isinstance(value, Handle)] if functions else ():
             handle._keep.update((id(c), c) for c in functions)  # it may call them later
@@ -872,12 +891,14 @@ def wrong_arguments(arguments, doc="", changes=False):
 
 
 def wrong_fields(structure):
-    """Fields that are not finite, or outside the range of their comment."""
+    """Fields that are not finite, or outside the range of their comment. Where the comment says more of NaN than that
+    it is the default, NaN means something."""
     for name, about in _types_of[structure._name][1]["fields"].items():
         if "__" in name or about.get("pointer") or about["type"] not in ("double", "float"):
             continue
         value = getattr(structure, name)
-        if math.isnan(value):
+        said = re.sub(r"\bdefault\b[^;]*", "", about["doc"], flags=re.I)
+        if math.isnan(value) and not re.search(r"\bnan\b", said, re.I):
             yield f"{name} = nan: not a number"
         elif re.search(r"^[^:;]*\] > 0", about["doc"]) and value <= 0.0:
             yield f"{name} = {value:.6g}: must be above 0"
@@ -891,7 +912,7 @@ def wrong_value(name, value, world, doc):
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
         return None
-    if not np.isfinite(array).all():
+    if not np.isfinite(array).all() and not re.search(rf"\b{name}\b[^.(]*(\bNaN\b|\(infinite\b)", doc):
         return "not finite"
     if name in _EMPTY and array.shape == (3,) and not array.any():
         return "a direction of length 0"
@@ -975,11 +996,7 @@ class Parameter:
         if self.dtype is None:
             raise TypeError(f"{what} cannot be given from Python")
         if self.shape is not None and self.shape.inout:
-            if not (isinstance(value, np.ndarray) and not np.ma.isMaskedArray(value) and value.dtype == self.dtype
-                    and value.flags.c_contiguous and value.flags.writeable):
-                raise TypeError(f"{what}: a writable, contiguous numpy array of {np.dtype(self.dtype)} is needed; "
-                                "it is changed")
-            array = value
+            array = _changed(value, self.dtype, what)
         else:
             array = _array(value, self.dtype, what)
         keep.append((self.name, array))

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "earlier.h"
+
 /* Of one triangle, over the time of the map. */
 typedef struct load {
     double push;  /* time integral of the normal force [N s] */
@@ -112,11 +114,12 @@ static int nearest(const load_map *map, const dem_wall *w, dem_vec place) {
     return found;
 }
 
-/* Velocity of the particle's surface over the wall's, at the place of the contact. */
+/* Velocity of the particle's surface over the wall's, at the place of the contact. A belt runs at the part of its
+   velocity that is along the surface. */
 static dem_vec relative(const load_maps *m, const dem_wall *w, const dem_contact_info *c) {
     const dem_world *world = &m->s->world;
     const dem_vec spin = dem_vec3(w->spin * w->spin_axis.x, w->spin * w->spin_axis.y, w->spin * w->spin_axis.z),
-                  belt = w->asked.belt;
+                  belt = plus(w->asked.belt, -times(w->asked.belt, c->normal), c->normal);
     dem_vec v = less(
         plus(dem_velocity(world, c->i), 1.0, across(dem_spin(world, c->i), less(c->point, dem_position(world, c->i)))),
         plus(w->velocity, 1.0, across(spin, less(c->point, w->position))));
@@ -144,6 +147,9 @@ void load_maps_add(load_maps *m, double time) {
     }
 }
 
+static const char csv_head[] =
+    "x_m,y_m,z_m,area_m2,normal_force_N,pressure_Pa,normal_force_x_sliding_J_m2,friction_J_m2,hits_J_m2\n";
+
 static void write_map(const load_maps *m, int number, const char *folder, void (*wrote)(void *user, const char *name),
                       void *user) {
     const load_map *map = &m->map[number];
@@ -161,8 +167,7 @@ static void write_map(const load_maps *m, int number, const char *folder, void (
     for (int a = 0; a < 5; a++) value[a] = room + 3 * (size_t)n * (size_t)(3 + a);
     snprintf(name, sizeof name, "loads_%.60s.csv", wall);
     riddle_io_file *file = riddle_io_open(folder, name);
-    riddle_io_print(
-        file, "x_m,y_m,z_m,area_m2,normal_force_N,pressure_Pa,normal_force_x_sliding_J_m2,friction_J_m2,hits_J_m2\n");
+    riddle_io_print(file, "%s", csv_head);
     for (int k = 0; k < n; k++) {
         dem_vec x[3], middle = dem_vec3(0.0, 0.0, 0.0);
         for (int c = 0; c < 3; c++) {
@@ -204,7 +209,16 @@ static void write_map(const load_maps *m, int number, const char *folder, void (
 }
 
 void load_maps_write(const load_maps *m, const char *folder, void (*wrote)(void *user, const char *name), void *user) {
+    const wall_def *w = m->s->def->walls.item;
+    char name[80];
     for (int k = 0; k < m->maps; k++) write_map(m, k, folder, wrote, user);
+    for (int k = 0; k < m->s->def->walls.n; k++) {
+        if (w[k].load_map) continue;
+        snprintf(name, sizeof name, "loads_%.60s.csv", w[k].part.name);
+        earlier_remove(folder, name, csv_head);
+        snprintf(name, sizeof name, "loads_%.60s.vtp", w[k].part.name);
+        earlier_remove(folder, name, "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\"");
+    }
 }
 
 int load_maps_exchange(load_maps *m, scene_state *io) {

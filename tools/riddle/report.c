@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "world_picture.h"
+#include "earlier.h"
 #include "load_map.h"
 #include "scene_results.h"
 #include "rows.h"
@@ -113,6 +114,8 @@ report *report_open(scene *s, const char *folder, const int size[2]) {
     }
     return r;
 }
+
+void report_begin(const report *r) { earlier_remove_series(r->folder); }
 
 /* Room for one more of n things of a size; 0, or -1. */
 static int make_room(void *array, int n, int *room, size_t size) {
@@ -393,6 +396,9 @@ static void json_mean(void *user, const char *name, const steady_mean *m) {
     json_object_end(user);
 }
 
+static const char means_head[] = "column,mean,standard_error,interval95,drift,steady\n",
+                  passed_head[] = "time_s,exit,class,diameter_m,mass_kg,residence_s\n";
+
 static void write_rows(report *r) {
     const row_table *rows = &r->rows;
     riddle_io_file *file = riddle_io_open(r->folder, "measured.csv");
@@ -401,9 +407,12 @@ static void write_rows(report *r) {
     for (int k = 0; k < rows->n; k++)
         riddle_io_row(file, rows->value + (size_t)k * (size_t)rows->columns, rows->columns);
     if (riddle_io_close(file) == RIDDLE_IO_OK) add_name(r, "measured.csv");
-    if (rows->n < 4 * STEADY_BLOCKS) return;
+    if (rows->n < 4 * STEADY_BLOCKS) {
+        earlier_remove(r->folder, "means.csv", means_head);
+        return;
+    }
     file = riddle_io_open(r->folder, "means.csv");
-    riddle_io_print(file, "column,mean,standard_error,interval95,drift,steady\n");
+    riddle_io_print(file, "%s", means_head);
     each_mean(r, write_mean, file);
     if (riddle_io_close(file) == RIDDLE_IO_OK) add_name(r, "means.csv");
 }
@@ -414,7 +423,7 @@ static void write_passed(report *r) {
     int n;
     const gone *g = scene_gone(s, &n);
     riddle_io_file *file = riddle_io_open(r->folder, "passed.csv");
-    riddle_io_print(file, "time_s,exit,class,diameter_m,mass_kg,residence_s\n");
+    riddle_io_print(file, "%s", passed_head);
     for (int k = 0; k < n; k++) {
         int wall = 0;
         while (s->wall_of[wall] != g[k].exit) wall++;
@@ -428,12 +437,15 @@ static void write_passed(report *r) {
 const char *report_write(report *r) {
     write_rows(r);
     if (r->s->def->output.passed) write_passed(r);
-    if (r->rows.n > 1 && draw_curves(r) == 0) add_name(r, "curves.svg");
+    else earlier_remove(r->folder, "passed.csv", passed_head);
+    if (r->rows.n < 2) earlier_remove(r->folder, "curves.svg", "<svg ");
+    else if (draw_curves(r) == 0) add_name(r, "curves.svg");
     r->separation = scene_separation(r->s);
     scene_results_write(&r->rows, r->separation, r->folder, add_result, r);
     load_maps_write(r->loads, r->folder, add_result, r);
     if (!r->drawn) draw_picture(r);
     if (r->pictured) add_name(r, "scene.png");
+    else earlier_remove(r->folder, "scene.png", "\x89PNG");
     if (r->series.particles) dem_io_close(&r->series);
     if (r->film.film) world_movie_close(&r->film);
     return r->written;

@@ -318,6 +318,7 @@ static int run_scene(job *j, bool seed_given) {
     if (!failed && j->check) failed = tell_check(j);
     else if (!failed) {
         tell_begin(j);
+        if (!j->again) report_begin(j->r);
         run(j);
         tell(j, report_write(j->r));
     }

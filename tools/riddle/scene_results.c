@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "earlier.h"
 #include "heap_slope.h"
 #include "scene_books.h"
 #include "scene_walls.h"
@@ -158,8 +159,10 @@ void scene_separation_free(separation *p) {
     free(p);
 }
 
+static const char separation_head[] = "low_m,high_m,size_m,fed_kg,fine_kg,coarse_kg,particles,to_coarse,low95,high95\n";
+
 static void write_separation(const separation *p, riddle_io_file *file) {
-    riddle_io_print(file, "low_m,high_m,size_m,fed_kg,fine_kg,coarse_kg,particles,to_coarse,low95,high95\n");
+    riddle_io_print(file, "%s", separation_head);
     for (int k = 0; k < p->n; k++) {
         const split_class *c = &p->class[k];
         const double row[] = {c->low,
@@ -327,6 +330,8 @@ void scene_results_write(const row_table *r, const separation *p, const char *fo
     riddle_io_print(file, "result,what,value,low95,high95\n");
     visit_all(r, p, write_result, file);
     if (riddle_io_close(file) == RIDDLE_IO_OK) wrote(user, "results.csv");
+    if (!p) earlier_remove(folder, "separation.csv", separation_head);
+    if (!p || p->full <= 0) earlier_remove(folder, "partition.svg", "<svg ");
     if (!p) return;
     file = riddle_io_open(folder, "separation.csv");
     write_separation(p, file);
