@@ -20,8 +20,8 @@ static const char *const kinds[KINDS] = {"equal t/V",      "time",          "vol
                                          "proportional",   "time, AR 0.6",  "t/V, AR 0.6",
                                          "volume, AR 0.6", "balance walks", "balance drifts"};
 
-/* How the volumes lie: even steps (every other trial: of time); each twice the one before; 1, 2, 5, 10 ...; at random, as
-   likely in each decade. The last three span a factor of 1000 at most. */
+/* How the volumes lie: even steps (every other trial: of time); each twice the one before; 1, 2, 5, 10 ...; at
+   random, as likely in each decade. The last three span a factor of 1000 at most. */
 enum { EVEN, EQUAL_TIMES, DOUBLING, ONE_TWO_FIVE, RANDOM, SPACINGS };
 static const char *const spacings[SPACINGS] = {"even", "equal times", "doubling", "1-2-5", "random"};
 
@@ -96,8 +96,7 @@ static double least_of(const knowledge *known, int kind, int spacing, size_t n) 
         if (kind == 1 || kind == 2) return known->independent ? spacing == RANDOM ? 84.0 : 89.0 : 91.0;
         return known->independent ? 90.0 : 93.0;
     }
-    if (known->independent)
-        /* Four laws of scatter are weighed, and few readings do not tell them. */
+    if (known->independent) /* Four laws of scatter are weighed, and few readings do not tell them. */
         return kind == 3 && n < 30 ? 89.0 : 91.0;
     /* Fewer readings see no walk of a balance; the ranges widen, but not far enough. */
     if (kind == 7) return n > 100 ? 92.0 : 84.0;
@@ -115,9 +114,9 @@ static int trials_of(const knowledge *known, int kind, int spacing, size_t n, in
     double width = 0.0, square = 0.0;
     for (int trial = 0; trial < trials; trial++) {
         double t[LARGEST], V[LARGEST];
-        const double intercept = intercepts[trial % 3], size = n > 50 ? 0.001
-                                                                 : spacing > EQUAL_TIMES && kind % 3 == 0 ? 0.01
-                                                                                                          : 0.004;
+        const double intercept = intercepts[trial % 3], size = n > 50                                   ? 0.001
+                                                               : spacing > EQUAL_TIMES && kind % 3 == 0 ? 0.01
+                                                                                                        : 0.004;
         draw(kind, n, intercept, spacing == EVEN ? trial / 3 % 2 : spacing, size, t, V);
         filtration_curve_def def = filtration_curve_default_def();
         filtration_curve c;
@@ -144,14 +143,16 @@ static int trials_of(const knowledge *known, int kind, int spacing, size_t n, in
         width += 0.5 * (c.slope.high - c.slope.low) / slope;
         square += (c.slope.value / slope - 1.0) * (c.slope.value / slope - 1.0);
     }
-    printf("%-12s %-14s %-12s %4zu %5.1f |", known->name, kinds[kind], spacings[spacing], n, 100.0 * given / (trials - refused));
+    printf("%-12s %-14s %-12s %4zu %5.1f |", known->name, kinds[kind], spacings[spacing], n,
+           100.0 * given / (trials - refused));
     if (csv)
         fprintf(csv, "%s,\"%s\",%s,%zu,%.17g,", known->name, kinds[kind], spacings[spacing], n,
                 100.0 * given / (trials - refused));
     const double chance = 100.0 * 3.0 * sqrt(0.05 * 0.95 / trials); /* of the count itself */
     for (int i = 0; i < 5; i++) {
         const double percent = 100.0 * hits[i] / (given > 0 ? given : 1);
-        const int outside = !(percent >= least_of(known, kind, spacing, n) - chance && percent <= most_of(known) + chance);
+        const int outside =
+            !(percent >= least_of(known, kind, spacing, n) - chance && percent <= most_of(known) + chance);
         bad |= outside;
         printf(" %5.1f%s", percent, outside ? "!" : " ");
         if (csv) fprintf(csv, "%s%.17g", i == 0 ? "" : ",", percent);
