@@ -14912,22 +14912,6 @@ static inline double dem__highest_rate(const dem__modes *modes, int passes) {
     return scale * trace;
 }
 
-/* Returns the rate of a single point, in the direction in which it is highest: along each direction the point moves
-   with the body, and by rotations about the axes. */
-static inline double dem__rate_of_point(dem_vec r, const double *agility) {
-    dem__modes m;
-    memset(&m, 0, sizeof m);
-    for (int a = 0; a < 3; a++) {
-        dem_vec axis = dem_vec3(0.0, 0.0, 0.0);
-        double own[4] = {0.0, 0.0, 0.0, 0.0};
-        *dem_axis_of(&axis, a) = own[a] = 1.0;
-        const dem_vec turned = dem__scale(sqrt(agility[a]), dem__cross(axis, r));
-        const double u[4] = {turned.x, turned.y, turned.z, 0.0};
-        dem__add_spring(&m, 1.0, own), dem__add_spring(&m, 1.0, u);
-    }
-    return dem__highest_rate(&m, 5);
-}
-
 /* ------------------------------------------------------------------------------------------- >>polyhedra/springs.h */
 /* What a shape tells about its contacts: among how many corners a face shares the spring of a pair, and how fast
    contacts are. Reads and writes a shape. Promises: the rate is at most 5 % above the highest one of a single face or
@@ -14938,11 +14922,22 @@ static inline void dem__agility_of(const dem_convex *s, double *agility) {
     for (int a = 0; a < 3; a++) agility[a] = s->volume / s->moment[a];
 }
 
-/* Returns the rate of a single corner. */
+/* Returns the rate of a single corner, in the direction in which it is highest: along each direction the corner moves
+   with the body, and by rotations about the axes. */
 static inline double dem__rate_of_corner(const dem_convex *s, dem_vec r) {
     double agility[3];
+    dem__modes m;
+    memset(&m, 0, sizeof m);
     dem__agility_of(s, agility);
-    return dem__rate_of_point(r, agility) / (double)s->springs;
+    for (int a = 0; a < 3; a++) {
+        dem_vec axis = dem_vec3(0.0, 0.0, 0.0);
+        double own[4] = {0.0, 0.0, 0.0, 0.0};
+        *dem_axis_of(&axis, a) = own[a] = 1.0;
+        const dem_vec turned = dem__scale(sqrt(agility[a]), dem__cross(axis, r));
+        const double u[4] = {turned.x, turned.y, turned.z, 0.0};
+        dem__add_spring(&m, 1.0, own), dem__add_spring(&m, 1.0, u);
+    }
+    return dem__highest_rate(&m, 5) / (double)s->springs;
 }
 
 /* Returns the rate of a face. */
@@ -15747,8 +15742,8 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
 /* ------------------------------------------------------------------------------------------------- >>bodies/rate.h */
 /* How fast a clump answers to its contacts, on which the advice on the time step counts. */
 
-#define DEM__TOUCHES_TOO                                                                                               \
-    0.1 /* of a radius: what lies no further from a plane counts as touching with the first sphere */
+/* Of a radius: what lies no further from a plane counts as touching with the first sphere. */
+#define DEM__TOUCHES_TOO 0.1
 
 /* Sets the rate of the contacts of a clump over k/m: of all spheres that a plane across a principal axis touches at
    once, at most 20 % too high, and of each sphere alone, at most twice too high. */

@@ -5,10 +5,10 @@
    compiled, which takes half the time. */
 #include <stdio.h>
 #include <stdlib.h>
-#ifdef AT_ONCE
-#include <pthread.h>
-#endif
 
+#ifdef AT_ONCE
+#include "at_once.h"
+#endif
 #include "dem_guard_scenes.h"
 
 #ifdef TWO_KERNELS
@@ -32,28 +32,9 @@ static dem_status run_guard(int scene, int threads, uint64_t *hash) { return gua
 #endif
 
 #ifdef AT_ONCE
-/* A thread for each task. One that cannot begin does its task here. */
-typedef struct one_task {
-    void (*task)(void *context, int index);
-    void *context;
-    int index;
-} one_task;
-static void *do_task(void *of) {
-    const one_task *t = of;
-    t->task(t->context, t->index);
-    return NULL;
-}
 static void run_tasks(void *user, int tasks, void (*task)(void *context, int index), void *context) {
-    pthread_t thread[64];
-    one_task of[64];
-    int begun = 0;
     (void)user;
-    for (; begun < tasks && begun < 64; begun++) {
-        of[begun].task = task, of[begun].context = context, of[begun].index = begun;
-        if (pthread_create(&thread[begun], NULL, do_task, &of[begun]) != 0) break;
-    }
-    for (int k = begun; k < tasks; k++) task(context, k);
-    for (int k = 0; k < begun; k++) pthread_join(thread[k], NULL);
+    run_at_once(tasks, task, context);
 }
 #else
 /* More threads than a machine may have: the tasks of a loop one after the other, the last one first. */

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "at_once.h"
 #include "dem_bad_calls.h"
 #include "dem_guard_scenes.h"
 #include "dem_invariants.h"
@@ -122,25 +123,9 @@ static void test_saved_goes_on(void **state) {
 }
 
 /* A host's own threads: tasks in another order, on a thread each. */
-typedef struct pool_task {
-    void (*task)(void *context, int index);
-    void *context;
-    int index;
-} pool_task;
-static void *pool_thread(void *of) {
-    const pool_task *t = (const pool_task *)of;
-    t->task(t->context, t->index);
-    return NULL;
-}
 static void pool_run(void *user, int tasks, void (*task)(void *context, int index), void *context) {
-    pthread_t thread[8];
-    pool_task of[8];
     assert_in_range(tasks, 2, 8);
-    for (int k = tasks - 1; k >= 0; k--) {
-        of[k].task = task, of[k].context = context, of[k].index = k;
-        assert_int_equal(pthread_create(&thread[k], NULL, pool_thread, &of[k]), 0);
-    }
-    for (int k = 0; k < tasks; k++) pthread_join(thread[k], NULL);
+    assert_int_equal(run_at_once(tasks, task, context), tasks);
     ++*(int *)user;
 }
 static void test_threads_of_a_host(void **state) {

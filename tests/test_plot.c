@@ -8,8 +8,8 @@
 /* cmocka wants the four above first */
 #include <cmocka.h>
 
-#include <float.h>
 #include <ctype.h>
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>

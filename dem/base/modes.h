@@ -36,19 +36,3 @@ static inline double dem__highest_rate(const dem__modes *modes, int passes) {
     for (int pass = 0; pass < passes; pass++) trace = sqrt(trace);
     return scale * trace;
 }
-
-/* Returns the rate of a single point, in the direction in which it is highest: along each direction the point moves
-   with the body, and by rotations about the axes. */
-static inline double dem__rate_of_point(dem_vec r, const double *agility) {
-    dem__modes m;
-    memset(&m, 0, sizeof m);
-    for (int a = 0; a < 3; a++) {
-        dem_vec axis = dem_vec3(0.0, 0.0, 0.0);
-        double own[4] = {0.0, 0.0, 0.0, 0.0};
-        *dem_axis_of(&axis, a) = own[a] = 1.0;
-        const dem_vec turned = dem__scale(sqrt(agility[a]), dem__cross(axis, r));
-        const double u[4] = {turned.x, turned.y, turned.z, 0.0};
-        dem__add_spring(&m, 1.0, own), dem__add_spring(&m, 1.0, u);
-    }
-    return dem__highest_rate(&m, 5);
-}

@@ -3,8 +3,8 @@
 #include "../base/engine.h"
 #include "../base/modes.h"
 
-#define DEM__TOUCHES_TOO                                                                                               \
-    0.1 /* of a radius: what lies no further from a plane counts as touching with the first sphere */
+/* Of a radius: what lies no further from a plane counts as touching with the first sphere. */
+#define DEM__TOUCHES_TOO 0.1
 
 /* Sets the rate of the contacts of a clump over k/m: of all spheres that a plane across a principal axis touches at
    once, at most 20 % too high, and of each sphere alone, at most twice too high. */

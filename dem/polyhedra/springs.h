@@ -10,11 +10,22 @@ static inline void dem__agility_of(const dem_convex *s, double *agility) {
     for (int a = 0; a < 3; a++) agility[a] = s->volume / s->moment[a];
 }
 
-/* Returns the rate of a single corner. */
+/* Returns the rate of a single corner, in the direction in which it is highest: along each direction the corner moves
+   with the body, and by rotations about the axes. */
 static inline double dem__rate_of_corner(const dem_convex *s, dem_vec r) {
     double agility[3];
+    dem__modes m;
+    memset(&m, 0, sizeof m);
     dem__agility_of(s, agility);
-    return dem__rate_of_point(r, agility) / (double)s->springs;
+    for (int a = 0; a < 3; a++) {
+        dem_vec axis = dem_vec3(0.0, 0.0, 0.0);
+        double own[4] = {0.0, 0.0, 0.0, 0.0};
+        *dem_axis_of(&axis, a) = own[a] = 1.0;
+        const dem_vec turned = dem__scale(sqrt(agility[a]), dem__cross(axis, r));
+        const double u[4] = {turned.x, turned.y, turned.z, 0.0};
+        dem__add_spring(&m, 1.0, own), dem__add_spring(&m, 1.0, u);
+    }
+    return dem__highest_rate(&m, 5) / (double)s->springs;
 }
 
 /* Returns the rate of a face. */

@@ -61,12 +61,13 @@ static void undo_doubled(char *cell) {
     *to = '\0';
 }
 
-/* The quotes around a cell that begins at `at` end here; else `at`. A quote within a cell, as in 3/4", begins none. */
-static const char *pass_quoted(const char *at, const char *line, const char *stops) {
+/* Where the quotes around a cell that begins at `at` end, from there on; else 0. A quote within a cell, as in 3/4",
+   begins none. */
+static size_t quoted_from(const char *at, const char *line, const char *stops) {
     const char *before = at;
-    if (*at != '"') return at;
+    if (*at != '"') return 0;
     while (before > line && is_blank(before[-1]) && !strchr(stops, before[-1])) before--;
-    return before == line || strchr(stops, before[-1]) ? at + csv_quoted(at, stops) : at;
+    return before == line || strchr(stops, before[-1]) ? csv_quoted(at, stops) : 0;
 }
 
 int csv_cut(char *line, char separator, char **cells) {
@@ -96,7 +97,7 @@ int csv_cut(char *line, char separator, char **cells) {
 /* What separates the cells: the first semicolon or tab of the line of names outside quotes, else commas. */
 static char separator_of(const char *line) {
     for (const char *c = line; *c; c++) {
-        c = pass_quoted(c, line, ",;\t");
+        c += quoted_from(c, line, ",;\t");
         if (*c == ';' || *c == '\t') return *c;
     }
     return ',';
@@ -168,7 +169,7 @@ static void cut_comment(const csv_data *data, char *line, char separator) {
     const char *cell = line, stop[2] = {separator, '\0'};
     int cuts = 0;
     for (char *c = line; *c; c++) {
-        c += pass_quoted(c, line, stop) - c;
+        c += quoted_from(c, line, stop);
         if (*c == separator) cuts++, cell = c + 1;
         if (*c != '#' || c == cell || !is_blank(c[-1])) continue;
         char text[64];
@@ -383,9 +384,8 @@ int csv_is(const char *name, const char *wanted, double *factor) {
     *factor = 1.0;
     char base[128], asked[128];
     const unit *in, *out;
-    if (small_letter(*name) != small_letter(*wanted))
-        return 0; /* most columns of most tables: csv_value asks
-                                                                   for every cell */
+    /* most columns of most tables: csv_value asks for every cell */
+    if (small_letter(*name) != small_letter(*wanted)) return 0;
     const bool known = split_name(name, base, sizeof base, &in);
     split_name(wanted, asked, sizeof asked, &out);
     if (strcmp(base, asked) != 0 || (out && known && !in)) return 0;

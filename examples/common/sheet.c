@@ -100,6 +100,15 @@ static int distance(const char *a, const char *b) {
     return row[width];
 }
 
+/* Takes the next of some words; false: there is none. */
+static bool next_word(const char **words, char word[40]) {
+    *words += strspn(*words, " ");
+    const size_t n = strcspn(*words, " ");
+    snprintf(word, 40, "%.*s", (int)(n < 39 ? n : 39), *words);
+    *words += n;
+    return n > 0;
+}
+
 /* Does a heading begin with one of these words, whatever follows: "Druckdifferenz in mmHg"? A long first word may have
    a mistake in it; a short one would be another word. */
 static bool begins_with(const sheet_heading *h, const char *words) {
@@ -111,12 +120,9 @@ static bool begins_with(const sheet_heading *h, const char *words) {
         snprintf(joined + used, sizeof joined - used, "%s%s", k > from ? "_" : "", h->words[k]);
         if (sheet_is_word(words, joined)) return true;
     }
-    for (const char *at = words; from < h->n && *at; at += strspn(at, " ")) {
-        char word[40];
-        const size_t n = strcspn(at, " ");
-        snprintf(word, sizeof word, "%.*s", (int)(n < 39 ? n : 39), at);
+    for (char word[40]; from < h->n && next_word(&words, word);) {
+        const size_t n = strlen(word);
         if (n >= 5 && distance(h->words[from], word) <= (n > 6 ? 2 : 1)) return true;
-        at += n;
     }
     return false;
 }
@@ -126,14 +132,9 @@ static bool has_instead(const sheet_column *want, int wants, int missing) {
     const char *words = sheet_words_of(want[missing].name);
     for (int w = 0; w < wants; w++) {
         if (want[w].index < 0) continue;
-        const char *others = sheet_words_of(want[w].name);
-        for (const char *at = words; *at; at += strspn(at, " ")) {
-            char word[40];
-            const size_t n = strcspn(at, " ");
-            snprintf(word, sizeof word, "%.*s", (int)(n < 39 ? n : 39), at);
+        const char *at = words, *others = sheet_words_of(want[w].name);
+        for (char word[40]; next_word(&at, word);)
             if (sheet_is_word(others, word)) return true;
-            at += n;
-        }
     }
     return false;
 }
