@@ -3725,8 +3725,8 @@ static inline dem_quaternion dem__turn_of_polyhedron(const dem_world *w, ptrdiff
                       dem__is_part(w, i) ? w->engine->convex.part[i] : dem__opposite_turn(dem__rigid_of(w, i)->frame));
 }
 
-/* Returns the greatest speed in flight of a point of particle i's body that is an arm [m] away from its centre, relative
-   to it [m/s]. */
+/* Returns the greatest speed in flight of a point of particle i's body that is an arm [m] away from its centre,
+   relative to it [m/s]. */
 DEM_INLINE double dem__turning_speed_at(const dem_world *w, ptrdiff_t i, double arm) {
     return w->engine->bodies.calls->turning_speed(dem__rigid_of(w, i), arm);
 }
@@ -3851,8 +3851,8 @@ static inline void dem__add_velocity(dem_world *w, ptrdiff_t i, dem_vec change) 
     } else w->particle[i].v = dem__add(w->particle[i].v, change);
 }
 
-/* Puts x, where particle i or the centre of its body is, back into the periodic box. Where gravity has a component along
-   the box, it gains potential energy, which is booked. */
+/* Puts x, where particle i or the centre of its body is, back into the periodic box. Where gravity has a component
+   along the box, it gains potential energy, which is booked. */
 DEM_INLINE void dem__put_in_box(dem_world *w, ptrdiff_t i, dem_vec *x) {
     const dem_vec in = dem__in_box(w, *x);
     if (!dem__is_fixed(w, i)) dem__book_wrap(w, -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__sub(in, *x)));
@@ -13951,9 +13951,10 @@ DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, de
 }
 
 /* --------------------------------------------------------------------------------------------------- >>gas/field.h */
-/* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step.
-   Reads bodies and the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to
-   its end, computed at its origin, and the same whatever is skipped. */
+/* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step. A
+   rigid body feels it at its centre and flies as its first particle: only that one has a flight. Reads bodies and the
+   law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end, computed at
+   its origin, and the same whatever is skipped. */
 
 /* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes from a law. */
 enum {
@@ -13972,8 +13973,6 @@ typedef struct dem__field_task {
 DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
 }
-
-/* A rigid body feels the field at its centre and flies as its first particle: only that particle has a flight. */
 
 DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
 

@@ -1,6 +1,7 @@
-/* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step.
-   Reads bodies and the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to
-   its end, computed at its origin, and the same whatever is skipped. */
+/* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step. A
+   rigid body feels it at its centre and flies as its first particle: only that one has a flight. Reads bodies and the
+   law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end, computed at
+   its origin, and the same whatever is skipped. */
 #pragma once
 #include "../search/timers.h"
 #include "../particles/exits.h"
@@ -23,8 +24,6 @@ typedef struct dem__field_task {
 DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
 }
-
-/* A rigid body feels the field at its centre and flies as its first particle: only that particle has a flight. */
 
 DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
 

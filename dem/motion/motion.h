@@ -94,8 +94,8 @@ static inline dem_quaternion dem__turn_of_polyhedron(const dem_world *w, ptrdiff
                       dem__is_part(w, i) ? w->engine->convex.part[i] : dem__opposite_turn(dem__rigid_of(w, i)->frame));
 }
 
-/* Returns the greatest speed in flight of a point of particle i's body that is an arm [m] away from its centre, relative
-   to it [m/s]. */
+/* Returns the greatest speed in flight of a point of particle i's body that is an arm [m] away from its centre,
+   relative to it [m/s]. */
 DEM_INLINE double dem__turning_speed_at(const dem_world *w, ptrdiff_t i, double arm) {
     return w->engine->bodies.calls->turning_speed(dem__rigid_of(w, i), arm);
 }

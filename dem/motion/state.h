@@ -42,8 +42,8 @@ static inline void dem__add_velocity(dem_world *w, ptrdiff_t i, dem_vec change) 
     } else w->particle[i].v = dem__add(w->particle[i].v, change);
 }
 
-/* Puts x, where particle i or the centre of its body is, back into the periodic box. Where gravity has a component along
-   the box, it gains potential energy, which is booked. */
+/* Puts x, where particle i or the centre of its body is, back into the periodic box. Where gravity has a component
+   along the box, it gains potential energy, which is booked. */
 DEM_INLINE void dem__put_in_box(dem_world *w, ptrdiff_t i, dem_vec *x) {
     const dem_vec in = dem__in_box(w, *x);
     if (!dem__is_fixed(w, i)) dem__book_wrap(w, -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__sub(in, *x)));
