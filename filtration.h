@@ -1504,8 +1504,8 @@ FILTRATION_API filtration_status filtration_at_time(const filtration_operation *
 /* An error is white noise with the variance `white`, plus a part that keeps a share of its value and gets a random step
    at each reading. */
 typedef struct filtration__roughness {
-    double keeps, step, white, prior; /* step, white: variances */
-    int for_bend;                     /* 1: used to tell a bend from scatter (three kinds are enough) */
+    double keeps, step, white; /* step, white: variances */
+    int for_bend;              /* 1: used to tell a bend from scatter (three kinds are enough) */
 } filtration__roughness;
 
 /* A drift of the balance in proportion to time: its effect at the end, over the scatter of a reading there. */
@@ -1524,11 +1524,16 @@ static const filtration__drifting filtration__drifts[FILTRATION__DRIFTS] = {{0.0
 static const double filtration__weight_prior[FILTRATION__WEIGHTS] = {6.0, 2.7, 2.7, 1.0}; /* about equal chances where
                                              volumes lie evenly; see filtration__fill_priors */
 static const filtration__roughness filtration__roughs[FILTRATION__ROUGHS] = {
-    {0.0, 0.0, 1.0, 1.0, 1},                                                      /* independent errors */
+    /* independent errors */
+    {0.0, 0.0, 1.0, 1},
     /* each similar to the one before, of variance 1 */
-    {0.3, 0.91, 0.0, 1.0, 0}, {0.6, 0.64, 0.0, 1.0, 1}, {0.8, 0.36, 0.0, 1.0, 0},
-    {1.0, 0.03, 1.0, 0.5, 0}, {1.0, 0.3, 1.0, 0.5, 1},  {1.0, 1.0, 0.0, 0.5, 0}}; /* errors that add up, as those of a
-                                                                                     wandering balance */
+    {0.3, 0.91, 0.0, 0},
+    {0.6, 0.64, 0.0, 1},
+    {0.8, 0.36, 0.0, 0},
+    /* errors that add up, as those of a wandering balance */
+    {1.0, 0.03, 1.0, 0},
+    {1.0, 0.3, 1.0, 1},
+    {1.0, 1.0, 0.0, 0}};
 
 /* The readings, and the scales that keep sums in the range of doubles. */
 typedef struct filtration__readings {
@@ -1809,7 +1814,7 @@ static inline void filtration__mix(const filtration__readings *r, size_t first, 
         filtration__fit_kind(r, first, last, line, unknowns, k / FILTRATION__ROUGHS, rough, drifts, &m->kind[m->n]);
         for (int q = 0; q < drifts; q++, m->n++) {
             filtration__kind *kind = &m->kind[m->n];
-            const double prior = rough->prior * of_weight[k / FILTRATION__ROUGHS] * filtration__drifts[q].prior;
+            const double prior = of_weight[k / FILTRATION__ROUGHS] * filtration__drifts[q].prior;
             m->share[m->n] = riddle_log(prior) + kind->likelihood;
             /* From here on: of neighbours. */
             kind->likelihood = rough->white > 0.0 && rough->step == 0.0 ? 0.0 : rough->keeps;
@@ -1940,7 +1945,7 @@ static inline filtration__bend filtration__find_bend(const filtration__readings 
         const filtration__roughness *rough = &filtration__roughs[k % FILTRATION__ROUGHS];
         if (!filtration__is_thought_of(r->def, k) || !rough->for_bend) continue;
         filtration__fit_kind(r, first, last, line, 2, k / FILTRATION__ROUGHS, rough, 1, &kind);
-        kind.bent_likelihood += riddle_log(rough->prior * of_weight[k / FILTRATION__ROUGHS]);
+        kind.bent_likelihood += riddle_log(of_weight[k / FILTRATION__ROUGHS]);
         if (k == 0 || kind.bent_likelihood > best.bent_likelihood) best = kind;
         if (kind.bent_likelihood > most) {
             const double less = riddle_exp(most - kind.bent_likelihood);

@@ -178,10 +178,11 @@ def filter_ranges(r, csv, json):
                 ("a balance that wanders: errors add up to 0.8 %", ("balance walks",)),
                 ("a balance that drifts in proportion to time, 1.2 %", ("balance drifts",))]
 
+    wide = [row for row in rows if row["spacing"] != "even"]
     rows = [row for row in rows if row["spacing"] == "even"]
 
-    def held(known, scatters, low, high):
-        chosen = [row[key] for row in rows for key in ("slope", "intercept", "half", "whole", "twice")
+    def held(known, scatters, low, high, among=rows):
+        chosen = [row[key] for row in among for key in ("slope", "intercept", "half", "whole", "twice")
                   if row["known"] == known and row["scatter"] in scatters and low <= row["readings"] <= high]
         return f"{min(chosen):.0f} to {max(chosen):.0f} %" if chosen else ""
 
@@ -195,7 +196,14 @@ def filter_ranges(r, csv, json):
               "nothing": [held("nothing", scatters, low, high) for low, high in ((3, 13), (30, 30), (200, 200))],
               "independent": held("independent", scatters, 3, 200), "drift": held("drift", scatters, 3, 200)}
              for name, scatters in families]
+    spread = [{"name": name, "few": held("nothing", scatters, 3, 5, wide),
+               "more": held("nothing", scatters, 6, 20, wide),
+               "independent": held("independent", scatters, 3, 20, wide),
+               "drift": held("drift", scatters, 3, 20, wide)} for name, scatters in families]
     return {
+        "wide": table(spread, [("scatter", "name", ""), ("nothing given, 3 to 5 readings", "few", ""),
+                               ("6 to 20", "more", ""), ("`independent`, 3 to 20", "independent", ""),
+                               ("`drift_error`, 3 to 20", "drift", "")]),
         "rows": table(kinds,
                       [("scatter", "name", ""), ("nothing given, 3 to 13 readings", lambda x: x["nothing"][0], ""),
                 ("30", lambda x: x["nothing"][1], ""), ("200", lambda x: x["nothing"][2], ""),

@@ -83,7 +83,7 @@ static inline filtration__bend filtration__find_bend(const filtration__readings 
         const filtration__roughness *rough = &filtration__roughs[k % FILTRATION__ROUGHS];
         if (!filtration__is_thought_of(r->def, k) || !rough->for_bend) continue;
         filtration__fit_kind(r, first, last, line, 2, k / FILTRATION__ROUGHS, rough, 1, &kind);
-        kind.bent_likelihood += riddle_log(rough->prior * of_weight[k / FILTRATION__ROUGHS]);
+        kind.bent_likelihood += riddle_log(of_weight[k / FILTRATION__ROUGHS]);
         if (k == 0 || kind.bent_likelihood > best.bent_likelihood) best = kind;
         if (kind.bent_likelihood > most) {
             const double less = riddle_exp(most - kind.bent_likelihood);
