@@ -166,15 +166,18 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
 
 /* These call the functions for polyhedra on a block. They stand apart because a call through a pointer would slow the
    kernel down. */
-static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
-    w->engine->convex.calls->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
+static DEM__NOINLINE void dem__fill_other_rows(const dem__convex_calls *other, const dem_world *w, dem__work *x,
+                                               ptrdiff_t base, int n, double half) {
+    other->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
-static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n,
-                                                 const dem__columns *at, double half, int features) {
-    w->engine->convex.calls->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
+static DEM__NOINLINE void dem__finish_other_rows(const dem__convex_calls *other, const dem_world *w, dem__work *x,
+                                                 ptrdiff_t base, int n, const dem__columns *at, double half,
+                                                 int features) {
+    other->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
-static DEM__NOINLINE void dem__exclude_other(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
-    w->engine->convex.calls->leave_edges(w, in, marked);
+static DEM__NOINLINE void dem__exclude_other(const dem__convex_calls *other, dem_world *w, const dem__chunk *in,
+                                             ptrdiff_t marked) {
+    other->leave_edges(w, in, marked);
 }
 
 /* Gathers the block of n contacts from slot base on, and prefetches the next block, of this chunk or of the one after
@@ -203,7 +206,6 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     x->walls = walls;
     dem__load_types(w, base, n, law->constants, &x->types);
     dem__complete_rows(w, &x->rows, &x->types, n, half, half, x->wall, walls, has_friction);
-    if (w->engine->convex.calls) dem__fill_other_rows(w, x, base, n, half);
 }
 
 /* Calls the law for n contacts of a block, or for n links, and stores its results. Links use only the sizes of a
@@ -326,18 +328,20 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
     const int has_friction = (features & DEM_FRICTION) != 0;
     const int only_ledger = (features & DEM_ENERGY) && run->only_ledger;
     const double h = run->kernel_dt, rate = 1.0 / run->dt;
+    const dem__convex_calls *other = w->engine->convex.calls; /* for contacts of polyhedra; NULL if there are none */
     dem__chunk *in = &w->engine->contacts.chunk[chunk];
     for (ptrdiff_t base = in->first, end = in->first + in->count; base < end; base += DEM__BLOCK) {
         const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
         dem__columns old, at;
         dem__gather_block(w, x, chunk, base, n, law, 0.5 * h, has_friction);
+        if (other) dem__fill_other_rows(other, w, x, base, n, 0.5 * h);
         dem__columns_of(w, base, law, features, &old);
         dem__new_columns(w, base, law, features, DEM__COPY_ROWS || only_ledger, &x->block, &at);
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate,
                        features);
-        if (w->engine->convex.calls) {
+        if (other) {
             const dem__columns same = at; /* with the address of `at` itself, clang would not vectorise the law */
-            dem__finish_other_rows(w, x, base, n, &same, 0.5 * h, features);
+            dem__finish_other_rows(other, w, x, base, n, &same, 0.5 * h, features);
         }
         if (features & DEM_ENERGY) dem__put_wall_work(x, n, &old, &at, 0.5 * h);
         if (only_ledger) {
@@ -345,7 +349,7 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
             continue;
         }
         const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
-        if (w->engine->convex.calls) dem__exclude_other(w, in, marked);
+        if (other) dem__exclude_other(other, w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_partial_steps(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, x, chunk, base, n, at.out, has_friction, postpone_from);
