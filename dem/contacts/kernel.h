@@ -258,8 +258,8 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
     }
 }
 
-/* Computes the work of walls on their contacts from powers, by the trapezoidal rule. A wall that turns also works against
-   rolling resistance: its force counts at the particle's centre, with the torque about it. */
+/* Computes the work of walls on their contacts from powers, by the trapezoidal rule. A wall that turns works also
+   against rolling resistance: its force counts at the centre of the particle, with the torque about it. */
 DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns *old, const dem__columns *at,
                                    double half, int has_friction) {
     for (int k = 0; k < n; k++) at->loss[3][k] = 0.0, at->power[2][k] = old->power[2][k];
