@@ -2243,6 +2243,7 @@ enum {
 typedef struct dem__feature {
     int place;      /* DEM__LEDGER_FEATURE and so on */
     int adds_loads; /* it adds to the loads of particles */
+    int turns;      /* its particles may turn without friction */
     int sorts;      /* in a run particles may lie in another order: the feature knows them only by its arrays, and sums
                        nothing in the order of particles */
     int exclusive;  /* it moves particles between steps; a world has at most one such feature */
@@ -2285,6 +2286,9 @@ typedef struct dem__feature {
     void (*detect)(dem_world *w, int64_t step);            /* finds its own contacts at a step */
     void (*contacts_begun)(dem_world *w, ptrdiff_t begun); /* so many contacts begin, listed in contacts.slots */
     void (*add_forces)(dem_world *w, double h);            /* after those of contacts; h: length of the step [s] */
+    void (*kick)(dem_world *w, double h);                  /* velocities move to the end of the step: its own, */
+    void (*kicked)(dem_world *w);                          /* and after those of all active particles */
+    void (*corrected)(dem_world *w);                       /* after the impulses and shifts of partial steps */
     void (*end_contact)(dem_world *w, ptrdiff_t c);        /* the contact in slot c ends */
     void (*leave)(dem_world *w);                           /* before particles that passed an exit are removed */
     int (*begin_flights)(dem_world *w);                    /* after bounds have been checked; 0 after a failure */
@@ -2528,17 +2532,13 @@ typedef struct dem__body_calls {
     void (*set_origin)(dem_world *w, dem__rigid *r); /* makes the present step the origin */
     void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity,
                        dem_vec spin);           /* sets velocity and spin at the origin */
-    void (*wrap)(dem_world *w, dem__rigid *r);  /* wraps the body around the periodic box */
     void (*place)(dem_world *w, dem__rigid *r); /* places its particles from its state */
     void (*fall)(dem_world *w, dem__rigid *r);  /* computes accelerations without contacts */
     void (*test_due)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part,
                      void *step); /* tests due pairs, in pages of timers */
     void (*advance)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h); /* moves active particles and
                                                                                          bodies to the end of a step */
-    void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h); /* moves velocities of active bodies
-                                                                                      to the end of a step */
     void (*push)(dem_world *w, int32_t c, int has_friction); /* applies impulses of the partial step in slot c */
-    void (*shift)(dem_world *w, int32_t c);                  /* applies its shift, after all impulses */
     /* greatest speed in flight of a point at an arm [m] from the centre, relative to it [m/s] */
     double (*turning_speed)(const dem__rigid *r, double arm);
 } dem__body_calls;
@@ -2919,6 +2919,24 @@ DEM_INLINE double dem__longest_step(const dem_world *w, ptrdiff_t i) {
 DEM_INLINE double dem__touching_radius(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
     return s ? s->radius : w->particle[i].radius;
+}
+
+/* Returns by how many springs a contact of particle i may act, of which a corner has one. */
+DEM_INLINE double dem__springs_of(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? (double)s->springs : 1.0;
+}
+
+/* Returns by what factor a contact of particle i may be stiffer than its spring and masses tell, because a polyhedron
+   turns. */
+DEM_INLINE double dem__rate_of(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? s->rate : 1.0;
+}
+
+/* Returns whether i or j is a polyhedron; j < 0: a wall. */
+DEM_INLINE int dem__has_polyhedron(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    return dem__shape_of(w, i) || (j >= 0 && dem__shape_of(w, j));
 }
 
 /* Lists the arrays of particles. Returns their number. */
@@ -3425,7 +3443,9 @@ DEM_INLINE void dem__book_field_work(dem_world *w, double work) {
 }
 
 /* Books the work that moving fixed particles do on others [J]. */
-DEM_INLINE void dem__book_work_of_fixed(dem_world *w, double work) { w->engine->ledger.sums.external_work += work; }
+DEM_INLINE void dem__book_work_of_fixed(dem_world *w, double work) {
+    if (w->engine->ledger.counts) w->engine->ledger.sums.external_work += work;
+}
 
 /* --------------------------------------------------------------------------------------------- >>motion/rotation.h */
 /* Quaternions and the free rotation of a rigid body: pure functions. A quaternion turns vectors of the body's frame
@@ -3666,6 +3686,25 @@ DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
     return own;
 }
 
+/* Returns whether particle i stands for all that moves as one: a single sphere, or the first particle of a body. */
+DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) { return dem__pieces_of(w, i).first == i; }
+
+/* Returns whether i and j cannot meet: particles of one body, or both fixed. */
+DEM_INLINE int dem__cannot_meet(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return (r && r == dem__rigid_of(w, j)) || (dem__is_fixed(w, i) && dem__is_fixed(w, j));
+}
+
+/* Returns whether a rigid body takes part in a contact of i and j; j < 0: of a wall. */
+DEM_INLINE int dem__has_body(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
+}
+
+/* Returns whether particle i is a sphere that forces move: neither a part of a body nor fixed. */
+DEM_INLINE int dem__is_free_sphere(const dem_world *w, ptrdiff_t i) {
+    return !dem__rigid_of(w, i) && !dem__is_fixed(w, i);
+}
+
 /* Returns the acceleration of particle i, or of its rigid body, divided by the force on it [1/kg]; 0 if it is fixed. */
 DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) {
     return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
@@ -3675,11 +3714,31 @@ DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, doubl
     return w->engine->bodies.calls->pose(w, r, tau);
 }
 
+/* Returns the orientation of the principal axes of particle i's body, tau after its origin step [s]. */
+static inline dem_quaternion dem__body_turn_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem__pose_at(w, dem__rigid_of(w, i), tau).turn;
+}
 /* Returns the orientation of a polyhedron's own axes, from that of its body. The body's axes may have another order; a
    part of a compound has a turn of its own. */
-static inline dem_quaternion dem__turn_of_polyhedron(const dem_world *w, ptrdiff_t i, const dem__rigid *r,
-                                                     dem_quaternion turn) {
-    return dem__turns(turn, dem__is_part(w, i) ? w->engine->convex.part[i] : dem__opposite_turn(r->frame));
+static inline dem_quaternion dem__turn_of_polyhedron(const dem_world *w, ptrdiff_t i, dem_quaternion turn) {
+    return dem__turns(turn,
+                      dem__is_part(w, i) ? w->engine->convex.part[i] : dem__opposite_turn(dem__rigid_of(w, i)->frame));
+}
+
+/* Returns the greatest speed in flight of a point of particle i's body that is an arm [m] away from its centre,
+   relative to it [m/s]. */
+DEM_INLINE double dem__turning_speed_at(const dem_world *w, ptrdiff_t i, double arm) {
+    return w->engine->bodies.calls->turning_speed(dem__rigid_of(w, i), arm);
+}
+/* Returns the same of the centre of particle i; 0 for a sphere. */
+DEM_INLINE double dem__turning_speed_of(const dem_world *w, ptrdiff_t i) {
+    return dem__rigid_of(w, i) ? dem__turning_speed_at(w, i, dem__length(w->engine->bodies.offset[i])) : 0.0;
+}
+
+/* Returns the vector from the centre of particle i's body to the particle now; 0 for a sphere. */
+static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
+    return dem__rigid_of(w, i) ? dem__to_lab(dem__body_turn_at(w, i, dem__now(w, i)), w->engine->bodies.offset[i])
+                               : dem_vec3(0.0, 0.0, 0.0);
 }
 
 /* Return position and velocity of a particle of a rigid body, tau after its origin step [s]. */
@@ -3722,6 +3781,11 @@ DEM_INLINE dem_vec dem__drift_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__plus(r->v, tau, r->a) : dem__sphere_velocity_at(w, i, tau);
 }
+/* Returns the velocity of the same centre as it is stored. */
+DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? r->v : w->particle[i].v;
+}
 /* Returns the acceleration of the centre of particle i, or of its body. */
 DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -3734,9 +3798,12 @@ static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, doubl
     DEM__GET(w, error, velocity_error, (w, i, tau));
     return error;
 }
-/* Returns the velocity as accurately as it is known. */
+/* Return the velocity of particle i, and of its centre or that of its body, as accurately as they are known. */
 static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
     return dem__add(dem__velocity_at(w, i, tau), dem__velocity_error(w, i, tau));
+}
+static inline dem_vec dem__true_drift_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem__add(dem__drift_at(w, i, tau), dem__velocity_error(w, i, tau));
 }
 DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -3760,14 +3827,41 @@ static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     w->particle[i].origin = w->step;
 }
 
-/* Puts a stored position back into the periodic box. Where gravity has a component along the box, the particle gains
-   potential energy, which is booked. */
-DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
+/* Gives particle i, or its rigid body, a new parabola from here on. */
+static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem_vec a) {
+    dem__rigid *r = dem__rigid_of(w, i);
     dem_particle *p = &w->particle[i];
-    const dem_vec x = dem__in_box(w, p->x);
-    if (w->engine->ledger.on && !dem__is_fixed(w, i))
-        dem__book_wrap(w, -p->mass * dem__dot(dem__free_fall(w), dem__sub(x, p->x)));
-    p->x = x;
+    if (r) {
+        w->engine->bodies.calls->set_origin(w, r);
+        r->x = x, r->v = v, r->a = a;
+        w->engine->bodies.calls->place(w, r);
+        return;
+    }
+    p->spin = dem__spin_at(w, i, dem__now(w, i));
+    p->x = x, p->v = v, p->a = a;
+    p->origin = w->step;
+}
+
+/* Changes the velocity of particle i, or of its body, at an origin that has just been set. */
+static inline void dem__add_velocity(dem_world *w, ptrdiff_t i, dem_vec change) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        r->v = dem__add(r->v, change);
+        w->engine->bodies.calls->place(w, r);
+    } else w->particle[i].v = dem__add(w->particle[i].v, change);
+}
+
+/* Puts x, where particle i or the centre of its body is, back into the periodic box. Where gravity has a component
+   along the box, it gains potential energy, which is booked. */
+DEM_INLINE void dem__put_in_box(dem_world *w, ptrdiff_t i, dem_vec *x) {
+    const dem_vec in = dem__in_box(w, *x);
+    if (!dem__is_fixed(w, i)) dem__book_wrap(w, -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__sub(in, *x)));
+    *x = in;
+}
+/* Puts the stored position of particle i, or of its body, back into the box. */
+DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem__put_in_box(w, i, r ? &r->x : &w->particle[i].x);
 }
 
 /* Returns the number of rigid bodies present. The array keeps removed bodies until lists are rebuilt. */
@@ -3780,6 +3874,39 @@ static inline ptrdiff_t dem__bodies_present(const dem_world *w) {
 
 DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
     return 0.4 * w->particle[i].mass * w->particle[i].radius * w->particle[i].radius;
+}
+
+/* Changes the angular momentum of particle i, or of its body, at an origin that has just been set. */
+static inline void dem__add_angular_momentum(dem_world *w, ptrdiff_t i, dem_vec change) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        r->momentum = dem__add(r->momentum, change);
+        w->engine->bodies.calls->place(w, r);
+    } else w->particle[i].spin = dem__plus(w->particle[i].spin, 1.0 / dem__inertia(w, i), change);
+}
+
+/* Returns the diameter of particle i, or of a sphere with the mass of its body and the material of its first particle
+   [m]. */
+static inline double dem__diameter_of(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density)
+             : 2.0 * w->particle[i].radius;
+}
+
+/* Returns what a contact of i and j counts on, of a mass or a moment of inertia of each: a fixed particle counts as
+   infinitely heavy. */
+DEM_INLINE double dem__reduced(const dem_world *w, ptrdiff_t i, ptrdiff_t j, double of_i, double of_j) {
+    return dem__is_fixed(w, j) ? of_i : dem__is_fixed(w, i) ? of_j : of_i * of_j / (of_i + of_j);
+}
+
+/* Predicts how an impact that has just begun changes the velocities of i and j by its middle, when both have the normal
+   velocity of their common centre of mass. New bounds rely on it. */
+DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
+    if (!(closing > 0.0)) return; /* the contact has ended */
+    double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
+    if (w->engine->bodies.has_fixed && j >= 0) part = dem__is_fixed(w, i) ? 0.0 : dem__is_fixed(w, j) ? 1.0 : part;
+    w->engine->bodies.impact[i] = dem__scale(part * closing, n);
+    if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
 }
 
 /* Returns the kinetic energy of particle i [J]. The energies of a rigid body are those of its first particle, so that
@@ -3913,10 +4040,9 @@ static inline dem_quaternion dem__given_frame(const dem_world *w, ptrdiff_t i, c
     return own.w != 1.0 ? dem__turns(own, r->frame) : r->frame;
 }
 
-/* Returns the position of a rigid body now, within the periodic box. */
-static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
-    const double tau = dem__now(w, r->first);
-    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
+/* Returns the position of the centre of particle i, or of its rigid body, now, within the periodic box. */
+static inline dem_vec dem__centre_now(const dem_world *w, ptrdiff_t i) {
+    return dem__in_box(w, dem__centre_at(w, i, dem__now(w, i)));
 }
 
 static inline int dem__is_present(const dem_world *w, ptrdiff_t i) {
@@ -3955,17 +4081,9 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
         dem__rigid *r = dem__rigid_of(w, i);
         dem__restart(w, i);
         w->particle[i].a = dem__add(w->particle[i].a, change);
-        if (r && r->first == i) r->a = dem__add(r->a, change);
-    }
-    if (w->engine->ledger.on) {
-        for (ptrdiff_t i = 0; i < w->count; i++) {
-            const dem__rigid *r = dem__rigid_of(w, i);
-            const dem_vec x = r ? r->x : w->particle[i].x;
-            const double raised = w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i)
-                                      ? -w->particle[i].mass * dem__dot(change, x)
-                                      : 0.0;
-            dem__book_gravity(w, raised);
-        }
+        if (!dem__leads(w, i)) continue;
+        if (r) r->a = dem__add(r->a, change);
+        dem__book_gravity(w, -w->particle[i].mass * dem__dot(change, r ? r->x : w->particle[i].x));
     }
     w->def.gravity = gravity;
     for (ptrdiff_t i = 0; i < w->count; i++) {
@@ -6075,23 +6193,14 @@ DEM_INLINE void dem__batch_separation(dem_world *w, dem__timer_batch *q, int32_t
 /* Records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises: the
    order of records does not depend on the order of tests. */
 
-/* Returns the diameter of a sphere with a body's mass and the material of its first particle [m]. */
-static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {
-    return riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density);
-}
-
 /* Records a particle, or its rigid body, that passes an exit in this step, and marks it for removal at the end of the
    step. */
 static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     double tau = (double)(w->step + 1 - w->particle[i].origin) * run->dt;
-    dem_vec x = dem__at(w, i, tau), v = dem__true_velocity_at(w, i, tau);
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (r) {
-        const dem__pose p = dem__pose_at(w, r, tau);
-        i = r->first, x = p.x, v = p.v;
-    }
+    const dem__pieces own = dem__pieces_of(w, i);
+    i = own.first;
     if (w->alive[i] < 0) { /* it passed another exit in this step: the smaller index counts, whatever the order of
                               tests */
         ptrdiff_t k = w->passed_count - 1;
@@ -6119,13 +6228,12 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
         w->passed[at] = w->passed[at - 1];
     dem_passed *p = &w->passed[at];
     p->time = time;
-    p->diameter = r ? dem__equal_diameter(w, r) : 2.0 * w->particle[i].radius;
-    p->position = dem__in_box(w, x);
-    p->velocity = v;
+    p->diameter = dem__diameter_of(w, i);
+    p->position = dem__in_box(w, dem__centre_at(w, i, tau));
+    p->velocity = dem__true_drift_at(w, i, tau);
     p->id = w->id[i];
     p->group = w->group[i];
     p->exit = wall;
-    const dem__pieces own = dem__pieces_of(w, i);
     for (ptrdiff_t k = own.first; k < own.end; k++) w->alive[k] = DEM_LEAVING; /* removed at the end of the step */
     run->leaving = 1;
 }
@@ -7023,7 +7131,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body =
         w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* a body in flight turns about its centre of mass */
-    const double turning_speed = body ? bodies->calls->turning_speed(body, dem__length(bodies->offset[i])) : 0.0;
+    const double turning_speed = body ? dem__turning_speed_of(w, i) : 0.0;
     const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a)
                            : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),
@@ -7619,12 +7727,11 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
 /* Removes pairs within a rigid body, and pairs of two fixed particles. */
 static inline void dem__drop_skipped_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
-    const int32_t *of = w->engine->bodies.rigid_of;
     ptrdiff_t kept = 0;
     for (ptrdiff_t p = 0; p < pairs->count; p++) {
         const dem__near q = pairs->near[p];
         pairs->near[kept] = q;
-        kept += !(of && of[q.i] > 0 && of[q.i] == of[q.j]) && !(dem__is_fixed(w, q.i) && dem__is_fixed(w, q.j));
+        kept += !dem__cannot_meet(w, q.i, q.j);
     }
     pairs->count = kept;
 }
@@ -7909,9 +8016,11 @@ DEM_INLINE void dem__columns_of(const dem_world *w, ptrdiff_t c, const dem_law *
     for (int a = 0; a < law->states; a++) at->state[a] = contacts->state[a] + c;
     for (int a = 0; a < 9; a++) at->out[a] = contacts->wrench[a] + c;
     at->gap = contacts->gap + c, at->force = contacts->force + c;
-    for (int a = 0; a < 3 && features & DEM_ENERGY; a++) at->power[a] = contacts->power[a] + c;
-    for (int a = 0; a < 4 && features & DEM_ENERGY; a++) at->loss[a] = contacts->loss[a] + c;
-    at->elastic = features & DEM_ENERGY ? contacts->elastic + c : NULL;
+    at->elastic = NULL;
+    if (!(features & DEM_ENERGY)) return;
+    for (int a = 0; a < 3; a++) at->power[a] = contacts->power[a] + c;
+    for (int a = 0; a < 4; a++) at->loss[a] = contacts->loss[a] + c;
+    at->elastic = contacts->elastic + c;
 }
 
 /* Sets where the results of a block go. Forces go into the block's rows, because few runs keep them. The rest goes
@@ -8597,15 +8706,18 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
 
 /* These call the functions for polyhedra on a block. They stand apart because a call through a pointer would slow the
    kernel down. */
-static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
-    w->engine->convex.calls->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
+static DEM__NOINLINE void dem__fill_other_rows(const dem__convex_calls *other, const dem_world *w, dem__work *x,
+                                               ptrdiff_t base, int n, double half) {
+    other->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
-static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n,
-                                                 const dem__columns *at, double half, int features) {
-    w->engine->convex.calls->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
+static DEM__NOINLINE void dem__finish_other_rows(const dem__convex_calls *other, const dem_world *w, dem__work *x,
+                                                 ptrdiff_t base, int n, const dem__columns *at, double half,
+                                                 int features) {
+    other->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
-static DEM__NOINLINE void dem__exclude_other(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
-    w->engine->convex.calls->leave_edges(w, in, marked);
+static DEM__NOINLINE void dem__exclude_other(const dem__convex_calls *other, dem_world *w, const dem__chunk *in,
+                                             ptrdiff_t marked) {
+    other->leave_edges(w, in, marked);
 }
 
 /* Gathers the block of n contacts from slot base on, and prefetches the next block, of this chunk or of the one after
@@ -8634,7 +8746,6 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     x->walls = walls;
     dem__load_types(w, base, n, law->constants, &x->types);
     dem__complete_rows(w, &x->rows, &x->types, n, half, half, x->wall, walls, has_friction);
-    if (w->engine->convex.calls) dem__fill_other_rows(w, x, base, n, half);
 }
 
 /* Calls the law for n contacts of a block, or for n links, and stores its results. Links use only the sizes of a
@@ -8687,14 +8798,19 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
     }
 }
 
-/* Computes the work of walls on their contacts from powers, by the trapezoidal rule. */
+/* Computes the work of walls on their contacts from powers, by the trapezoidal rule. A wall that turns works also
+   against rolling resistance: its force counts at the centre of the particle, with the torque about it. */
 DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns *old, const dem__columns *at,
-                                   double half) {
+                                   double half, int rolling) {
     for (int k = 0; k < n; k++) at->loss[3][k] = 0.0, at->power[2][k] = old->power[2][k];
     for (int q = 0; q < x->walls; q++) {
         const int k = x->wall[q].row;
-        const dem_vec v = x->wall[q].velocity;
-        const double power = at->out[0][k] * v.x + at->out[1][k] * v.y + at->out[2][k] * v.z;
+        const dem_wall *wall = x->wall[q].wall;
+        const dem_vec normal = dem_vec3(x->rows.nx[k], x->rows.ny[k], x->rows.nz[k]);
+        const int turns = rolling && wall->spin != 0.0;
+        const dem_vec v = turns ? dem__surface_velocity(wall, x->wall[q].particle->x, normal) : x->wall[q].velocity;
+        double power = at->out[0][k] * v.x + at->out[1][k] * v.y + at->out[2][k] * v.z;
+        for (int a = 0; a < 3 && turns; a++) power += at->out[3 + a][k] * wall->spin * dem_axis(wall->spin_axis, a);
         at->loss[3][k] = half * (old->power[2][k] + power);
         at->power[2][k] = power;
     }
@@ -8757,26 +8873,29 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
     const int has_friction = (features & DEM_FRICTION) != 0;
     const int only_ledger = (features & DEM_ENERGY) && run->only_ledger;
     const double h = run->kernel_dt, rate = 1.0 / run->dt;
+    const dem__convex_calls *other = w->engine->convex.calls; /* for contacts of polyhedra; NULL if there are none */
     dem__chunk *in = &w->engine->contacts.chunk[chunk];
     for (ptrdiff_t base = in->first, end = in->first + in->count; base < end; base += DEM__BLOCK) {
         const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
         dem__columns old, at;
         dem__gather_block(w, x, chunk, base, n, law, 0.5 * h, has_friction);
+        if (other) dem__fill_other_rows(other, w, x, base, n, 0.5 * h);
         dem__columns_of(w, base, law, features, &old);
         dem__new_columns(w, base, law, features, DEM__COPY_ROWS || only_ledger, &x->block, &at);
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate,
                        features);
-        if (w->engine->convex.calls) {
+        if (other) {
             const dem__columns same = at; /* with the address of `at` itself, clang would not vectorise the law */
-            dem__finish_other_rows(w, x, base, n, &same, 0.5 * h, features);
+            dem__finish_other_rows(other, w, x, base, n, &same, 0.5 * h, features);
         }
-        if (features & DEM_ENERGY) dem__put_wall_work(x, n, &old, &at, 0.5 * h);
+        if (features & DEM_ENERGY)
+            dem__put_wall_work(x, n, &old, &at, 0.5 * h, (w->engine->run.features & DEM_ROLLING) != 0);
         if (only_ledger) {
             dem__store_ledger(&old, &at, n);
             continue;
         }
         const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
-        if (w->engine->convex.calls) dem__exclude_other(w, in, marked);
+        if (other) dem__exclude_other(other, w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_partial_steps(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, x, chunk, base, n, at.out, has_friction, postpone_from);
@@ -8838,7 +8957,7 @@ static inline void dem__report_end(dem_world *w, const dem_law *law, int32_t k) 
 /* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
 static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
     if (j < 0) return !dem__is_at_wall(w, i, -1 - (int)j) || dem__is_fixed(w, i);
-    return dem__is_fixed(w, i) && dem__is_fixed(w, j);
+    return dem__cannot_meet(w, i, j);
 }
 
 /* Returns the lower rank of the contact in slot c. */
@@ -8982,15 +9101,6 @@ static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     return touch.curvature;
 }
 
-/* Returns by what factor a contact of polyhedra may be stiffer than its spring and masses tell, because a body
-   turns. */
-DEM_INLINE double dem__rate_of(const dem_world *w, ptrdiff_t c) {
-    const ptrdiff_t j = w->engine->contacts.j[c];
-    const dem_convex *s = dem__shape_of(w, w->engine->contacts.i[c]), *other = j >= 0 ? dem__shape_of(w, j) : NULL;
-    const double own = s ? s->rate : 1.0;
-    return other && other->rate > own ? other->rate : own;
-}
-
 /* Computes the constants of the contact in slot c. Contacts with the same sizes and materials share those of a contact
    type. */
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
@@ -9000,8 +9110,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     dem__contact_type kind;
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     const double inertia = dem__inertia(w, i);
-    int same =
-        contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* too many types: none is searched */
+    int same = contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* too many types: none is searched */
     memset(&b, 0, sizeof b);
     memset(&kind, 0, sizeof kind);
     b.def = &w->def;
@@ -9009,13 +9118,10 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     b.material_i = w->material[i];
     b.radius_i = w->particle[i].radius;
     if (j >= 0) {
-        double other = dem__inertia(w, j);
         b.material_j = w->material[j];
         b.radius_j = w->particle[j].radius;
-        b.mass = w->particle[i].mass * w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
-        b.inertia = inertia * other / (inertia + other);
-        if (dem__is_fixed(w, i)) b.mass = w->particle[j].mass, b.inertia = other;
-        if (dem__is_fixed(w, j)) b.mass = w->particle[i].mass, b.inertia = inertia;
+        b.mass = dem__reduced(w, i, j, w->particle[i].mass, w->particle[j].mass);
+        b.inertia = dem__reduced(w, i, j, inertia, dem__inertia(w, j));
     } else {
         b.material_j = w->wall[-1 - j].material;
         b.mass = w->particle[i].mass;
@@ -9032,7 +9138,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     kind.mass = b.mass;
     kind.sum = b.radius_i + b.radius_j;
     kind.part = b.radius_i / kind.sum;
-    const double k = stiffness * run->dt * run->dt / b.mass, rate = is_convex ? dem__rate_of(w, c) : 1.0;
+    const double k = stiffness * run->dt * run->dt / b.mass, own = is_convex ? dem__rate_of(w, i) : 1.0,
+                 other = is_convex && j >= 0 ? dem__rate_of(w, j) : 1.0, rate = own > other ? own : other;
     if (rate * k > w->engine->run.stiffest) w->engine->run.stiffest = rate * k;
     kind.predict = dem__prediction(k, 2.0 * b.damping_ratio * sqrt(k));
     while (same < contacts->type_count && memcmp(&contacts->types[same], &kind, sizeof kind) != 0) same++;
@@ -10174,11 +10281,7 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
         return -(ptrdiff_t)dem__refuse(w, "region: NULL, or a length, a place or an axis is out of range");
     w->engine->run.running = 1;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
-        if (r && r->first != i) continue;
-        if (!w->alive[i] ||
-            !dem_region_holds(region, r ? dem__body_position(w, r) : dem__in_box(w, dem__at(w, i, dem__now(w, i)))))
-            continue;
+        if (!w->alive[i] || !dem__leads(w, i) || !dem_region_holds(region, dem__centre_now(w, i))) continue;
         dem__detach_particle(w, i);
         removed++;
     }
@@ -10773,6 +10876,146 @@ static inline void dem__hash_bodies(uint64_t *hash, const dem_world *w, int32_t 
     dem__hash_i64(hash, number[i]), dem__hash_i64(hash, j >= 0 ? number[j] : j), dem__hash_i64(hash, element);
 }
 
+/* ------------------------------------------------------------------------------------------------ >>motion/fixed.h */
+/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Every part that turns forces into
+   motion calls dem__is_fixed(). */
+
+static inline int dem__list_arrays_of_fixed(dem_world *w, dem__array *list) {
+    list->address = &w->engine->bodies.fixed, list->size = sizeof *w->engine->bodies.fixed;
+    return 1;
+}
+
+static inline void dem__add_unfixed(dem_world *w, ptrdiff_t i) {
+    memset(&w->engine->bodies.fixed[i], 0, sizeof *w->engine->bodies.fixed);
+}
+
+static inline void dem__world_fields_of_fixed(dem_world *w, dem__group *g) {
+    const dem__saved_field fields[] = {DEM__INTEGER("has_fixed", w->engine->bodies.has_fixed, 0)};
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline void dem__particle_fields_of_fixed(dem_world *w, dem__group *g) {
+    dem__fixed *fixed = w->engine->bodies.fixed;
+    const dem__saved_field fields[] = {DEM__INTEGER("particle.fixed", fixed->on, sizeof *fixed),
+                                       DEM__DOUBLES("particle.fixed_load", fixed->load, sizeof *fixed),
+                                       DEM__DOUBLES("particle.fixed_impulse", fixed->impulse, sizeof *fixed)};
+    dem__add_optional(g, fields, sizeof fields);
+}
+
+static inline int dem__has_fixed(const dem__file *file, const dem_world *w) {
+    (void)file;
+    return dem__is_flag(w->engine->bodies.has_fixed) ? w->engine->bodies.has_fixed : -1;
+}
+
+static inline void dem__derive_fixed(dem_world *w) { w->engine->bodies.loads_on = 1; }
+
+static inline void dem__hash_fixed(uint64_t *hash, const dem_world *w, ptrdiff_t i) {
+    const dem__fixed *f = &w->engine->bodies.fixed[i];
+    if (f->on) dem__hash_f64(hash, f->load, 6), dem__hash_vec(hash, f->impulse);
+}
+
+static inline dem__feature dem__feature_fixed(void) {
+    dem__feature f = dem__new_feature(DEM__FIXED_FEATURE);
+    f.sorts = 1;
+    f.list_arrays = dem__list_arrays_of_fixed;
+    f.add_particle = dem__add_unfixed;
+    f.world_fields = dem__world_fields_of_fixed;
+    f.particle_fields = dem__particle_fields_of_fixed;
+    f.is_used = dem__has_fixed;
+    f.loaded = dem__derive_fixed;
+    f.hash_particle = dem__hash_fixed;
+    return f;
+}
+
+DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
+    dem_world *w = world;
+    if (dem__is_running(w)) return DEM_BUSY;
+    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
+    if (fixed != 0 && fixed != 1) return dem__refuse(w, "fixed: neither 0 nor 1");
+    dem__rigid *r = dem__rigid_of(w, i);
+    const dem__pieces own = dem__pieces_of(w, i);
+    if (dem__is_fixed(w, i) == fixed) return DEM_OK;
+    if (dem__take_feature(w, dem__feature_fixed()) != DEM_OK) return DEM_OUT_OF_MEMORY;
+    w->engine->bodies.has_fixed = 1;
+    i = own.first;
+    dem__begin_change(w, own);
+    dem__restart(w, i);
+    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
+    if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
+        memset(&w->engine->bodies.fixed[k], 0, sizeof *w->engine->bodies.fixed);
+        w->engine->bodies.fixed[k].on = fixed;
+        dem__set_inverse_mass(w, k);
+        dem__set_mass_share(w, k);
+        if (fixed) w->particle[k].v = w->particle[k].spin = dem_vec3(0.0, 0.0, 0.0);
+    }
+    dem__free_acceleration(w, i);
+    dem__book_added(w, dem__potential(w, i));
+    dem__book_motion(w, dem__motion_energy(w, i));
+    dem__end_change(w, own);
+    dem__wake(w, i); /* it takes steps, like a particle with a load */
+    w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
+    return DEM_OK;
+}
+
+DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i) {
+    return dem__is_present(world, i) && dem__is_fixed(world, i);
+}
+
+DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque,
+                                       dem_vec *impulse) {
+    const dem_world *w = world;
+    if (!force || !torque || !impulse) return DEM_BAD_ARGUMENT;
+    *force = *torque = *impulse = dem_vec3((double)NAN, (double)NAN, (double)NAN);
+    if (!dem_is_fixed(w, i)) return DEM_BAD_ARGUMENT;
+    const dem__rigid *r = dem__rigid_of(w, i);
+    const dem__pieces own = dem__pieces_of(w, i);
+    *force = *torque = *impulse = dem_vec3(0.0, 0.0, 0.0);
+    for (ptrdiff_t k = own.first; k < own.end; k++) {
+        const dem__fixed *f = &w->engine->bodies.fixed[k];
+        const dem_vec on = dem__first(f->load), turning = dem__second(f->load);
+        *force = dem__add(*force, on), *impulse = dem__add(*impulse, f->impulse);
+        *torque = dem__add(*torque, r ? dem__add(turning, dem__cross(w->engine->bodies.arm[k], on)) : turning);
+    }
+    return DEM_OK;
+}
+
+/* Records the force on particle i at the end of a step, without the caller's loads, if it is fixed. half: half of the
+   step [s]. Returns whether it is fixed. */
+DEM_INLINE int dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
+    if (!dem__is_fixed(w, i)) return 0;
+    dem__fixed *f = &w->engine->bodies.fixed[i];
+    const double *external = w->engine->bodies.external[i];
+    force = dem__sub(force, dem__first(external)), torque = dem__sub(torque, dem__second(external));
+    f->impulse = dem__plus(f->impulse, half, dem__add(dem__first(f->load), force));
+    for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
+    return 1;
+}
+
+/* Records the impulse of a partial step on particle i, and its work, if it is fixed. Returns whether it is fixed. */
+DEM_INLINE int dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
+    if (!dem__is_fixed(w, i)) return 0;
+    const dem_particle *p = &w->particle[i];
+    w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
+    dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
+    return 1;
+}
+
+/* Books the work that particle i does by its motion in a step, by the trapezoidal rule, if it is fixed. Returns whether
+   it is fixed. */
+static inline int dem__work_as_fixed(dem_world *w, ptrdiff_t i) {
+    if (!dem__is_fixed(w, i)) return 0;
+    const dem__bodies *bodies = &w->engine->bodies;
+    const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
+    for (int a = 0; a < 3; a++) {
+        const double of_links = bodies->load[i][a] - bodies->external[i][a],
+                     turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
+        dem__book_work_of_fixed(w, -half * (before[a] + now[a] + of_links) * dem_axis(w->particle[i].v, a));
+        dem__book_work_of_fixed(w, -half * (before[3 + a] + now[3 + a] + turning) * dem_axis(w->particle[i].spin, a));
+    }
+    return 1;
+}
+
 /* ----------------------------------------------------------------------------------------------- >>ledger/losses.h */
 /* What the ledger books for contacts: energy that they store and dissipate, work of walls, loads and fixed
    particles. */
@@ -10796,18 +11039,6 @@ static inline double dem__stored_energy(const dem_world *w) {
     return sum;
 }
 
-/* Books the work that fixed particle i does by its motion in a step, by the trapezoidal rule. */
-static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
-    for (int a = 0; a < 3; a++) {
-        const double of_links = bodies->load[i][a] - bodies->external[i][a],
-                     turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
-        dem__book_work_of_fixed(w, -half * (before[a] + now[a] + of_links) * dem_axis(w->particle[i].v, a));
-        dem__book_work_of_fixed(w, -half * (before[3 + a] + now[3 + a] + turning) * dem_axis(w->particle[i].spin, a));
-    }
-}
-
 /* Books what contacts dissipated in a step, and the work of walls and loads. */
 static inline void dem__book_losses(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
@@ -10821,10 +11052,7 @@ static inline void dem__book_losses(dem_world *w) {
     }
     for (ptrdiff_t k = 0; bodies->loads_on && k < bodies->active_count; k++) {
         const ptrdiff_t i = bodies->active[k];
-        if (dem__is_fixed(w, i)) {
-            dem__book_fixed(w, i);
-            continue;
-        }
+        if (dem__work_as_fixed(w, i)) continue;
         l->external_work += w->engine->run.dt * dem__dot(dem__first(bodies->external[i]), w->particle[i].v);
         l->external_work += w->engine->run.dt * dem__dot(dem__second(bodies->external[i]), w->particle[i].spin);
     }
@@ -10973,128 +11201,6 @@ static inline dem__feature dem__feature_ledger(void) {
     return f;
 }
 
-/* ------------------------------------------------------------------------------------------------ >>motion/fixed.h */
-/* Fixed particles: obstacles at rest or in prescribed motion, and the forces on them. Every part that turns forces into
-   motion calls dem__is_fixed(). */
-
-static inline int dem__list_arrays_of_fixed(dem_world *w, dem__array *list) {
-    list->address = &w->engine->bodies.fixed, list->size = sizeof *w->engine->bodies.fixed;
-    return 1;
-}
-
-static inline void dem__add_unfixed(dem_world *w, ptrdiff_t i) {
-    memset(&w->engine->bodies.fixed[i], 0, sizeof *w->engine->bodies.fixed);
-}
-
-static inline void dem__world_fields_of_fixed(dem_world *w, dem__group *g) {
-    const dem__saved_field fields[] = {DEM__INTEGER("has_fixed", w->engine->bodies.has_fixed, 0)};
-    dem__add_optional(g, fields, sizeof fields);
-}
-
-static inline void dem__particle_fields_of_fixed(dem_world *w, dem__group *g) {
-    dem__fixed *fixed = w->engine->bodies.fixed;
-    const dem__saved_field fields[] = {DEM__INTEGER("particle.fixed", fixed->on, sizeof *fixed),
-                                       DEM__DOUBLES("particle.fixed_load", fixed->load, sizeof *fixed),
-                                       DEM__DOUBLES("particle.fixed_impulse", fixed->impulse, sizeof *fixed)};
-    dem__add_optional(g, fields, sizeof fields);
-}
-
-static inline int dem__has_fixed(const dem__file *file, const dem_world *w) {
-    (void)file;
-    return dem__is_flag(w->engine->bodies.has_fixed) ? w->engine->bodies.has_fixed : -1;
-}
-
-static inline void dem__derive_fixed(dem_world *w) { w->engine->bodies.loads_on = 1; }
-
-static inline void dem__hash_fixed(uint64_t *hash, const dem_world *w, ptrdiff_t i) {
-    const dem__fixed *f = &w->engine->bodies.fixed[i];
-    if (f->on) dem__hash_f64(hash, f->load, 6), dem__hash_vec(hash, f->impulse);
-}
-
-static inline dem__feature dem__feature_fixed(void) {
-    dem__feature f = dem__new_feature(DEM__FIXED_FEATURE);
-    f.sorts = 1;
-    f.list_arrays = dem__list_arrays_of_fixed;
-    f.add_particle = dem__add_unfixed;
-    f.world_fields = dem__world_fields_of_fixed;
-    f.particle_fields = dem__particle_fields_of_fixed;
-    f.is_used = dem__has_fixed;
-    f.loaded = dem__derive_fixed;
-    f.hash_particle = dem__hash_fixed;
-    return f;
-}
-
-DEM_API dem_status dem_fix(dem_world *world, ptrdiff_t i, int fixed) {
-    dem_world *w = world;
-    if (dem__is_running(w)) return DEM_BUSY;
-    if (dem__lacks_particle(w, i)) return DEM_BAD_ARGUMENT;
-    if (fixed != 0 && fixed != 1) return dem__refuse(w, "fixed: neither 0 nor 1");
-    dem__rigid *r = dem__rigid_of(w, i);
-    const dem__pieces own = dem__pieces_of(w, i);
-    if (dem__is_fixed(w, i) == fixed) return DEM_OK;
-    if (dem__take_feature(w, dem__feature_fixed()) != DEM_OK) return DEM_OUT_OF_MEMORY;
-    w->engine->bodies.has_fixed = 1;
-    i = own.first;
-    dem__begin_change(w, own);
-    dem__restart(w, i);
-    dem__book_removed(w, dem__motion_energy(w, i) + dem__potential(w, i), dem__potential(w, i));
-    if (r && fixed) r->v = r->momentum = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = own.first; k < own.end; k++) {
-        memset(&w->engine->bodies.fixed[k], 0, sizeof *w->engine->bodies.fixed);
-        w->engine->bodies.fixed[k].on = fixed;
-        dem__set_inverse_mass(w, k);
-        dem__set_mass_share(w, k);
-        if (fixed) w->particle[k].v = w->particle[k].spin = dem_vec3(0.0, 0.0, 0.0);
-    }
-    dem__free_acceleration(w, i);
-    dem__book_added(w, dem__potential(w, i));
-    dem__book_motion(w, dem__motion_energy(w, i));
-    dem__end_change(w, own);
-    dem__wake(w, i); /* it takes steps, like a particle with a load */
-    w->engine->bodies.loads_on = w->engine->run.needs_lists = w->engine->run.needs_forces = 1;
-    return DEM_OK;
-}
-
-DEM_API int dem_is_fixed(const dem_world *world, ptrdiff_t i) {
-    return dem__is_present(world, i) && dem__is_fixed(world, i);
-}
-
-DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_vec *force, dem_vec *torque,
-                                       dem_vec *impulse) {
-    const dem_world *w = world;
-    if (!force || !torque || !impulse) return DEM_BAD_ARGUMENT;
-    *force = *torque = *impulse = dem_vec3((double)NAN, (double)NAN, (double)NAN);
-    if (!dem_is_fixed(w, i)) return DEM_BAD_ARGUMENT;
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const dem__pieces own = dem__pieces_of(w, i);
-    *force = *torque = *impulse = dem_vec3(0.0, 0.0, 0.0);
-    for (ptrdiff_t k = own.first; k < own.end; k++) {
-        const dem__fixed *f = &w->engine->bodies.fixed[k];
-        const dem_vec on = dem__first(f->load), turning = dem__second(f->load);
-        *force = dem__add(*force, on), *impulse = dem__add(*impulse, f->impulse);
-        *torque = dem__add(*torque, r ? dem__add(turning, dem__cross(w->engine->bodies.arm[k], on)) : turning);
-    }
-    return DEM_OK;
-}
-
-/* Records the force on a fixed particle at the end of a step, without the caller's loads. half: half of the step [s].
- */
-DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
-    dem__fixed *f = &w->engine->bodies.fixed[i];
-    const double *external = w->engine->bodies.external[i];
-    force = dem__sub(force, dem__first(external)), torque = dem__sub(torque, dem__second(external));
-    f->impulse = dem__plus(f->impulse, half, dem__add(dem__first(f->load), force));
-    for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
-}
-
-/* Records the impulse of a partial step on a fixed particle, and its work if the particle moves. */
-static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
-    const dem_particle *p = &w->particle[i];
-    w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
-    if (w->engine->run.features & DEM_ENERGY)
-        dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
-}
-
 /* ---------------------------------------------------------------------------------------------- >>step/integrate.h */
 /* Motion of particles within a step, and how it changes their bounds. Reads forces, walls, the list; writes bodies and
    timers. Promises: a particle whose velocity left its bound has a new one before the next step. */
@@ -11105,34 +11211,42 @@ DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, pt
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
 }
 
-/* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out
-   particles of rigid bodies. turns: a constant, 0 where spins do not change. */
-DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid, int turns) {
-    const int64_t step = w->step + (h > 0.0);
-    const ptrdiff_t apart = dem__prefetch_until(w, first, end);
-    const double dt = w->engine->run.dt;
-    dem_vec low = dem_vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL), high = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
+/* The periodic box, which is infinite along the other axes. */
+typedef struct dem__box {
+    dem_vec low, high;
+} dem__box;
+DEM_INLINE dem__box dem__periodic_box(const dem_world *w) {
+    dem__box b;
+    b.low = dem_vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL), b.high = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
     for (int a = 0; a < 3; a++) {
         if (!w->def.periodic[a]) continue;
-        *dem_axis_of(&low, a) = dem_axis(w->def.low, a), *dem_axis_of(&high, a) = dem_axis(w->def.high, a);
+        *dem_axis_of(&b.low, a) = dem_axis(w->def.low, a), *dem_axis_of(&b.high, a) = dem_axis(w->def.high, a);
     }
+    return b;
+}
+/* Moves sphere i to the end of the step, and its velocities to its middle. turns: a constant, 0 where spins do not
+   change. */
+DEM_INLINE void dem__advance_sphere(dem_world *w, ptrdiff_t i, double h, const dem__box *b, int turns) {
+    dem_particle *p = &w->particle[i];
+    const double t = (double)(w->step + (h > 0.0) - p->origin) * w->engine->run.dt, middle = t - 0.5 * h;
+    p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle);
+    if (turns) p->spin = dem__sphere_spin_at(w, i, middle);
+    p->origin = w->step; /* for hooks, which see the present step */
+    const int inside = (p->x.x >= b->low.x) & (p->x.x < b->high.x) & (p->x.y >= b->low.y) & (p->x.y < b->high.y) &
+                       (p->x.z >= b->low.z) & (p->x.z < b->high.z);
+    if (!inside && w->engine->run.has_periodic) dem__put_in_box(w, i, &p->x);
+}
+DEM_INLINE void dem__advance_spheres(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int turns) {
+    const ptrdiff_t apart = dem__prefetch_until(w, first, end);
+    const dem__box b = dem__periodic_box(w);
     for (ptrdiff_t k = first; k < end; k++) {
-        const ptrdiff_t i = w->engine->bodies.active[k];
         if (k < apart) dem__prefetch_particle(w, w->engine->bodies.active[k + DEM__AHEAD]);
-        if (rigid && dem__rigid_of(w, i)) continue;
-        dem_particle *p = &w->particle[i];
-        const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
-        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle);
-        if (turns) p->spin = dem__sphere_spin_at(w, i, middle);
-        p->origin = w->step; /* for hooks, which see the present step */
-        const int inside = (p->x.x >= low.x) & (p->x.x < high.x) & (p->x.y >= low.y) & (p->x.y < high.y) &
-                           (p->x.z >= low.z) & (p->x.z < high.z);
-        if (!inside && w->engine->run.has_periodic) dem__wrap(w, i);
+        dem__advance_sphere(w, w->engine->bodies.active[k], h, &b, turns);
     }
 }
 DEM_INLINE void dem__advance_turning_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
-    if (w->engine->run.turns) dem__advance_all(w, h, first, end, 0, 1);
-    else dem__advance_all(w, h, first, end, 0, 0);
+    if (w->engine->run.turns) dem__advance_spheres(w, h, first, end, 1);
+    else dem__advance_spheres(w, h, first, end, 0);
 }
 DEM__AVX2_CLONE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
                 dem__advance_turning_or_not(w, h, first, end))
@@ -11202,10 +11316,9 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
             force = dem__add(force, dem__first(bodies->load[i]));
             torque = dem__add(torque, dem__second(bodies->load[i]));
         }
-        if (loads && dem__is_fixed(w, i)) {
-            dem__note_fixed_force(w, i, force, torque, half);
+        if (loads && dem__note_fixed_force(w, i, force, torque, half))
             pull = dem__scale(-1.0, gravity), torque = dem_vec3(0.0, 0.0, 0.0);
-        } else pull = dem__scale(sum->per_mass, force);
+        else pull = dem__scale(sum->per_mass, force);
         p->a = dem__add(gravity, pull);
         p->v = dem__flushed_vec(dem__plus(p->v, half, p->a));
         if (turns) {
@@ -11263,32 +11376,22 @@ static inline ptrdiff_t dem__mark_deviating(dem_world *w, int32_t *particle, ptr
 typedef struct dem__kicked {
     double h, check[DEM__PARTS_MAX]; /* check: 0, or NaN if a force is not finite */
     ptrdiff_t deviating[DEM__PARTS_MAX];
+    int bodies; /* whether there are rigid bodies, whose particles one thread marks together */
 } dem__kicked;
 static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__kicked *kicked = (dem__kicked *)context;
     dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->deviating[part]);
     kicked->deviating[part] =
         dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->deviating[part]);
-    if (!w->engine->bodies.rigid)
+    if (!kicked->bodies)
         kicked->deviating[part] = dem__mark_deviating(w, w->engine->scratch.index + first, kicked->deviating[part]);
-}
-/* Computes the accelerations of all loaded bodies without contacts in the same way as dem__check_bounds. dem__kick_all
-   computes them from sums over particles, which round differently. Which bodies are checked depends on what a step
-   skips, and results must not depend on that. */
-static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
-    for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
-        const ptrdiff_t i = w->engine->bodies.active[k];
-        dem__rigid *r = dem__rigid_of(w, i);
-        if (!r || r->first != i || w->touching[i] > 0) continue;
-        w->engine->bodies.calls->place(w, r); /* sets the arms that the torque needs */
-        w->engine->bodies.calls->fall(w, r);
-    }
 }
 
 /* Returns whether spins may change in the steps of this run. */
 static inline int dem__may_turn(const dem_world *w) {
-    int may = w->engine->run.has_friction || w->engine->bodies.adds_loads || w->engine->bodies.rigid;
-    for (int k = 0; k < w->engine->features; k++) may |= w->engine->feature[k].add_forces != NULL;
+    const dem__feature *f = w->engine->feature;
+    int may = w->engine->run.has_friction || w->engine->bodies.adds_loads;
+    for (int k = 0; k < w->engine->features; k++) may |= f[k].turns || f[k].add_forces;
     return may;
 }
 
@@ -11300,36 +11403,20 @@ static inline int dem__kick(dem_world *w, double h) {
     dem__kicked kicked;
     double all = 0.0;
     if (n == 0) return 1;
-    kicked.h = h;
-    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.calls->kick, &h);
+    kicked.h = h, kicked.bodies = w->engine->bodies.rigid != NULL;
+    DEM__TELL(w, kick, (w, h));
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
         const int32_t *particle = w->engine->scratch.index + dem__part(n, q, parts);
         dem__bodies *bodies = &w->engine->bodies;
-        for (ptrdiff_t k = 0; k < kicked.deviating[q] && bodies->rigid; k++) dem__mark_to_check(w, particle[k]);
-        for (ptrdiff_t k = 0; k < kicked.deviating[q] && !bodies->rigid; k++)
+        for (ptrdiff_t k = 0; k < kicked.deviating[q] && kicked.bodies; k++) dem__mark_to_check(w, particle[k]);
+        for (ptrdiff_t k = 0; k < kicked.deviating[q] && !kicked.bodies; k++)
             bodies->to_check[bodies->to_check_count++] = particle[k];
         all += kicked.check[q];
     }
     w->engine->run.turns = dem__may_turn(w); /* without rotation no particle has a spin rate from here on */
-    if (w->engine->bodies.rigid && w->engine->bodies.loads_on) dem__place_loaded_bodies(w);
+    DEM__TELL(w, kicked, (w));
     return all == 0.0;
-}
-
-/* Predicts how an impact that has just begun changes the velocities of i and j by its middle, when both have the normal
-   velocity of their common centre of mass. New bounds rely on it. */
-DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
-    if (!(closing > 0.0)) return; /* the contact has ended */
-    double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
-    if (w->engine->bodies.has_fixed && j >= 0) part = dem__is_fixed(w, i) ? 0.0 : dem__is_fixed(w, j) ? 1.0 : part;
-    w->engine->bodies.impact[i] = dem__scale(part * closing, n);
-    if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
-}
-
-/* Returns whether a rigid body takes part in the contact in slot c. */
-DEM_INLINE int dem__has_body(const dem_world *w, int32_t c) {
-    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
 }
 
 /* Applies the impulse and the shift of the contact in slot c, which began or ended within the step. marks: whether to
@@ -11338,27 +11425,22 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
-    if (dem__has_body(w, c)) {
+    if (dem__has_body(w, i, j)) {
         w->engine->bodies.calls->push(w, c, has_friction);
         return;
     }
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
     for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
         const int32_t a = side ? j : i;
-        if (dem__is_fixed(w, a)) {
-            const dem_vec turn = has_friction ? dem__first(h->impulse + (side ? 6 : 3)) : dem_vec3(0.0, 0.0, 0.0);
-            dem__strike_fixed(w, a, dem__scale(side ? -1.0 : 1.0, impulse), turn);
-            continue;
-        }
+        const dem_vec turn = has_friction ? dem__first(h->impulse + (side ? 6 : 3)) : dem_vec3(0.0, 0.0, 0.0);
+        if (dem__strike_fixed(w, a, dem__scale(side ? -1.0 : 1.0, impulse), turn)) continue;
         if (marks) dem__mark_to_check(w, a);
         dem_particle *p = &w->particle[a];
         const double m = (side ? -1.0 : 1.0) / p->mass;
         p->v = dem__plus(p->v, m, impulse);
         p->x = dem__plus(p->x, m * h->shift, n);
         w->engine->bodies.shifted[a] += fabs(m * h->shift);
-        if (!has_friction) continue;
-        const dem_vec torque = dem__first(h->impulse + (side ? 6 : 3));
-        p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, a), torque);
+        if (has_friction) p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, a), turn);
     }
     if (j < 0) {
         const dem_vec place = w->particle[i].x, t = has_friction ? dem__second(h->impulse) : dem_vec3(0.0, 0.0, 0.0);
@@ -11380,7 +11462,7 @@ DEM_INLINE int dem__is_inner(const dem_world *w, ptrdiff_t q, int32_t c) {
     const dem__chunk *in = &w->engine->contacts.chunk[q];
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c], *rank = w->engine->bodies.rank;
     const int32_t stop = q > 0 ? in[-1].first_rank : INT32_MAX;
-    if (j < 0 || dem__has_body(w, c) || dem__is_fixed(w, i) || dem__is_fixed(w, j)) return 0;
+    if (j < 0 || !dem__is_free_sphere(w, i) || !dem__is_free_sphere(w, j)) return 0;
     return rank[i] >= in->first_rank && rank[i] < stop && rank[j] >= in->first_rank && rank[j] < stop;
 }
 /* Prefetches what the correction of the contact in slot c writes. */
@@ -11422,7 +11504,7 @@ static inline void dem__correct_others(dem_world *w, int has_friction) {
     for (int m = 0; m < n; m++) dem__apply_correction(w, waits[m], has_friction, 1);
 }
 /* Applies the corrections of all partial steps. With chunks, those within one chunk come first, so that threads share
-   them. Shifts of rigid bodies come last. */
+   them. */
 static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int chunks = contacts->chunk_count;
@@ -11432,13 +11514,7 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     if (chunks > 1)
         dem__in_parts(w, dem__parts_of(w, 8 * marked, chunks), chunks, dem__correct_inner_range, &has_friction);
     dem__correct_others(w, has_friction);
-    for (int q = 0; w->engine->bodies.rigid && q < contacts->chunk_count; q++) {
-        const dem__chunk *in = &contacts->chunk[q];
-        for (ptrdiff_t k = 0; k < in->marked; k++) {
-            const int32_t c = contacts->slots[in->first + k];
-            if (contacts->partial[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
-        }
-    }
+    DEM__TELL(w, corrected, (w));
 }
 
 /* What a thread found in its share of to_check: how many particles have new bounds, how many of these need earlier wall
@@ -11669,10 +11745,9 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
         if (p >= 0) w->engine->pairs.timers.due[p] = DEM__NEVER;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
         if (w->alive[i] >= 0) continue;
         w->alive[i] = 1;
-        if (!r || r->first == i) w->passed_count--, w->passed_total--;
+        if (dem__leads(w, i)) w->passed_count--, w->passed_total--;
     }
     w->engine->run.leaving = 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);
@@ -12020,29 +12095,22 @@ DEM__KERNEL_OF(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM
 DEM__KERNEL_OF(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
 DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
-    /* kernels with a ledger always compute friction and rolling; features that the caller did not name have constants
-       of zero */
-    switch (features) {
-    case DEM_LINEAR: return dem__run_kernel(world, duration, dem__kernel_linear(), features);
-    case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_linear_friction(), features);
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
-        return dem__run_kernel(world, duration, dem__kernel_linear_rolling(), features);
-    case DEM_HERTZ: return dem__run_kernel(world, duration, dem__kernel_hertz(), features);
-    case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_hertz_friction(), features);
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
-        return dem__run_kernel(world, duration, dem__kernel_hertz_rolling(), features);
-    case DEM_LINEAR | DEM_ENERGY:
-    case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem__run_kernel(world, duration, dem__kernel_linear_energy(), features);
-    case DEM_HERTZ | DEM_ENERGY:
-    case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem__run_kernel(world, duration, dem__kernel_hertz_energy(), features);
+    const dem_kernel *kernel;
+    switch (features & ~DEM_ENERGY) {
+    case DEM_LINEAR: kernel = dem__kernel_linear(); break;
+    case DEM_LINEAR | DEM_FRICTION: kernel = dem__kernel_linear_friction(); break;
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING: kernel = dem__kernel_linear_rolling(); break;
+    case DEM_HERTZ: kernel = dem__kernel_hertz(); break;
+    case DEM_HERTZ | DEM_FRICTION: kernel = dem__kernel_hertz_friction(); break;
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING: kernel = dem__kernel_hertz_rolling(); break;
     default:
         return dem__refuse(world, "features: no shipped law has these: DEM_LINEAR or DEM_HERTZ, DEM_ROLLING only with "
                                   "DEM_FRICTION");
     }
+    /* kernels with a ledger always compute friction and rolling; features that the caller did not name have constants
+       of zero */
+    if (features & DEM_ENERGY) kernel = features & DEM_HERTZ ? dem__kernel_hertz_energy() : dem__kernel_linear_energy();
+    return dem__run_kernel(world, duration, kernel, features);
 }
 
 /* ------------------------------------------------------------------------------------------------ >>bodies/rigid.h */
@@ -12147,15 +12215,6 @@ static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec vel
     dem__place_pieces(w, r);
 }
 
-/* Wraps a body around the periodic box. Where gravity has a component along the box, it gains potential energy, which
-   is booked. */
-DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
-    const dem_vec x = dem__in_box(w, r->x);
-    if (w->engine->ledger.on && !dem__is_fixed(w, r->first))
-        dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
-    r->x = x;
-}
-
 /* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle.
    The velocities of its particles, which kernels read, follow from the mean of the arms at both ends. */
 DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
@@ -12172,7 +12231,7 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     r->momentum = momentum;
     r->turn = dem__kept_unit(end);
     r->rotation_steps = 0.0;
-    if (w->engine->run.has_periodic) dem__wrap_body(w, r);
+    if (w->engine->run.has_periodic) dem__put_in_box(w, r->first, &r->x);
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
         const dem_vec arm = dem__out_of(&axes, bodies->offset[i]);
         const dem_vec old = h == 0.0 ? arm : steps ? bodies->arm[i] : dem__to_lab(from, bodies->offset[i]);
@@ -12297,11 +12356,33 @@ static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff
     (void)part;
     dem__kick_bodies(w, 0.5 * *(const double *)h, first, end);
 }
+static inline void dem__kick_active_bodies(dem_world *w, double h) {
+    const ptrdiff_t n = w->engine->bodies.active_count;
+    dem__in_parts(w, dem__parts(w, n / 2), n, dem__kick_bodies_range, &h);
+}
+
+/* Computes the accelerations of all loaded bodies without contacts in the same way as dem__check_bounds. dem__kick_all
+   computes them from sums over particles, which round differently. Which bodies are checked depends on what a step
+   skips, and results must not depend on that. */
+static inline void dem__place_loaded_bodies(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t k = 0; k < bodies->active_count && bodies->loads_on; k++) {
+        const ptrdiff_t i = bodies->active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (!r || r->first != i || w->touching[i] > 0) continue;
+        dem__place_pieces(w, r); /* sets the arms that the torque needs */
+        dem__free_body(w, r);
+    }
+}
 
 /* Moves active particles first .. end-1 and the bodies whose first particles are among them to the end of the step. */
 static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    const int32_t *active = w->engine->bodies.active;
+    const dem__box b = dem__periodic_box(w);
     (void)part;
-    dem__advance_all(w, *(const double *)h, first, end, 1, 1);
+    for (ptrdiff_t k = first; k < end; k++) {
+        if (!dem__rigid_of(w, active[k])) dem__advance_sphere(w, active[k], *(const double *)h, &b, 1);
+    }
     dem__advance_bodies(w, *(const double *)h, first, end);
 }
 
@@ -12314,10 +12395,7 @@ static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrd
 static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
     dem__rigid *r = dem__rigid_of(w, i);
     dem_particle *p = &w->particle[i];
-    if (dem__is_fixed(w, i)) {
-        dem__strike_fixed(w, i, impulse, turn);
-        return;
-    }
+    if (dem__strike_fixed(w, i, impulse, turn)) return;
     dem__mark_to_check(w, i);
     if (r) {
         dem__push_body(w, r, i, impulse, turn, shift, n);
@@ -12328,10 +12406,6 @@ static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem
     p->x = dem__plus(p->x, shift / p->mass, n);
     w->engine->bodies.shifted[i] += fabs(shift / p->mass);
     p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, i), turn);
-}
-DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? r->v : w->particle[i].v;
 }
 
 /* Applies the impulses of a correction in which a rigid body takes part. */
@@ -12348,9 +12422,8 @@ static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_fric
     else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, n, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
 }
 
-/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
-   angular momentum of the centres of mass about the common centre. Two opposite impulses at the particles restore
-   it. */
+/* Applies the shift of a correction in which a rigid body takes part. A shift changes the angular momentum of the
+   centres of mass about the common centre. Two opposite impulses at the particles restore it. */
 static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -12371,11 +12444,21 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
 }
 
+/* Applies all such shifts, after all impulses, which act where forces were found. */
+static inline void dem__shift_corrected(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
+        for (ptrdiff_t k = 0; k < in->marked; k++) {
+            const int32_t c = contacts->slots[in->first + k];
+            if (contacts->partial[c] && dem__has_body(w, contacts->i[c], contacts->j[c])) dem__shift_bodies(w, c);
+        }
+    }
+}
+
 static inline const dem__body_calls *dem__rigid_bodies(void) {
-    static const dem__body_calls row = {
-        dem__find_pose,         dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
-        dem__place_pieces,      dem__free_body,       dem__test_due_with_bodies, dem__advance_with_bodies,
-        dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__turning_speed};
+    static const dem__body_calls row = {dem__find_pose,           dem__set_body_origin, dem__set_body_motion,
+                                        dem__place_pieces,        dem__free_body,       dem__test_due_with_bodies,
+                                        dem__advance_with_bodies, dem__push_bodies,     dem__turning_speed};
     return &row;
 }
 
@@ -12437,50 +12520,11 @@ DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
     return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
 }
 
-DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count)
-        return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
-    const dem__rigid *r = dem__rigid_of(world, i);
-    if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    return dem__turns(dem__pose_at(world, r, dem__now(world, i)).turn,
-                      dem__opposite_turn(dem__given_frame(world, i, r)));
-}
-
-DEM_API dem_quaternion dem_shape_orientation(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count || !dem__is_part(world, i)) return dem_orientation(world, i);
-    const dem__rigid *r = dem__rigid_of(world, i);
-    return dem__turns(dem__turn_of_polyhedron(world, i, r, dem__pose_at(world, r, dem__now(world, i)).turn),
-                      dem__opposite_turn(dem__turn_of_shape(dem__shape_of(world, i))));
-}
-
-DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
-    dem_body body;
-    memset(&body, 0, sizeof body);
-    body.first = -1;
-    if (!world || i < 0 || i >= world->count) return body;
-    const dem__rigid *r = dem__rigid_of(world, i);
-    const dem__pieces own = dem__pieces_of(world, i);
-    const double tau = dem__now(world, i);
-    body.first = own.first, body.pieces = own.end - own.first;
-    body.mass = world->particle[i].mass;
-    body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
-    body.position = r ? dem__body_position(world, r) : dem_position(world, i);
-    body.velocity = dem__drift_at(world, i, tau);
-    body.velocity = dem__add(body.velocity, dem__velocity_error(world, i, tau));
-    body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
-    const double inertia = dem__inertia(world, i);
-    body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
-    body.axes = r ? dem__pose_at(world, r, tau).turn : body.orientation;
-    return body;
-}
-
 DEM_API dem_vec dem_momentum(const dem_world *world) {
     dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t i = 0; world && i < world->count; i++) {
-        const dem__rigid *r = dem__rigid_of(world, i);
-        if (!world->alive[i] || (r && r->first != i)) continue;
-        sum = dem__add(
-            sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
+        if (!world->alive[i] || !dem__leads(world, i)) continue;
+        sum = dem__add(sum, dem__scale(world->particle[i].mass, dem__true_drift_at(world, i, dem__now(world, i))));
     }
     return sum;
 }
@@ -12505,7 +12549,7 @@ static inline void dem__get_place(const dem_world *w, ptrdiff_t slot, dem_contac
 static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
     const dem_vec x = dem_position(w, info->i);
     const double radius = w->particle[info->i].radius;
-    if (slot >= 0 && (dem__shape_of(w, info->i) || (info->j >= 0 && dem__shape_of(w, info->j)))) {
+    if (slot >= 0 && dem__has_polyhedron(w, info->i, info->j)) {
         dem__get_place(w, slot, info);
         return;
     }
@@ -12991,9 +13035,11 @@ DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
            dem__length(dem__first(w->engine->bodies.load[i]));
 }
 
-/* Returns the kinetic energy of a sphere whose origin is the present step [J]. */
+/* Returns the kinetic energy of a sphere whose origin is the present step [J]; 0 if it is fixed, and for a body, whose
+   energy counts where it is kicked. */
 DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
     const dem_particle *p = &w->particle[i];
+    if (!dem__is_free_sphere(w, i)) return 0.0;
     return 0.5 * p->mass * dem__dot(p->v, p->v) + 0.5 * dem__inertia(w, i) * dem__dot(p->spin, p->spin);
 }
 
@@ -13002,15 +13048,10 @@ DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
 static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
-    const dem_particle *p = &w->particle[i];
     dem__set_origin(w, i);
-    if (r) bodies->calls->wrap(w, r), bodies->calls->place(w, r);
-    else dem__wrap(w, i);
-    if (w->engine->ledger.on && r) dem__book_link_work(w, dem__link_work(w, i));
-    else if (w->engine->ledger.on && !dem__is_fixed(w, i)) {
-        const double work = w->engine->links.is_loaded[i] ? dem__link_work_until(w, i, p->x, p->spin) : 0.0;
-        dem__book_link_work(w, work - dem__energy_at_origin(w, i));
-    }
+    dem__wrap(w, i);
+    if (r) dem__place_pieces(w, r);
+    if (w->engine->ledger.on) dem__book_link_work(w, dem__link_work(w, i) - dem__energy_at_origin(w, i));
     memcpy(bodies->sum[i].load, bodies->load[i], sizeof bodies->load[i]);
     memcpy(bodies->load[i], bodies->external[i], sizeof bodies->load[i]);
 }
@@ -13036,7 +13077,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem_vec b = dem__scale(sum->per_inertia, dem__sub(dem__second(load), dem__second(sum->load)));
     p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
     p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
-    if (w->engine->ledger.on) dem__book_link_work(w, dem__energy_at_origin(w, i));
+    dem__book_link_work(w, dem__energy_at_origin(w, i));
 }
 
 /* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a
@@ -13235,11 +13276,11 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
     if (!w->engine->links.law) return dem__refuse(w, "world: links have no law: call dem_set_links first");
     if (!state && w->engine->links.states > 0) return dem__refuse(w, "state: NULL, but the law has states");
     if (i == j) return dem__refuse(w, "j: the same particle as i");
-    if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
-    if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j))
-        return dem__refuse(w, "j: a part of the same body as i");
     if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls)
         return dem__refuse(w, "j: no particle of this index is present, or no wall -1 - j");
+    if (dem__has_polyhedron(w, i, j)) return DEM_POLYHEDRON;
+    if (j >= 0 && dem__pieces_of(w, i).first == dem__pieces_of(w, j).first)
+        return dem__refuse(w, "j: a part of the same body as i");
     if (w->engine->links.count + 1 > w->engine->links.capacity) {
         dem__array list[DEM__ARRAYS_MAX];
         if (w->engine->links.count > INT32_MAX / 2 ||
@@ -13714,18 +13755,19 @@ static inline dem_vec dem__across(dem_vec u, int k) {
 
 /* Finds the outline of a body of spheres, over the diameter of the sphere of its own volume, and its surface. Lengths
    are rounded, so that bodies of one shape and several sizes have the same bits. */
-static inline void dem__find_outline(const dem_world *w, const dem__rigid *r, dem__outline *c, double *surface) {
-    const double grain = 1073741824.0, x = dem__equal_diameter(w, r);
+static inline void dem__find_outline(const dem_world *w, ptrdiff_t i, dem__outline *c, double *surface) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    const double grain = 1073741824.0, x = dem__diameter_of(w, i);
     dem__cover cap[DEM__CAPS];
     dem__exposed e;
     dem__content content;
     memset(&content, 0, sizeof content);
-    c->n = r->pieces;
+    c->n = (int)(own.end - own.first);
     for (int k = 0; k < c->n; k++) {
-        const dem_vec o = w->engine->bodies.offset[r->first + k];
+        const dem_vec o = w->engine->bodies.offset[own.first + k];
         c->centre[k] = dem_vec3(floor(o.x / x * grain + 0.5) / grain, floor(o.y / x * grain + 0.5) / grain,
                                 floor(o.z / x * grain + 0.5) / grain);
-        c->radius[k] = floor(w->particle[r->first + k].radius / x * grain + 0.5) / grain;
+        c->radius[k] = floor(w->particle[own.first + k].radius / x * grain + 0.5) / grain;
     }
     *surface = 0.0;
     for (int k = 0; k < c->n; k++) {
@@ -13733,9 +13775,9 @@ static inline void dem__find_outline(const dem_world *w, const dem__rigid *r, de
         dem__add_enclosed(&content, &e, c->centre[k], c->radius[k]);
         *surface += c->radius[k] * c->radius[k] * e.zero;
     }
-    const double own = riddle_cbrt(6.0 / RIDDLE_PI * content.volume);
-    for (int k = 0; k < c->n; k++) c->centre[k] = dem__scale(1.0 / own, c->centre[k]), c->radius[k] /= own;
-    *surface /= 0.25 * RIDDLE_PI * own * own;
+    const double d = riddle_cbrt(6.0 / RIDDLE_PI * content.volume);
+    for (int k = 0; k < c->n; k++) c->centre[k] = dem__scale(1.0 / d, c->centre[k]), c->radius[k] /= d;
+    *surface /= 0.25 * RIDDLE_PI * d * d;
 }
 
 /* Finds areas in a table, by interpolation in a square. seen: area along u, mean area across it. */
@@ -13808,14 +13850,12 @@ static inline dem_vec dem__flow_direction(dem_vec flow) {
 static DEM__NOINLINE void dem__find_seen_body(const dem__seen *s, dem_vec flow, double psi[3]) {
     const dem_world *w = s->world;
     const dem__field *field = &w->engine->field;
-    const dem__rigid *r = dem__rigid_of(w, s->first);
     const dem__view *view = &field->view[field->view_of[s->first] - 1];
     const dem_vec v = dem__flow_direction(flow);
-    const dem_quaternion turn = dem__pose_at(w, r, s->tau).turn;
+    const dem_quaternion turn = dem__body_turn_at(w, s->first, s->tau);
     double seen[2];
     if (view->facets.n > 0) {
-        dem__see_facets(&view->facets, view->surface, dem__to_body(dem__turn_of_polyhedron(w, s->first, r, turn), v),
-                        psi);
+        dem__see_facets(&view->facets, view->surface, dem__to_body(dem__turn_of_polyhedron(w, s->first, turn), v), psi);
         return;
     }
     dem__read_view(view, dem__to_body(turn, v), seen);
@@ -13824,7 +13864,7 @@ static DEM__NOINLINE void dem__find_seen_body(const dem__seen *s, dem_vec flow, 
 
 /* Returns what a law is told about the body of particle i, tau after its origin step; NULL for a sphere. */
 DEM_INLINE const dem__seen *dem__look_at(const dem_world *w, ptrdiff_t i, double tau, dem__seen *seen) {
-    if (!dem__rigid_of(w, i) || w->engine->field.view_of[i] <= 0) return NULL;
+    if (w->engine->field.view_of[i] <= 0) return NULL;
     seen->find = dem__find_seen_body, seen->world = w, seen->first = i, seen->tau = tau;
     return seen;
 }
@@ -13856,23 +13896,28 @@ static inline ptrdiff_t dem__view_with(dem_world *w, uint64_t key, int *is_new) 
     return field->views++;
 }
 
+/* Returns whether a flow sees particle i as one sphere: it is one, alone or as a clump, or part of a compound. */
+static inline int dem__is_seen_as_sphere(const dem_world *w, ptrdiff_t i) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    return dem__is_part(w, i) || (!dem__shape_of(w, i) && own.end - own.first == 1);
+}
+
 /* Makes the views that bodies of a world lack. Returns 0 when out of memory. */
 static inline int dem__find_views(dem_world *w) {
     dem__field *field = &w->engine->field;
     dem__outline outline;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
         const dem_convex *s = dem__shape_of(w, i);
         uint64_t key = s ? (uint64_t)(s - w->engine->convex.shape) + 1 : 0xcbf29ce484222325u;
         double surface = 0.0;
         int is_new;
-        if (!r || r->first != i || field->view_of[i] != 0) continue;
-        if ((!s && r->pieces == 1) || dem__is_part(w, i)) {
+        if (!dem__leads(w, i) || field->view_of[i] != 0) continue;
+        if (dem__is_seen_as_sphere(w, i)) {
             field->view_of[i] = -1;
             continue;
         }
         if (!s) {
-            dem__find_outline(w, r, &outline, &surface);
+            dem__find_outline(w, i, &outline, &surface);
             for (int k = 0; k < outline.n; k++)
                 dem__hash_vec(&key, outline.centre[k]), dem__hash_f64(&key, &outline.radius[k], 1);
             key |= (uint64_t)1 << 63;
@@ -13890,22 +13935,21 @@ DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, de
     const dem_world *w = world;
     if (!w || !w->engine || i < 0 || i >= w->count || !psi || !dem__finite_vec(flow) || dem__length(flow) == 0.0)
         return DEM_BAD_ARGUMENT;
-    const dem__rigid *r = dem__rigid_of(w, i);
     const dem_convex *s = dem__shape_of(w, i);
     dem__facets facets;
     dem__outline outline;
     double surface, across = 0.0;
     psi[0] = psi[1] = psi[2] = 1.0;
-    if (!r || (!s && r->pieces == 1) || dem__is_part(w, i)) return DEM_OK;
+    if (dem__is_seen_as_sphere(w, i)) return DEM_OK;
     const dem_vec v = dem__flow_direction(flow);
-    const dem_quaternion turn = dem__pose_at(w, r, dem__now(w, r->first)).turn;
+    const dem_quaternion turn = dem__body_turn_at(w, i, dem__now(w, i));
     if (s) {
         surface = dem__find_facets(s, &facets);
-        dem__see_facets(&facets, surface, dem__to_body(dem__turn_of_polyhedron(w, i, r, turn), v), psi);
+        dem__see_facets(&facets, surface, dem__to_body(dem__turn_of_polyhedron(w, i, turn), v), psi);
         return DEM_OK;
     }
     const dem_vec u = dem__to_body(turn, v);
-    dem__find_outline(w, r, &outline, &surface);
+    dem__find_outline(w, i, &outline, &surface);
     for (int k = 0; k < DEM__VIEW_CIRCLE; k++)
         across += dem__seen_along(&outline, dem__across(u, k)) / (double)DEM__VIEW_CIRCLE;
     dem__sphericities_of(surface, dem__seen_along(&outline, u), across, psi);
@@ -13913,9 +13957,10 @@ DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, de
 }
 
 /* --------------------------------------------------------------------------------------------------- >>gas/field.h */
-/* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step.
-   Reads bodies and the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to
-   its end, computed at its origin, and the same whatever is skipped. */
+/* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step. A
+   rigid body feels it at its centre and flies as its first particle: only that one has a flight. Reads bodies and the
+   law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end, computed at
+   its origin, and the same whatever is skipped. */
 
 /* Tasks of the kernel of a field, which DEM_FORCE_FIELD makes from a law. */
 enum {
@@ -13935,34 +13980,6 @@ DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
 }
 
-/* A rigid body feels the field at its centre and flies as its first particle: only that particle has a flight. Returns
-   whether i is a sphere or such a particle. */
-DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return !r || r->first == i;
-}
-
-/* Returns the radius of particle i, or of the sphere with the volume of its body [m]. */
-DEM_INLINE double dem__size_in_field(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? 0.5 * dem__equal_diameter(w, r) : w->particle[i].radius;
-}
-
-/* Gives particle i, or its body, a new parabola from here on. */
-static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem_vec a) {
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem_particle *p = &w->particle[i];
-    if (r) {
-        w->engine->bodies.calls->set_origin(w, r);
-        r->x = x, r->v = v, r->a = a;
-        w->engine->bodies.calls->place(w, r);
-        return;
-    }
-    p->spin = dem__spin_at(w, i, dem__now(w, i));
-    p->x = x, p->v = v, p->a = a;
-    p->origin = w->step;
-}
-
 DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
 
 /* Returns what a law is told about particle i at x with velocity v, tau after its origin step. seen: room for what it
@@ -13972,7 +13989,7 @@ DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem
     dem_force_point at;
     at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
     at.velocity = v;
-    at.radius = dem__size_in_field(w, i), at.mass = w->particle[i].mass;
+    at.radius = 0.5 * dem__diameter_of(w, i), at.mass = w->particle[i].mass;
     at.time = time;
     at.gravity = dem__free_fall(w);
     at.user = w->engine->field.def.user;
@@ -14018,14 +14035,9 @@ DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, const d
 /* Lets the torque act on particle i, or its body, over a past time, at an origin that has just been set. Exact for a
    sphere if c is constant. Returns the energy gained [J]. */
 DEM_INLINE double dem__apply_drag_torque(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
-    dem__rigid *r = dem__rigid_of(w, i);
     const double before = dem__rotational(w, i), y = q->c * passed / q->inertia;
     const double part = y < 1e-3 ? 1.0 - y * (0.5 - y * (1.0 / 6.0 - y / 24.0)) : (1.0 - riddle_exp(-y)) / y;
-    const dem_vec impulse = dem__scale(-q->c * passed * part, q->spin);
-    if (r) {
-        r->momentum = dem__add(r->momentum, impulse);
-        w->engine->bodies.calls->place(w, r);
-    } else w->particle[i].spin = dem__plus(w->particle[i].spin, 1.0 / q->inertia, impulse);
+    dem__add_angular_momentum(w, i, dem__scale(-q->c * passed * part, q->spin));
     return dem__rotational(w, i) - before;
 }
 
@@ -14098,7 +14110,7 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
 DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double tau,
                                   const dem__turning *turn, dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
-    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
+    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * 0.5 * dem__diameter_of(w, i),
                  probe = 16.0 * dt;
     const dem_vec first = dem__field_pull(w, i, x, v, time, tau, law), a = dem__add(dem__free_fall(w), first);
     const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
@@ -14158,7 +14170,7 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     const double h = (double)n * dt;
     field->until[i] = w->step + n;
     field->work[i] = q.work;
-    if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
+    field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* it is in the parabola */
     if (!(q.zero && falls)) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
         if (brakes && !is_body) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn);
@@ -14323,7 +14335,6 @@ static inline void dem__book_flights(dem_world *w, int leaving) {
 DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const dem__field *field = &w->engine->field;
     const dem__bound *c = &w->engine->bodies.bound[k];
-    const dem__rigid *r = dem__rigid_of(w, i);
     const double t = dem__since_listed(w, w->step), left = (double)(field->until[i] - w->step) * w->engine->run.dt;
     const dem_vec g = dem__free_fall(w), u = dem_vec3(c->ux, c->uy, c->uz);
     const dem_vec now = dem__sub(dem__plus(dem__drift_at(w, i, dem__now(w, i)), -t, g), u);
@@ -14331,9 +14342,7 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
                  there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
     const double most = here > there ? here : there;
-    const double turning_speed =
-        r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
-    return (most > end ? most : end) + turning_speed;
+    return (most > end ? most : end) + dem__turning_speed_of(w, k);
 }
 
 /* Sets a bound for particle k, which flies with i. It holds for about DEM__FLIGHTS flights like this one. */
@@ -14365,14 +14374,11 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
     ptrdiff_t reset = 0;
     for (ptrdiff_t q = 0; q < n; q++) {
         const int32_t i = list[q];
-        dem__rigid *r = dem__rigid_of(w, i);
+        const ptrdiff_t end = dem__pieces_of(w, i).end;
         const double tau = dem__now(w, i);
-        if (w->engine->run.has_periodic && w->particle[i].origin == w->step) {
-            if (r) bodies->calls->wrap(w, r);
-            else dem__wrap(w, i);
-        }
+        if (w->engine->run.has_periodic && w->particle[i].origin == w->step) dem__wrap(w, i);
         dem__set_timer(&field->timers, i, field->until[i]);
-        for (int32_t k = i; k < i + (r ? r->pieces : 1); k++) {
+        for (int32_t k = i; k < end; k++) {
             if (dem__flight_deviation(w, i, k) < bodies->bound[k].tolerance) continue; /* false for NaN */
             const double shifted = bodies->shifted[k];
             dem__bound_flight(w, i, k);
@@ -14388,9 +14394,9 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
 }
 
 /* Returns whether particle i, which takes steps, has the acceleration that it has without contacts and without the
-   field. Always 0 for a body. */
+   field. Always 0 for a body and for a fixed particle. */
 static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
-    if (dem__rigid_of(w, i)) return 0;
+    if (!dem__is_free_sphere(w, i)) return 0;
     const dem_vec a =
         dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
     return dem__is_zero(dem__sub(w->particle[i].a, a));
@@ -14463,13 +14469,14 @@ static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
     const double t = dem__since_listed(w, w->step);
     for (ptrdiff_t k = 0; k < 2 * begun; k++) {
         const int32_t c = contacts->slots[k / 2], touched = k % 2 ? contacts->j[c] : contacts->i[c];
-        const dem__rigid *r = touched < 0 ? NULL : dem__rigid_of(w, touched);
-        const int32_t i = r ? r->first : touched;
-        if (i < 0 || field->until[i] == DEM__NO_FLIGHT) continue;
+        if (touched < 0) continue;
+        const dem__pieces own = dem__pieces_of(w, touched);
+        const int32_t i = (int32_t)own.first;
+        if (field->until[i] == DEM__NO_FLIGHT) continue;
         const double booked = field->booked[i];
         dem__run_field(w, &i, 1, DEM__END_FLIGHTS, 0.0);
         dem__book_field_work(w, field->work[i] - booked);
-        for (int32_t q = i; q < i + (r ? r->pieces : 1); q++)
+        for (ptrdiff_t q = own.first; q < own.end; q++)
             dem__set_tolerance_left(w, q, dem__length(dem__deviation(w, q, t)));
         dem__stop_timer(&field->timers, i);
     }
@@ -14479,8 +14486,7 @@ static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
 static inline void dem__book_stepping(dem_world *w, double h) {
     for (ptrdiff_t k = 0; k < w->engine->bodies.active_count && w->engine->ledger.on && h > 0.0; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
-        const dem__rigid *r = dem__rigid_of(w, i);
-        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.force[i], r ? r->v : w->particle[i].v));
+        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.force[i], dem__centre_velocity(w, i)));
         dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.torque[i], w->particle[i].spin));
     }
 }
@@ -14506,8 +14512,7 @@ static inline int dem__begin_flights(dem_world *w) {
     for (ptrdiff_t k = 0; k < field->steppers; k++) {
         const int32_t i = list[k];
         if (dem__is_flying(w, i)) list[n++] = i;
-        else if (w->alive[i] > 0 && w->touching[i] == 0 && !dem__rigid_of(w, i) &&
-                 !dem__is_fixed(w, i)) {  /* it has a load */
+        else if (w->alive[i] > 0 && w->touching[i] == 0 && dem__is_free_sphere(w, i)) { /* it has a load */
             dem__free_acceleration(w, i); /* rounded as after a check of its bound */
             w->particle[i].a = dem__plus(w->particle[i].a, w->engine->bodies.sum[i].per_mass, field->force[i]);
         }
@@ -14523,8 +14528,7 @@ static inline int dem__begin_flights(dem_world *w) {
    it. */
 static inline dem_vec dem__velocity_error_in_field(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__field *field = &w->engine->field;
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const ptrdiff_t first = r ? r->first : i; /* the flight belongs to the first particle */
+    const ptrdiff_t first = dem__pieces_of(w, i).first; /* the flight belongs to it */
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
     if (w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
     const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
@@ -14534,12 +14538,8 @@ static inline dem_vec dem__velocity_error_in_field(const dem_world *w, ptrdiff_t
 
 /* Gives particle i, or its body, the most accurate velocity that is known, at an origin that has just been set. */
 static inline void dem__correct_velocity_in_field(dem_world *w, ptrdiff_t i, dem_vec error) {
-    dem__rigid *r = dem__rigid_of(w, i);
     dem__book_field_work(w, -dem__motion_energy(w, i));
-    if (r) {
-        r->v = dem__add(r->v, error);
-        w->engine->bodies.calls->place(w, r);
-    } else w->particle[i].v = dem__add(w->particle[i].v, error);
+    dem__add_velocity(w, i, error);
     dem__book_field_work(w, dem__motion_energy(w, i));
 }
 
@@ -15651,8 +15651,8 @@ DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, 
     for (ptrdiff_t k = 0; k < all; k++) porosity[k] = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__gas_cell cell;
-        const double d = 2.0 * dem__size_in_field(w, i);
-        const dem_vec place = dem__turned(gas, &f, dem__sub(dem_get_body(w, i).position, f.centre), -1.0);
+        const double d = dem__diameter_of(w, i);
+        const dem_vec place = dem__turned(gas, &f, dem__sub(dem__centre_now(w, i), f.centre), -1.0);
         if (w->alive[i] <= 0 || !dem__leads(w, i) || !dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell))
             continue;
         for (int corner = 0; corner < 8; corner++) {
@@ -15692,13 +15692,6 @@ DEM_API void dem_shape_of_drag(double sphericity, double crosswise, double lengt
 /* -------------------------------------------------------------------------------------------- >>measure/branches.h */
 /* Forces between particles and the vectors along which they act, from which a stress is computed. */
 
-/* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
-static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__to_lab(dem__pose_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
-             : dem_vec3(0.0, 0.0, 0.0);
-}
-
 /* Return how many forces act between particles, and one of them. Contacts come first, then the forces of features. */
 static inline ptrdiff_t dem__forces(const dem_world *w) {
     ptrdiff_t n = w->engine->contacts.count;
@@ -15732,10 +15725,8 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
                          w->particle[c.i].radius, c.element, &touch);
         *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
     }
-    if (w->engine->bodies.rigid) {
-        *to = dem__sub(*to, dem__arm_now(w, c.i));
-        if (c.j >= 0) *from = dem__sub(*from, dem__arm_now(w, c.j));
-    }
+    *to = dem__sub(*to, dem__arm_now(w, c.i));
+    if (c.j >= 0) *from = dem__sub(*from, dem__arm_now(w, c.j));
     return dem__dot(c.force, c.force) > 0.0;
 }
 
@@ -15906,11 +15897,15 @@ static inline void dem__renumber_bodies(dem_world *w, const int32_t *number) {
 
 static inline dem__feature dem__feature_bodies(void) {
     dem__feature f = dem__new_feature(DEM__BODIES_FEATURE);
+    f.turns = 1;
     f.list_arrays = dem__list_arrays_of_bodies;
     f.release = dem__release_bodies;
     f.add_particle = dem__add_unattached;
     f.renumber = dem__renumber_bodies;
     f.keep_up = dem__keep_rotations;
+    f.kick = dem__kick_active_bodies;
+    f.kicked = dem__place_loaded_bodies;
+    f.corrected = dem__shift_corrected;
     f.particle_fields = dem__particle_fields_of_bodies;
     f.save = dem__save_bodies;
     f.is_used = dem__has_bodies;
@@ -17271,10 +17266,8 @@ static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
 /* Finds where particle i is counted, and its velocity there. A rigid body counts once, at its centre of mass. Returns 0
    for its other particles. */
 static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_vec *v) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (r && r->first != i) return 0;
-    *at = r ? dem__body_position(w, r) : dem_position(w, i);
-    *v = r ? dem__plus(r->v, dem__now(w, i), r->a) : dem_velocity(w, i);
+    if (!dem__leads(w, i)) return 0;
+    *at = dem__centre_now(w, i), *v = dem__true_drift_at(w, i, dem__now(w, i));
     return 1;
 }
 
@@ -17312,8 +17305,7 @@ static inline double dem__volume_in(const dem_world *w, const dem__measured *q, 
     const dem_convex *s = dem__shape_of(w, i);
     const double r = w->particle[i].radius;
     if (!s) return dem__ball_in(q->region, &q->inside, x, r);
-    const dem__rigid *body = dem__rigid_of(w, i);
-    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, body, dem__pose_at(w, body, dem__now(w, i)).turn);
+    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, dem__body_turn_at(w, i, dem__now(w, i)));
     return dem__polyhedron_in(q->region, &q->inside, s, x, turn) * (4.0 / 3.0 * RIDDLE_PI * r * r * r);
 }
 
@@ -17639,6 +17631,36 @@ DEM_API double dem_unlike_contacts(const dem_world *world, int group) {
     }
     const double p = ends / (2.0 * all);
     return unlike / (all * 2.0 * p * (1.0 - p));
+}
+
+/* ---------------------------------------------------------------------------------------------- >>bodies/getters.h */
+/* Getters of bodies: orientation, state. They read a const world. */
+
+DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count)
+        return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
+    const dem__rigid *r = dem__rigid_of(world, i);
+    if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
+    return dem__turns(dem__body_turn_at(world, i, dem__now(world, i)),
+                      dem__opposite_turn(dem__given_frame(world, i, r)));
+}
+
+DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
+    dem_body body;
+    memset(&body, 0, sizeof body);
+    body.first = -1;
+    if (!world || i < 0 || i >= world->count) return body;
+    const dem__rigid *r = dem__rigid_of(world, i);
+    const dem__pieces own = dem__pieces_of(world, i);
+    const double tau = dem__now(world, i), inertia = dem__inertia(world, i);
+    body.first = own.first, body.pieces = own.end - own.first;
+    body.mass = world->particle[i].mass;
+    body.diameter = dem__diameter_of(world, i);
+    body.position = dem__centre_now(world, i), body.velocity = dem__true_drift_at(world, i, tau);
+    body.spin = dem__spin_at(world, i, tau), body.orientation = dem_orientation(world, i);
+    body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
+    body.axes = r ? dem__body_turn_at(world, i, tau) : body.orientation;
+    return body;
 }
 
 /* ----------------------------------------------------------------------------------------- >>measure/orientation.h */
@@ -19844,11 +19866,10 @@ static inline double dem__damping_of(const dem_world *w, const dem__convex_pair 
                                      const dem__shared *s, double power) {
     const double length = dem__length(s->normal), least = 0.5 * s->parts; /* normals may face each other */
     const double per = 1.0 / (length > least ? length : least), depth = s->energy / s->springs;
-    double whole = dem__is_fixed(w, pair->i) ? 0.0 : 1.0 / w->particle[pair->i].mass,
-           turning = dem__per_turning(w, pair->i, dem__scale(per, s->on_i));
+    double whole = dem__per_mass(w, pair->i), turning = dem__per_turning(w, pair->i, dem__scale(per, s->on_i));
     if (pair->j >= 0) {
         const dem_vec on_j = dem__add(s->on_i, dem__cross(apart, s->normal));
-        whole += dem__is_fixed(w, pair->j) ? 0.0 : 1.0 / w->particle[pair->j].mass;
+        whole += dem__per_mass(w, pair->j);
         turning += dem__per_turning(w, pair->j, dem__scale(per, on_j));
     }
     const double stiffness = s->springs / dem__force_at(depth, power); /* over that of the pair */
@@ -20008,10 +20029,10 @@ DEM_INLINE void dem__skip_until(const dem_world *w, dem__convex_pair *p, int64_t
 DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
     return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
 }
-/* Returns the greatest speed of particle i relative to the centre of its clump or compound, from its rotation [m/s]. */
-DEM_INLINE double dem__turning_speed_of(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__shape_of(w, i) && !dem__is_part(w, i) ? NULL : dem__rigid_of(w, i);
-    return r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
+/* Returns the greatest speed of particle i relative to the centre of its clump or compound, from its rotation [m/s]; 0
+   for a polyhedron alone. */
+DEM_INLINE double dem__part_speed_of(const dem_world *w, ptrdiff_t i) {
+    return dem__shape_of(w, i) && !dem__is_part(w, i) ? 0.0 : dem__turning_speed_of(w, i);
 }
 /* Returns the distance of the farthest point of a polyhedron that is within `reach` of its centre from the centre of
    its body [m]. */
@@ -20022,8 +20043,7 @@ DEM_INLINE double dem__reach_in_body(const dem_world *w, ptrdiff_t i, double rea
    [m/s]. */
 DEM_INLINE double dem__surface_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
-    return s ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, i), dem__reach_in_body(w, i, s->reach))
-             : dem__turning_speed_of(w, i);
+    return s ? dem__turning_speed_at(w, i, dem__reach_in_body(w, i, s->reach)) : dem__turning_speed_of(w, i);
 }
 /* Returns the time from the origin step of particle i to a step [s]. */
 DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
@@ -20061,7 +20081,7 @@ static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p,
     p->is_close = dem__dot(d, d) < reach * reach;
     if (p->is_close || !dem__may_skip(w, p)) return;
     const double speed =
-        dem__length(dem__drift_between(w, p, step)) + dem__turning_speed_of(w, p->i) + dem__turning_speed_of(w, p->j);
+        dem__length(dem__drift_between(w, p, step)) + dem__part_speed_of(w, p->i) + dem__part_speed_of(w, p->j);
     dem__skip_until(w, p, step,
                     dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
 }
@@ -20137,11 +20157,10 @@ static inline void dem__skip_wall(const dem_world *w, dem__convex_pair *p, int64
                   centre = dem__is_part(w, p->i) ? dem__in_box(w, dem__centre_at(w, p->i, tau)) : x;
     const dem__approach q = dem__approach_to(w, wall, centre, v, a);
     const double arm = dem__reach_in_body(w, p->i, reach);
-    const double surface_speed =
-        arm > 0.0 ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, p->i), arm) + arm * wall->spin_bound : 0.0;
+    const double surface_speed = arm > 0.0 ? dem__turning_speed_at(w, p->i, arm) + arm * wall->spin_bound : 0.0;
     const double touch = dem__time_to_cover(gap - slack, q.speed + surface_speed, q.pull),
-                 cross = dem__time_to_cover(crossing - slack, dem__length(v) + dem__turning_speed_of(w, p->i),
-                                            dem__length(a));
+                 cross =
+                     dem__time_to_cover(crossing - slack, dem__length(v) + dem__part_speed_of(w, p->i), dem__length(a));
     const int steps = dem__steps_until(w, cross < touch ? cross : touch);
     p->speed = wall->speed_bound, p->spin = wall->spin_bound;
     dem__skip_until(w, p, step, steps < q.most ? steps : q.most);
@@ -20301,7 +20320,7 @@ static inline int dem__points_at_wall(const dem_world *w, dem__convex_pair *p, i
 
 /* Returns the first part of the compound of particle i, or i, or the wall -1 - i. */
 DEM_INLINE int32_t dem__first_part(const dem_world *w, int32_t i) {
-    return i >= 0 && dem__is_part(w, i) ? dem__rigid_of(w, i)->first : i;
+    return i >= 0 && dem__is_part(w, i) ? (int32_t)dem__pieces_of(w, i).first : i;
 }
 
 /* Returns whether two pairs are between the same bodies. */
@@ -20461,7 +20480,7 @@ static DEM__NOINLINE ptrdiff_t dem__points_of_bodies(dem_world *w, ptrdiff_t lea
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, i);
     const dem__pose p = dem__pose_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
-    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, r, p.turn);
+    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, p.turn);
     dem__placed *place = &w->engine->convex.place[i];
     place->x =
         dem__in_box(w, dem__is_part(w, i) ? dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i])) : p.x);
@@ -20965,9 +20984,8 @@ static inline void dem__exclude_convex(dem_world *w, const dem__chunk *in, ptrdi
 /* Sets what a law needs for a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
 static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    const double per_i = dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
     b->radius_i = dem__touching_radius(w, i);
-    b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? 1.0 / w->particle[j].mass : 0.0));
+    b->mass = 1.0 / (dem__per_mass(w, i) + (j >= 0 ? dem__per_mass(w, j) : 0.0));
     if (j >= 0) b->radius_j = dem__touching_radius(w, j);
     else b->curvature = w->engine->contacts.touch[DEM__PLACE_CURVATURE][c];
 }
@@ -22067,6 +22085,14 @@ static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w
     return DEM_OK;
 }
 
+/* Where there are shapes, saves keep no faces that spheres have found at meshes: none is trusted. */
+static inline void dem__forget_faces(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    DEM__EACH_CONTACT(w, c) {
+        if (contacts->j[c] < 0 && !dem__shape_of(w, contacts->i[c])) contacts->touch[DEM__PLACE_SLACK][c] = 0.0;
+    }
+}
+
 static inline dem__feature dem__feature_polyhedra(void) {
     dem__feature f = dem__new_feature(DEM__POLYHEDRA_FEATURE);
     f.list_arrays = dem__list_arrays_of_polyhedra;
@@ -22081,6 +22107,7 @@ static inline dem__feature dem__feature_polyhedra(void) {
     f.is_used = dem__has_shapes;
     f.load_first = dem__load_shapes;
     f.load = dem__load_polyhedra;
+    f.loaded = dem__forget_faces;
     return f;
 }
 
@@ -22446,8 +22473,6 @@ static inline void dem__derive_loaded(dem_world *w) {
         dem__activate(w, i);
         if (j >= 0) dem__activate(w, j);
         else contacts->wall_next[c] = first[i], first[i] = (int32_t)c;
-        if (j < 0 && w->engine->convex.shapes > 0 && !dem__shape_of(w, i))
-            contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no cached face is trusted */
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__set_inverse_mass(w, i);
@@ -22511,14 +22536,13 @@ DEM_INLINE double dem__deep_overlap(const dem_world *w, ptrdiff_t i) {
 /* Returns the overlap at which particle i comes to rest if its whole mass hits something of a material [m]. */
 static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int material, int features, double speed) {
     const int m = w->material[i];
-    const dem_convex *s = dem__shape_of(w, i);
     double constants[DEM_CONSTANTS_MAX];
     dem_birth b;
     memset(&b, 0, sizeof b);
     b.def = &w->def, b.features = features, b.material_i = m, b.material_j = material;
     b.pair = m < material ? &w->def.pair[m][material] : &w->def.pair[material][m];
-    const double springs = s ? (double)s->springs : 1.0; /* a corner has one of them */
-    b.radius_i = s ? s->radius : w->particle[i].radius, b.mass = w->particle[i].mass;
+    const double springs = dem__springs_of(w, i);
+    b.radius_i = dem__touching_radius(w, i), b.mass = w->particle[i].mass;
     if (!(features & DEM_HERTZ)) return speed * sqrt(springs * b.mass / b.pair->stiffness);
     dem_prepare_hertz(&b, constants);
     return speed / 2.943275175395 *
@@ -22535,9 +22559,8 @@ static inline void dem__advise_stiffness(const dem_world *w, int features, doubl
     for (ptrdiff_t i = 0; i < w->count; i++) present[w->material[i]] |= w->alive[i] != 0;
     for (int k = 0; k < w->walls; k++) present[w->wall[k].material] |= dem__has_surface(&w->wall[k]);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem_convex *s = dem__shape_of(w, i);
-        const double deep = dem__deep_overlap(w, i), springs = s ? (double)s->springs : 1.0,
-                     needed = springs * w->particle[i].mass * (speed / deep) * (speed / deep);
+        const double deep = dem__deep_overlap(w, i),
+                     needed = dem__springs_of(w, i) * w->particle[i].mass * (speed / deep) * (speed / deep);
         if (!w->alive[i] || dem__is_fixed(w, i)) continue;
         a->stiffness = needed > a->stiffness ? needed : a->stiffness;
         for (int m = 0; m < w->def.materials; m++) {
@@ -22915,6 +22938,12 @@ DEM_API dem_status dem_add_compounds(dem_world *world, ptrdiff_t n, const dem_co
         dem__put_compound(w, c, &def);
     }
     return DEM_OK;
+}
+
+DEM_API dem_quaternion dem_shape_orientation(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count || !dem__is_part(world, i)) return dem_orientation(world, i);
+    return dem__turns(dem__turn_of_polyhedron(world, i, dem__body_turn_at(world, i, dem__now(world, i))),
+                      dem__opposite_turn(dem__turn_of_shape(dem__shape_of(world, i))));
 }
 #endif
 

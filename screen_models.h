@@ -424,9 +424,8 @@ typedef struct screen_fit_result {
                            which contain the model's own error; used by screen_fit_band */
     screen_ratio ratio; /* the reading of eq 25 and the mass that the parameters belong to */
     double ratio_mass;
-    screen_domain domain; /* of the data */
-    double
-        coefficient[SCREEN_MAX_PARAMETERS]; /* ln k + .., exponent, exponent x moisture exponent: what the rates are
+    screen_domain domain;                      /* of the data */
+    double coefficient[SCREEN_MAX_PARAMETERS]; /* ln k + .., exponent, exponent x moisture exponent: what the rates are
                                                linear in; read by */
     double factor[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS]; /* screen_sample: Cholesky factor of the
                                                                     coefficients' covariance */
@@ -2678,11 +2677,21 @@ SCREEN_API screen_fit_options screen_default_fit_options(screen_model model) {
     return options;
 }
 
-/* Returns the scatter of single points: the median of their distances from the straight line between their neighbours
-   in time, over all curves with three points or more; 0 without such. It is found by bisection, so
-   nothing is stored. */
-static inline double screen__scatter(const screen_def *def, const screen_fit_options *options, int cases,
-                                     const screen_case *data) {
+/* Returns the distance of a point y, which lies w of the way from a to b in time, from the straight line between them,
+   or with decay from the exponential where there is one; over the standard deviation that unit scatter gives it. */
+static inline double screen__off(double y, double a, double b, double w, int decay) {
+    double from = 1.0 - w, to = w, between = from * a + to * b;
+    if (decay && a > 0.0 && b > 0.0) {
+        between = riddle_exp(from * riddle_log(a) + to * riddle_log(b));
+        from *= between / a, to *= between / b;
+    }
+    return fabs(y - between) / sqrt(1.0 + from * from + to * to);
+}
+
+/* Returns the scatter of single points: the median of their distances from what their neighbours in time say, over all
+   curves with three points or more; 0 without such. It is found by bisection, so nothing is stored. */
+static inline double screen__scatter_about(const screen_def *def, const screen_fit_options *options, int cases,
+                                           const screen_case *data, int decay) {
     const screen_def *decks = options->decks;
     double low = 0.0, high = 2.0;
     for (int it = 0; it < 40; it++) {
@@ -2693,9 +2702,9 @@ static inline double screen__scatter(const screen_def *def, const screen_fit_opt
             for (int i = 0; i < classes; i++)
                 for (int j = 1; j + 1 < times && screen__root(&of, i) > 0.0; j++) {
                     const double *y = data[s].retained + (size_t)i * (size_t)times + (size_t)j, *t = data[s].time + j;
-                    double w = (t[0] - t[-1]) / (t[1] - t[-1]), off = y[0] - (1.0 - w) * y[-1] - w * y[1];
+                    const double w = (t[0] - t[-1]) / (t[1] - t[-1]);
                     all += 1.0;
-                    below += fabs(off) <= middle * sqrt(1.0 + w * w + (1.0 - w) * (1.0 - w));
+                    below += screen__off(y[0], y[-1], y[1], w, decay) <= middle;
                 }
         }
         if (!(all > 0.0)) return 0.0;
@@ -2703,6 +2712,14 @@ static inline double screen__scatter(const screen_def *def, const screen_fit_opt
         else high = middle;
     }
     return high < 1e-9 ? 0.0 : high / 0.6744897501960817; /* median of a normal distribution's absolute values */
+}
+
+/* What a curve bends between points that are far apart, as at times that double, is no scatter: the smaller of two. */
+static inline double screen__scatter(const screen_def *def, const screen_fit_options *options, int cases,
+                                     const screen_case *data) {
+    const double line = screen__scatter_about(def, options, cases, data, 0),
+                 decay = screen__scatter_about(def, options, cases, data, 1);
+    return line < decay ? line : decay;
 }
 
 /* Checks the numbers of one case. rises (may be null): rises are noted there and not refused. */
@@ -3132,7 +3149,9 @@ static inline void screen__judge(screen__problem *p, const screen_fit_options *o
     screen__by_q(n, t, a, unused);
     for (int j = 0; j < n; j++) {
         still[j] = !(p->low[j] < p->high[j]);
-        bounded[j] = still[j] || q[j] <= p->low[j] || q[j] >= p->high[j];
+        /* a moisture exponent whose exponent is next to 0 may be anything: its bound says nothing of the others */
+        const int wet = screen__is_wet(p->model, j);
+        bounded[j] = still[j] || (!wet && (q[j] <= p->low[j] || q[j] >= p->high[j]));
     }
     int solved = screen__covariance(n, a, bounded, variance, cov),
         solved_all = screen__covariance(n, a, still, variance, of_all);

@@ -196,7 +196,8 @@ def filter_ranges(r, csv, json):
               "nothing": [held("nothing", scatters, low, high) for low, high in ((3, 13), (30, 30), (200, 200))],
               "independent": held("independent", scatters, 3, 200), "drift": held("drift", scatters, 3, 200)}
              for name, scatters in families]
-    spread = [{"name": name, "few": held("nothing", scatters, 3, 5, wide), "more": held("nothing", scatters, 6, 20, wide),
+    spread = [{"name": name, "few": held("nothing", scatters, 3, 5, wide),
+               "more": held("nothing", scatters, 6, 20, wide),
                "independent": held("independent", scatters, 3, 20, wide),
                "drift": held("drift", scatters, 3, 20, wide)} for name, scatters in families]
     return {

@@ -47,6 +47,16 @@ static sheet read_table(const program *self, const char *name, const char *path,
     return data;
 }
 
+/* Makes shares a whole, as far as they were rounded; leaves where they are none. */
+static void make_whole(const program *self, const char *name, const char *path, double *share, int n) {
+    char text[100];
+    double all = 0.0;
+    for (int i = 0; i < n; i++) all += share[i];
+    snprintf(text, sizeof text, "the shares add up to %.4g %%, not to 100", 100.0 * all);
+    if (!(fabs(all - 1.0) <= 0.03)) refuse_file(self, name, path, text);
+    for (int i = 0; i < n; i++) share[i] /= all;
+}
+
 /* low,high,share -> distribution; classes must follow each other without gaps */
 static void read_distribution(const program *self, const char *name, const char *path, char dimension,
                               classifier_distribution *d) {
@@ -65,6 +75,7 @@ static void read_distribution(const program *self, const char *name, const char 
         edge[i + 1] = degrees * c[1].value[i];
         share[i] = c[2].value[i];
     }
+    make_whole(self, name, path, share, data.rows);
     classifier_status status = classifier_histogram(edge, share, data.rows, d);
     if (status != CLASSIFIER_OK) refuse_file(self, name, path, classifier_status_text(status));
     sheet_free(&data);
@@ -84,6 +95,7 @@ static void read_contacts(const program *self, const char *path, classifier_cont
         c->share[(int)n] += column[1].value[i];
         if ((int)n >= c->counts) c->counts = (int)n + 1;
     }
+    make_whole(self, "contact-counts", path, c->share, c->counts);
     classifier_weights unused;
     classifier_status status = classifier_contact_weights(c, &unused);
     if (status != CLASSIFIER_OK) refuse_file(self, "contact-counts", path, classifier_status_text(status));
@@ -99,7 +111,7 @@ typedef struct measured {
     bool guessed;                     /* nobody gave deviations of the shares: they are found from the data */
     bool from_curve;                  /* found from the scatter about the curve, which the balance does not show */
     int freedom;
-    int classes;                      /* of the distributions, with what the balance makes of them */
+    int classes; /* of the distributions, with what the balance makes of them */
     /* [m] [-] [-]; feed, coarse, fine */
     double low[MOST_ROWS], high[MOST_ROWS], tromp[MOST_ROWS], tromp_sd[MOST_ROWS], share[3][MOST_ROWS];
 } measured;

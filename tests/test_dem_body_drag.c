@@ -368,6 +368,31 @@ static void fall_and_spin(void **state) {
     assert_true(z[1] < 1.3 * z[0] && z[0] < 0.0);
 }
 
+/* Measures and the records of exits tell the velocity of a body in flight as accurately as that of a sphere. */
+static void same_velocity(void **state) {
+    (void)state;
+    const double centre[3] = {0, 0, 0}, d = 1e-3;
+    const dem_vec x = dem_vec3(0.01, 0, 0), low = dem_vec3(0.005, -1, -1), high = dem_vec3(0.02, 1, 1);
+    dem_world w = empty(1e-5, 1);
+    dem_gas air = dem_default_gas();
+    dem_force_field f = dem_gas_field(hoelzer, &air);
+    dem_region sides[2] = {dem_box_region(dem_vec3(-0.005, -1, -1), dem_vec3(0.005, 1, 1)), dem_box_region(low, high)};
+    dem_measure m[2];
+    dem_passed p[2];
+    w.def.gravity = dem_vec3(0, 0, -9.81);
+    assert_true(dem_add_exit(&w, dem_vec3(0, 0, -0.03), dem_vec3(0, 0, 1)) >= 0);
+    assert_int_equal(dem_add_spheres(&w, 1, centre, &d, 0, 0), DEM_OK);
+    add_clump(&w, 1, centre, &d, 0.0, x, NULL);
+    assert_int_equal(dem_set_force_field(&w, &f), DEM_OK);
+    assert_int_equal(dem_run(&w, 0.04321, DEM_LINEAR), DEM_OK);
+    for (int k = 0; k < 2; k++) assert_int_equal(dem_measure_region(&w, &sides[k], &m[k]), DEM_OK);
+    close_to(m[0].velocity.z, dem_velocity(&w, 0).z, 0.0), close_to(m[1].velocity.z, m[0].velocity.z, 1e-13);
+    assert_int_equal(dem_run(&w, 0.1, DEM_LINEAR), DEM_OK);
+    assert_int_equal(dem_take_passed(&w, p, 2), 2);
+    close_to(p[1].velocity.z, p[0].velocity.z, 1e-13);
+    dem_free(&w);
+}
+
 /* Memory that ends while shapes are looked at: a status, and a world that goes on. */
 static void short_of_memory(void **state) {
     (void)state;
@@ -399,8 +424,9 @@ static void short_of_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cube),      cmocka_unit_test(bricks),        cmocka_unit_test(disc_and_needle),
-        cmocka_unit_test(clumps),    cmocka_unit_test(table),         cmocka_unit_test(forces),
-        cmocka_unit_test(same_bits), cmocka_unit_test(fall_and_spin), cmocka_unit_test(short_of_memory)};
+        cmocka_unit_test(cube),           cmocka_unit_test(bricks),        cmocka_unit_test(disc_and_needle),
+        cmocka_unit_test(clumps),         cmocka_unit_test(table),         cmocka_unit_test(forces),
+        cmocka_unit_test(same_bits),      cmocka_unit_test(fall_and_spin), cmocka_unit_test(same_velocity),
+        cmocka_unit_test(short_of_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1871,6 +1871,18 @@ static void bad_data_are_named(void **state) {
     assert_true(fit.rises == 0 && fabs(fit.scatter - 0.01) < 0.002 && fit.where.index == -1);
     for (int k = 0; k < CASES; k++) s.cases[k].times = 8;
     assert_int_equal(screen_fit(&def, SCREEN_DONG, CASES, s.cases, NULL, &fit), SCREEN_OK);
+    /* times that double: what the curves bend between them is no scatter, so a rise and a value of 1.5 are seen */
+    const double doubling[5] = {1.0, 2.0, 4.0, 8.0, 16.0}, decay[3] = {0.9, 1.2, 1.0};
+    make_study(&s, &def, SCREEN_SUBASINGHE, p);
+    for (int k = 0; k < CASES; k++) {
+        s.cases[k].times = 5, s.cases[k].time = doubling;
+        screen_predict(&def, SCREEN_FIRST_ORDER, decay, &s.cases[k].operation, 5, doubling, s.retained[k], NULL, NULL);
+    }
+    s.retained[3][4] += 0.5;
+    assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, CASES, s.cases, &few, &fit), SCREEN_OK);
+    assert_true(fit.scatter < 0.01 && fit.rises == 1 && fit.where.index == 3 && fit.where.time == 4);
+    s.retained[3][4] = 1.5;
+    assert_int_equal(screen_fit(&def, SCREEN_FIRST_ORDER, CASES, s.cases, &few, &fit), SCREEN_DATA_OUT_OF_RANGE);
     make_study(&s, &def, SCREEN_SUBASINGHE, p);
     s.cases[0].times = 2; /* 4 points, 6 parameters */
     assert_int_equal(screen_fit(&def, SCREEN_SUBASINGHE, 1, s.cases, NULL, &fit), SCREEN_TOO_FEW_POINTS);
@@ -1904,6 +1916,40 @@ static void bad_data_are_named(void **state) {
     broken = options;
     broken.start = sick;
     assert_int_equal(screen_fit(&def, SCREEN_DONG, 1, s.cases, &broken, &fit), SCREEN_BAD_OPTION);
+}
+
+/* An exponent next to 0 drives its moisture exponent to a bound, which must not narrow the ranges of the others: they
+   held in 81 to 86 of 100. */
+static void a_moisture_exponent_at_its_bound(void **state) {
+    (void)state;
+    static const double diameter[3] = {3e-3, 5e-3, 7e-3}, time[6] = {1.0, 2.0, 4.0, 6.0, 10.0, 16.0};
+    double p[SCREEN_MAX_PARAMETERS], y[4][18];
+    screen_case cases[4];
+    screen_def def = batch();
+    def.classes = 3, def.diameters = diameter;
+    screen_fit_options options = screen_default_fit_options(SCREEN_DONG);
+    options.loss = SCREEN_LOSS_SQUARES, options.starts = 2;
+    screen_published(SCREEN_DONG, p);
+    uint64_t seed = 5;
+    int found = 0;
+    for (int draw = 0; draw < 100 && found < 2; draw++) {
+        screen_fit_result fit, wide;
+        for (int c = 0; c < 4; c++) {
+            const screen_operation o = {c % 2 ? 1.2e-3 : 0.8e-3, c / 2 ? 50.0 : 42.0, 0.05 * ((3 * c + 1) % 4) / 3,
+                                        0.0};
+            cases[c] = (screen_case){o, 6, time, y[c]};
+            assert_int_equal(screen_predict(&def, SCREEN_DONG, p, &o, 6, time, y[c], NULL, NULL), SCREEN_OK);
+            for (int i = 0; i < 18; i++) y[c][i] += 0.01 * screen__normal(&seed);
+        }
+        assert_int_equal(screen_fit(&def, SCREEN_DONG, 4, cases, &options, &fit), SCREEN_OK);
+        if (!fit.at_bound[2]) continue;
+        screen_fit_options open = options;
+        open.low[2] = -1e6, open.high[2] = 1e6;
+        assert_int_equal(screen_fit(&def, SCREEN_DONG, 4, cases, &open, &wide), SCREEN_OK);
+        for (int j = 0; j < 2; j++) near(fit.error[j], wide.error[j], 0.05 * wide.error[j]);
+        found++;
+    }
+    assert_int_equal(found, 2);
 }
 
 static void profiles(void **state) {
@@ -2255,6 +2301,7 @@ int main(void) {
         cmocka_unit_test(a_price_is_part_of_the_minimum),
         cmocka_unit_test(a_continuous_deck_is_fitted),
         cmocka_unit_test(bad_data_are_named),
+        cmocka_unit_test(a_moisture_exponent_at_its_bound),
         cmocka_unit_test(profiles),
         cmocka_unit_test(bands_cover),
         cmocka_unit_test(separation_of_a_known_curve),

@@ -494,6 +494,104 @@ static void test_thousands_without_decimals(void **state) {
     assert_string_equal(message, "f:4: '1.000' may be in thousands: write numbers without a mark for them");
 }
 
+/* Where nothing shows what a mark means, the line that says how a table was read says so. */
+static void test_marks_in_doubt_are_told(void **state) {
+    static const char *const doubtful[][2] = {
+        {"size [mm];mass [g]\n4.000;8.375\n2.500;4.125\n1.250;1.625\n",
+         "f: decimal points (no number shows whether '8.375' means 8.375 or 8375: it is read as 8.375), "},
+        {"size [mm]\tmass [g]\n4,000\t8,375\n2,500\t4,125\n1,250\t1,625\n",
+         "f: decimal commas (no number shows whether '8,375' means 8.375 or 8375: it is read as 8.375), "},
+        {"size [mm];mass [g]\n4.000;8.375\n2.500;4.125\n1.250;0.625\n", NULL},
+        {"size [mm];mass [g]\n1.250;1\n2;3\n3.125;4\n", NULL},
+    };
+    char message[600];
+    sheet_sizes s;
+    (void)state;
+    for (size_t k = 0; k < sizeof doubtful / sizeof *doubtful; k++) {
+        if (sizes_of(doubtful[k][0], NULL, 1, &s, message)) fail_msg("%s", message);
+        const char *said = doubtful[k][1] ? doubtful[k][1] : "f: decimal points, ";
+        if (strncmp(s.how, said, strlen(said)) != 0) fail_msg("%s, not %s", s.how, said);
+        sheet_free_sizes(&s);
+    }
+    sheet_column c[2] = {sheet_want("time", 'T', true), sheet_want("volume", 'V', true)};
+    sheet t;
+    if (table_of("Zeit [s];Volumen [ml]\n60;1.250\n310;2.750\n520;3.125\n", c, 2, &t, message)) fail_msg("%s", message);
+    assert_non_null(strstr(t.how, "whether '1.250' means 1.25 or 1250: it is read as 1.25), 3 rows"));
+    sheet_free(&t);
+}
+
+/* mPa is no MPa; other letters may be of any case. */
+static void test_case_of_units(void **state) {
+    static const struct {
+        const char *unit;
+        double si; /* 0: refused */
+    } cases[] = {{"mPa", 1e-3}, {"MPa", 1e6}, {"MPA", 0.0},  {"mpa", 0.0},  {"Mpa", 0.0},           {"KPA", 1e3},
+                 {"kPa", 1e3},  {"BAR", 1e5}, {"MBAR", 1e2}, {"mbar", 1e2}, {"Psi", 6894.757293168}};
+    static const struct {
+        const char *unit;
+        double si;
+    } masses[] = {{"mg", 1e-6}, {"Mg", 1e3}, {"MG", 0.0}, {"Kg", 1.0}, {"KG", 1.0}, {"G", 1e-3}, {"T", 1e3}},
+      volumes[] = {{"ml", 1e-6}, {"mL", 1e-6}, {"Ml", 1e3}, {"ML", 0.0}, {"L", 1e-3}, {"CM3", 1e-6}};
+    static const char *const ways[] = {"t_s;%s_%s\n1;2\n", "t [s];%s [%s]\n1;2\n", "t in s;%s in %s\n1;2\n",
+                                       "t;%s\ns;%s\n1;2\n", "t;%s\n1;2 %s\n"};
+    char text[100], message[600];
+    sheet s;
+    (void)state;
+    for (size_t k = 0; k < 24; k++)
+        for (size_t way = 0; way < sizeof ways / sizeof *ways; way++) {
+            const char kind = k < 11 ? 'P' : k < 18 ? 'M' : 'V';
+            const char *name = kind == 'P'   ? "pressure"
+                               : kind == 'M' ? "mass"
+                                             : "volume",
+                       *unit = kind == 'P'   ? cases[k].unit
+                               : kind == 'M' ? masses[k - 11].unit
+                                             : volumes[k - 18].unit;
+            const double si = kind == 'P' ? cases[k].si : kind == 'M' ? masses[k - 11].si : volumes[k - 18].si;
+            sheet_column c[2] = {sheet_want("time", 'T', true), sheet_want(name, kind, false)};
+            snprintf(text, sizeof text, ways[way], name, unit);
+            const int status = table_of(text, c, 2, &s, message);
+            if (si == 0.0 && (status == 0 || !strstr(message, unit))) fail_msg("%s: %s", text, status ? message : "");
+            if (si > 0.0 && status) fail_msg("%s: %s", text, message);
+            if (si > 0.0) near(text, c[1].value[0], 2.0 * si);
+            sheet_free(&s);
+        }
+    double factor;
+    assert_int_equal(csv_is("p_mPa", "p_pa", &factor), 1);
+    near("csv", factor, 1e-3);
+    assert_int_equal(csv_is("P [MPa]", "p_Pa", &factor), 1);
+    near("csv", factor, 1e6);
+    assert_int_equal(csv_is("p_MPA", "p_Pa", &factor), -1);
+}
+
+/* feed, coarse and fine without a unit are shares too; parts or counts are whole numbers and none adds up to 100. */
+static void test_feed_is_a_whole(void **state) {
+    static const char *const names[3] = {"feed", "coarse", "fine"};
+    static const char *const wrong[][2] = {
+        {"0.34,0.1,0.4\n2,4,1.36,0.9,0.6", "170"},
+        {"0.034,0.1,0.4\n2,4,0.136,0.9,0.6", "17"},
+        {"34,10,40\n2,4,136,90,60", "170"},
+        {"3,10.5,40\n2,4,14,89.5,60", "17"},
+    };
+    static const char *const right[] = {"0.2,0.1,0.4\n2,4,0.81,0.9,0.6", "20,10,40\n2,4,80,90,60",
+                                        "34,2,80\n2,4,136,18,120"};
+    char text[200], message[600];
+    sheet_sizes s;
+    (void)state;
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+        char said[100];
+        snprintf(text, sizeof text, "low_um,high_um,feed,coarse,fine\n1,2,%s\n", wrong[k][0]);
+        snprintf(said, sizeof said, "f: column 'feed' adds up to %s %%, not to 100", wrong[k][1]);
+        strcpy(message, "read");
+        sizes_of(text, names, 3, &s, message);
+        assert_string_equal(message, said);
+    }
+    for (size_t k = 0; k < sizeof right / sizeof *right; k++) {
+        snprintf(text, sizeof text, "low_um,high_um,feed,coarse,fine\n1,2,%s\n", right[k]);
+        if (sizes_of(text, names, 3, &s, message)) fail_msg("%s", message);
+        sheet_free_sizes(&s);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_one_sand_in_many_tables),
@@ -506,6 +604,9 @@ int main(void) {
         cmocka_unit_test(test_inches),
         cmocka_unit_test(test_shares_are_a_whole),
         cmocka_unit_test(test_thousands_without_decimals),
+        cmocka_unit_test(test_marks_in_doubt_are_told),
+        cmocka_unit_test(test_case_of_units),
+        cmocka_unit_test(test_feed_is_a_whole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -44,6 +44,24 @@ DEM_INLINE double dem__touching_radius(const dem_world *w, ptrdiff_t i) {
     return s ? s->radius : w->particle[i].radius;
 }
 
+/* Returns by how many springs a contact of particle i may act, of which a corner has one. */
+DEM_INLINE double dem__springs_of(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? (double)s->springs : 1.0;
+}
+
+/* Returns by what factor a contact of particle i may be stiffer than its spring and masses tell, because a polyhedron
+   turns. */
+DEM_INLINE double dem__rate_of(const dem_world *w, ptrdiff_t i) {
+    const dem_convex *s = dem__shape_of(w, i);
+    return s ? s->rate : 1.0;
+}
+
+/* Returns whether i or j is a polyhedron; j < 0: a wall. */
+DEM_INLINE int dem__has_polyhedron(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    return dem__shape_of(w, i) || (j >= 0 && dem__shape_of(w, j));
+}
+
 /* Lists the arrays of particles. Returns their number. */
 static inline int dem__particle_arrays(dem_world *w, dem__array *list) {
     dem__bodies *bodies = &w->engine->bodies;

@@ -116,17 +116,13 @@ typedef struct dem__body_calls {
     void (*set_origin)(dem_world *w, dem__rigid *r); /* makes the present step the origin */
     void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity,
                        dem_vec spin);           /* sets velocity and spin at the origin */
-    void (*wrap)(dem_world *w, dem__rigid *r);  /* wraps the body around the periodic box */
     void (*place)(dem_world *w, dem__rigid *r); /* places its particles from its state */
     void (*fall)(dem_world *w, dem__rigid *r);  /* computes accelerations without contacts */
     void (*test_due)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part,
                      void *step); /* tests due pairs, in pages of timers */
     void (*advance)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h); /* moves active particles and
                                                                                          bodies to the end of a step */
-    void (*kick)(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h); /* moves velocities of active bodies
-                                                                                      to the end of a step */
     void (*push)(dem_world *w, int32_t c, int has_friction); /* applies impulses of the partial step in slot c */
-    void (*shift)(dem_world *w, int32_t c);                  /* applies its shift, after all impulses */
     /* greatest speed in flight of a point at an arm [m] from the centre, relative to it [m/s] */
     double (*turning_speed)(const dem__rigid *r, double arm);
 } dem__body_calls;

@@ -42,6 +42,7 @@ enum {
 typedef struct dem__feature {
     int place;      /* DEM__LEDGER_FEATURE and so on */
     int adds_loads; /* it adds to the loads of particles */
+    int turns;      /* its particles may turn without friction */
     int sorts;      /* in a run particles may lie in another order: the feature knows them only by its arrays, and sums
                        nothing in the order of particles */
     int exclusive;  /* it moves particles between steps; a world has at most one such feature */
@@ -84,6 +85,9 @@ typedef struct dem__feature {
     void (*detect)(dem_world *w, int64_t step);            /* finds its own contacts at a step */
     void (*contacts_begun)(dem_world *w, ptrdiff_t begun); /* so many contacts begin, listed in contacts.slots */
     void (*add_forces)(dem_world *w, double h);            /* after those of contacts; h: length of the step [s] */
+    void (*kick)(dem_world *w, double h);                  /* velocities move to the end of the step: its own, */
+    void (*kicked)(dem_world *w);                          /* and after those of all active particles */
+    void (*corrected)(dem_world *w);                       /* after the impulses and shifts of partial steps */
     void (*end_contact)(dem_world *w, ptrdiff_t c);        /* the contact in slot c ends */
     void (*leave)(dem_world *w);                           /* before particles that passed an exit are removed */
     int (*begin_flights)(dem_world *w);                    /* after bounds have been checked; 0 after a failure */

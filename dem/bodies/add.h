@@ -37,11 +37,15 @@ static inline void dem__renumber_bodies(dem_world *w, const int32_t *number) {
 
 static inline dem__feature dem__feature_bodies(void) {
     dem__feature f = dem__new_feature(DEM__BODIES_FEATURE);
+    f.turns = 1;
     f.list_arrays = dem__list_arrays_of_bodies;
     f.release = dem__release_bodies;
     f.add_particle = dem__add_unattached;
     f.renumber = dem__renumber_bodies;
     f.keep_up = dem__keep_rotations;
+    f.kick = dem__kick_active_bodies;
+    f.kicked = dem__place_loaded_bodies;
+    f.corrected = dem__shift_corrected;
     f.particle_fields = dem__particle_fields_of_bodies;
     f.save = dem__save_bodies;
     f.is_used = dem__has_bodies;

@@ -102,15 +102,6 @@ static inline void dem__set_body_motion(dem_world *w, dem__rigid *r, dem_vec vel
     dem__place_pieces(w, r);
 }
 
-/* Wraps a body around the periodic box. Where gravity has a component along the box, it gains potential energy, which
-   is booked. */
-DEM_INLINE void dem__wrap_body(dem_world *w, dem__rigid *r) {
-    const dem_vec x = dem__in_box(w, r->x);
-    if (w->engine->ledger.on && !dem__is_fixed(w, r->first))
-        dem__book_wrap(w, -r->mass * dem__dot(dem__free_fall(w), dem__sub(x, r->x)));
-    r->x = x;
-}
-
 /* Moves a body to the end of a step of length h that ends at tau after its origin, and its velocities to the middle.
    The velocities of its particles, which kernels read, follow from the mean of the arms at both ends. */
 DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, double h) {
@@ -127,7 +118,7 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     r->momentum = momentum;
     r->turn = dem__kept_unit(end);
     r->rotation_steps = 0.0;
-    if (w->engine->run.has_periodic) dem__wrap_body(w, r);
+    if (w->engine->run.has_periodic) dem__put_in_box(w, r->first, &r->x);
     for (ptrdiff_t i = r->first; i < r->first + r->pieces; i++) {
         const dem_vec arm = dem__out_of(&axes, bodies->offset[i]);
         const dem_vec old = h == 0.0 ? arm : steps ? bodies->arm[i] : dem__to_lab(from, bodies->offset[i]);
@@ -252,11 +243,33 @@ static inline void dem__kick_bodies_range(dem_world *w, ptrdiff_t first, ptrdiff
     (void)part;
     dem__kick_bodies(w, 0.5 * *(const double *)h, first, end);
 }
+static inline void dem__kick_active_bodies(dem_world *w, double h) {
+    const ptrdiff_t n = w->engine->bodies.active_count;
+    dem__in_parts(w, dem__parts(w, n / 2), n, dem__kick_bodies_range, &h);
+}
+
+/* Computes the accelerations of all loaded bodies without contacts in the same way as dem__check_bounds. dem__kick_all
+   computes them from sums over particles, which round differently. Which bodies are checked depends on what a step
+   skips, and results must not depend on that. */
+static inline void dem__place_loaded_bodies(dem_world *w) {
+    const dem__bodies *bodies = &w->engine->bodies;
+    for (ptrdiff_t k = 0; k < bodies->active_count && bodies->loads_on; k++) {
+        const ptrdiff_t i = bodies->active[k];
+        dem__rigid *r = dem__rigid_of(w, i);
+        if (!r || r->first != i || w->touching[i] > 0) continue;
+        dem__place_pieces(w, r); /* sets the arms that the torque needs */
+        dem__free_body(w, r);
+    }
+}
 
 /* Moves active particles first .. end-1 and the bodies whose first particles are among them to the end of the step. */
 static inline void dem__advance_with_bodies(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *h) {
+    const int32_t *active = w->engine->bodies.active;
+    const dem__box b = dem__periodic_box(w);
     (void)part;
-    dem__advance_all(w, *(const double *)h, first, end, 1, 1);
+    for (ptrdiff_t k = first; k < end; k++) {
+        if (!dem__rigid_of(w, active[k])) dem__advance_sphere(w, active[k], *(const double *)h, &b, 1);
+    }
     dem__advance_bodies(w, *(const double *)h, first, end);
 }
 
@@ -269,10 +282,7 @@ static inline void dem__test_due_with_bodies(dem_world *w, ptrdiff_t first, ptrd
 static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn, double shift, dem_vec n) {
     dem__rigid *r = dem__rigid_of(w, i);
     dem_particle *p = &w->particle[i];
-    if (dem__is_fixed(w, i)) {
-        dem__strike_fixed(w, i, impulse, turn);
-        return;
-    }
+    if (dem__strike_fixed(w, i, impulse, turn)) return;
     dem__mark_to_check(w, i);
     if (r) {
         dem__push_body(w, r, i, impulse, turn, shift, n);
@@ -283,10 +293,6 @@ static inline void dem__push_any(dem_world *w, ptrdiff_t i, dem_vec impulse, dem
     p->x = dem__plus(p->x, shift / p->mass, n);
     w->engine->bodies.shifted[i] += fabs(shift / p->mass);
     p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, i), turn);
-}
-DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? r->v : w->particle[i].v;
 }
 
 /* Applies the impulses of a correction in which a rigid body takes part. */
@@ -303,9 +309,8 @@ static DEM__NOINLINE void dem__push_bodies(dem_world *w, int32_t c, int has_fric
     else dem__strike_wall(&w->wall[-1 - j], w->particle[i].x, n, dem__scale(-1.0, impulse), dem__scale(-1.0, on_i));
 }
 
-/* Applies the shift of a correction. Runs after all impulses, which act where forces were found. A shift changes the
-   angular momentum of the centres of mass about the common centre. Two opposite impulses at the particles restore
-   it. */
+/* Applies the shift of a correction in which a rigid body takes part. A shift changes the angular momentum of the
+   centres of mass about the common centre. Two opposite impulses at the particles restore it. */
 static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     const dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
@@ -326,11 +331,21 @@ static DEM__NOINLINE void dem__shift_bodies(dem_world *w, int32_t c) {
     dem__expect_impact(w, i, j, n, -dem__dot(dem__sub(w->particle[i].v, w->particle[j].v), n));
 }
 
+/* Applies all such shifts, after all impulses, which act where forces were found. */
+static inline void dem__shift_corrected(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    for (const dem__chunk *in = contacts->chunk; in < contacts->chunk + contacts->chunk_count; in++) {
+        for (ptrdiff_t k = 0; k < in->marked; k++) {
+            const int32_t c = contacts->slots[in->first + k];
+            if (contacts->partial[c] && dem__has_body(w, contacts->i[c], contacts->j[c])) dem__shift_bodies(w, c);
+        }
+    }
+}
+
 static inline const dem__body_calls *dem__rigid_bodies(void) {
-    static const dem__body_calls row = {
-        dem__find_pose,         dem__set_body_origin, dem__set_body_motion,      dem__wrap_body,
-        dem__place_pieces,      dem__free_body,       dem__test_due_with_bodies, dem__advance_with_bodies,
-        dem__kick_bodies_range, dem__push_bodies,     dem__shift_bodies,         dem__turning_speed};
+    static const dem__body_calls row = {dem__find_pose,           dem__set_body_origin, dem__set_body_motion,
+                                        dem__place_pieces,        dem__free_body,       dem__test_due_with_bodies,
+                                        dem__advance_with_bodies, dem__push_bodies,     dem__turning_speed};
     return &row;
 }
 

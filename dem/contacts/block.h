@@ -78,9 +78,11 @@ DEM_INLINE void dem__columns_of(const dem_world *w, ptrdiff_t c, const dem_law *
     for (int a = 0; a < law->states; a++) at->state[a] = contacts->state[a] + c;
     for (int a = 0; a < 9; a++) at->out[a] = contacts->wrench[a] + c;
     at->gap = contacts->gap + c, at->force = contacts->force + c;
-    for (int a = 0; a < 3 && features & DEM_ENERGY; a++) at->power[a] = contacts->power[a] + c;
-    for (int a = 0; a < 4 && features & DEM_ENERGY; a++) at->loss[a] = contacts->loss[a] + c;
-    at->elastic = features & DEM_ENERGY ? contacts->elastic + c : NULL;
+    at->elastic = NULL;
+    if (!(features & DEM_ENERGY)) return;
+    for (int a = 0; a < 3; a++) at->power[a] = contacts->power[a] + c;
+    for (int a = 0; a < 4; a++) at->loss[a] = contacts->loss[a] + c;
+    at->elastic = contacts->elastic + c;
 }
 
 /* Sets where the results of a block go. Forces go into the block's rows, because few runs keep them. The rest goes

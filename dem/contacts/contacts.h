@@ -16,7 +16,7 @@ static inline void dem__report_end(dem_world *w, const dem_law *law, int32_t k) 
 /* Returns whether the caller ended the contact of i and j: by changing the wall, or by fixing particles. */
 static inline int dem__is_taken_away(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
     if (j < 0) return !dem__is_at_wall(w, i, -1 - (int)j) || dem__is_fixed(w, i);
-    return dem__is_fixed(w, i) && dem__is_fixed(w, j);
+    return dem__cannot_meet(w, i, j);
 }
 
 /* Returns the lower rank of the contact in slot c. */
@@ -160,15 +160,6 @@ static inline double dem__curvature_at(const dem_world *w, ptrdiff_t c) {
     return touch.curvature;
 }
 
-/* Returns by what factor a contact of polyhedra may be stiffer than its spring and masses tell, because a body
-   turns. */
-DEM_INLINE double dem__rate_of(const dem_world *w, ptrdiff_t c) {
-    const ptrdiff_t j = w->engine->contacts.j[c];
-    const dem_convex *s = dem__shape_of(w, w->engine->contacts.i[c]), *other = j >= 0 ? dem__shape_of(w, j) : NULL;
-    const double own = s ? s->rate : 1.0;
-    return other && other->rate > own ? other->rate : own;
-}
-
 /* Computes the constants of the contact in slot c. Contacts with the same sizes and materials share those of a contact
    type. */
 static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *law, int features) {
@@ -178,8 +169,7 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     dem__contact_type kind;
     const ptrdiff_t i = contacts->i[c], j = contacts->j[c];
     const double inertia = dem__inertia(w, i);
-    int same =
-        contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* too many types: none is searched */
+    int same = contacts->type_count > DEM__TYPES_MAX ? contacts->type_count : 0; /* too many types: none is searched */
     memset(&b, 0, sizeof b);
     memset(&kind, 0, sizeof kind);
     b.def = &w->def;
@@ -187,13 +177,10 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     b.material_i = w->material[i];
     b.radius_i = w->particle[i].radius;
     if (j >= 0) {
-        double other = dem__inertia(w, j);
         b.material_j = w->material[j];
         b.radius_j = w->particle[j].radius;
-        b.mass = w->particle[i].mass * w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
-        b.inertia = inertia * other / (inertia + other);
-        if (dem__is_fixed(w, i)) b.mass = w->particle[j].mass, b.inertia = other;
-        if (dem__is_fixed(w, j)) b.mass = w->particle[i].mass, b.inertia = inertia;
+        b.mass = dem__reduced(w, i, j, w->particle[i].mass, w->particle[j].mass);
+        b.inertia = dem__reduced(w, i, j, inertia, dem__inertia(w, j));
     } else {
         b.material_j = w->wall[-1 - j].material;
         b.mass = w->particle[i].mass;
@@ -210,7 +197,8 @@ static inline void dem__set_constants(dem_world *w, ptrdiff_t c, const dem_law *
     kind.mass = b.mass;
     kind.sum = b.radius_i + b.radius_j;
     kind.part = b.radius_i / kind.sum;
-    const double k = stiffness * run->dt * run->dt / b.mass, rate = is_convex ? dem__rate_of(w, c) : 1.0;
+    const double k = stiffness * run->dt * run->dt / b.mass, own = is_convex ? dem__rate_of(w, i) : 1.0,
+                 other = is_convex && j >= 0 ? dem__rate_of(w, j) : 1.0, rate = own > other ? own : other;
     if (rate * k > w->engine->run.stiffest) w->engine->run.stiffest = rate * k;
     kind.predict = dem__prediction(k, 2.0 * b.damping_ratio * sqrt(k));
     while (same < contacts->type_count && memcmp(&contacts->types[same], &kind, sizeof kind) != 0) same++;

@@ -166,15 +166,18 @@ DEM_INLINE void dem__prefetch_body(const dem_particle *particle, const dem__sum 
 
 /* These call the functions for polyhedra on a block. They stand apart because a call through a pointer would slow the
    kernel down. */
-static DEM__NOINLINE void dem__fill_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n, double half) {
-    w->engine->convex.calls->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
+static DEM__NOINLINE void dem__fill_other_rows(const dem__convex_calls *other, const dem_world *w, dem__work *x,
+                                               ptrdiff_t base, int n, double half) {
+    other->fill_rows(w, &x->rows, &x->types, base, n, half, x->wall);
 }
-static DEM__NOINLINE void dem__finish_other_rows(const dem_world *w, dem__work *x, ptrdiff_t base, int n,
-                                                 const dem__columns *at, double half, int features) {
-    w->engine->convex.calls->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
+static DEM__NOINLINE void dem__finish_other_rows(const dem__convex_calls *other, const dem_world *w, dem__work *x,
+                                                 ptrdiff_t base, int n, const dem__columns *at, double half,
+                                                 int features) {
+    other->finish_rows(w, &x->rows, &x->types, base, n, at, x->before, half, features);
 }
-static DEM__NOINLINE void dem__exclude_other(dem_world *w, const dem__chunk *in, ptrdiff_t marked) {
-    w->engine->convex.calls->leave_edges(w, in, marked);
+static DEM__NOINLINE void dem__exclude_other(const dem__convex_calls *other, dem_world *w, const dem__chunk *in,
+                                             ptrdiff_t marked) {
+    other->leave_edges(w, in, marked);
 }
 
 /* Gathers the block of n contacts from slot base on, and prefetches the next block, of this chunk or of the one after
@@ -203,7 +206,6 @@ DEM_INLINE void dem__gather_block(const dem_world *w, dem__work *x, ptrdiff_t ch
     x->walls = walls;
     dem__load_types(w, base, n, law->constants, &x->types);
     dem__complete_rows(w, &x->rows, &x->types, n, half, half, x->wall, walls, has_friction);
-    if (w->engine->convex.calls) dem__fill_other_rows(w, x, base, n, half);
 }
 
 /* Calls the law for n contacts of a block, or for n links, and stores its results. Links use only the sizes of a
@@ -256,14 +258,19 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
     }
 }
 
-/* Computes the work of walls on their contacts from powers, by the trapezoidal rule. */
+/* Computes the work of walls on their contacts from powers, by the trapezoidal rule. A wall that turns works also
+   against rolling resistance: its force counts at the centre of the particle, with the torque about it. */
 DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns *old, const dem__columns *at,
-                                   double half) {
+                                   double half, int rolling) {
     for (int k = 0; k < n; k++) at->loss[3][k] = 0.0, at->power[2][k] = old->power[2][k];
     for (int q = 0; q < x->walls; q++) {
         const int k = x->wall[q].row;
-        const dem_vec v = x->wall[q].velocity;
-        const double power = at->out[0][k] * v.x + at->out[1][k] * v.y + at->out[2][k] * v.z;
+        const dem_wall *wall = x->wall[q].wall;
+        const dem_vec normal = dem_vec3(x->rows.nx[k], x->rows.ny[k], x->rows.nz[k]);
+        const int turns = rolling && wall->spin != 0.0;
+        const dem_vec v = turns ? dem__surface_velocity(wall, x->wall[q].particle->x, normal) : x->wall[q].velocity;
+        double power = at->out[0][k] * v.x + at->out[1][k] * v.y + at->out[2][k] * v.z;
+        for (int a = 0; a < 3 && turns; a++) power += at->out[3 + a][k] * wall->spin * dem_axis(wall->spin_axis, a);
         at->loss[3][k] = half * (old->power[2][k] + power);
         at->power[2][k] = power;
     }
@@ -326,26 +333,29 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
     const int has_friction = (features & DEM_FRICTION) != 0;
     const int only_ledger = (features & DEM_ENERGY) && run->only_ledger;
     const double h = run->kernel_dt, rate = 1.0 / run->dt;
+    const dem__convex_calls *other = w->engine->convex.calls; /* for contacts of polyhedra; NULL if there are none */
     dem__chunk *in = &w->engine->contacts.chunk[chunk];
     for (ptrdiff_t base = in->first, end = in->first + in->count; base < end; base += DEM__BLOCK) {
         const int n = end - base < DEM__BLOCK ? (int)(end - base) : DEM__BLOCK;
         dem__columns old, at;
         dem__gather_block(w, x, chunk, base, n, law, 0.5 * h, has_friction);
+        if (other) dem__fill_other_rows(other, w, x, base, n, 0.5 * h);
         dem__columns_of(w, base, law, features, &old);
         dem__new_columns(w, base, law, features, DEM__COPY_ROWS || only_ledger, &x->block, &at);
         dem__apply_law(w, x, w->engine->contacts.i + base, w->engine->contacts.j + base, n, &old, &at, law, h, rate,
                        features);
-        if (w->engine->convex.calls) {
+        if (other) {
             const dem__columns same = at; /* with the address of `at` itself, clang would not vectorise the law */
-            dem__finish_other_rows(w, x, base, n, &same, 0.5 * h, features);
+            dem__finish_other_rows(other, w, x, base, n, &same, 0.5 * h, features);
         }
-        if (features & DEM_ENERGY) dem__put_wall_work(x, n, &old, &at, 0.5 * h);
+        if (features & DEM_ENERGY)
+            dem__put_wall_work(x, n, &old, &at, 0.5 * h, (w->engine->run.features & DEM_ROLLING) != 0);
         if (only_ledger) {
             dem__store_ledger(&old, &at, n);
             continue;
         }
         const ptrdiff_t marked = dem__mark_edges(w, in, base, n, x->before, x->was, x->ended, at.force);
-        if (w->engine->convex.calls) dem__exclude_other(w, in, marked);
+        if (other) dem__exclude_other(other, w, in, marked);
         dem__store(&old, &at, n, law, features, run->keeps_wrenches);
         if (h > 0.0) dem__correct_partial_steps(w, x, in, base, marked, &old, &at, law, correct, features);
         dem__gather_forces(w, x, chunk, base, n, at.out, has_friction, postpone_from);

@@ -15,14 +15,13 @@ DEM_INLINE double dem__deep_overlap(const dem_world *w, ptrdiff_t i) {
 /* Returns the overlap at which particle i comes to rest if its whole mass hits something of a material [m]. */
 static inline double dem__overlap_at(const dem_world *w, ptrdiff_t i, int material, int features, double speed) {
     const int m = w->material[i];
-    const dem_convex *s = dem__shape_of(w, i);
     double constants[DEM_CONSTANTS_MAX];
     dem_birth b;
     memset(&b, 0, sizeof b);
     b.def = &w->def, b.features = features, b.material_i = m, b.material_j = material;
     b.pair = m < material ? &w->def.pair[m][material] : &w->def.pair[material][m];
-    const double springs = s ? (double)s->springs : 1.0; /* a corner has one of them */
-    b.radius_i = s ? s->radius : w->particle[i].radius, b.mass = w->particle[i].mass;
+    const double springs = dem__springs_of(w, i);
+    b.radius_i = dem__touching_radius(w, i), b.mass = w->particle[i].mass;
     if (!(features & DEM_HERTZ)) return speed * sqrt(springs * b.mass / b.pair->stiffness);
     dem_prepare_hertz(&b, constants);
     return speed / 2.943275175395 *
@@ -39,9 +38,8 @@ static inline void dem__advise_stiffness(const dem_world *w, int features, doubl
     for (ptrdiff_t i = 0; i < w->count; i++) present[w->material[i]] |= w->alive[i] != 0;
     for (int k = 0; k < w->walls; k++) present[w->wall[k].material] |= dem__has_surface(&w->wall[k]);
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem_convex *s = dem__shape_of(w, i);
-        const double deep = dem__deep_overlap(w, i), springs = s ? (double)s->springs : 1.0,
-                     needed = springs * w->particle[i].mass * (speed / deep) * (speed / deep);
+        const double deep = dem__deep_overlap(w, i),
+                     needed = dem__springs_of(w, i) * w->particle[i].mass * (speed / deep) * (speed / deep);
         if (!w->alive[i] || dem__is_fixed(w, i)) continue;
         a->stiffness = needed > a->stiffness ? needed : a->stiffness;
         for (int m = 0; m < w->def.materials; m++) {

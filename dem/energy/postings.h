@@ -36,4 +36,6 @@ DEM_INLINE void dem__book_field_work(dem_world *w, double work) {
 }
 
 /* Books the work that moving fixed particles do on others [J]. */
-DEM_INLINE void dem__book_work_of_fixed(dem_world *w, double work) { w->engine->ledger.sums.external_work += work; }
+DEM_INLINE void dem__book_work_of_fixed(dem_world *w, double work) {
+    if (w->engine->ledger.counts) w->engine->ledger.sums.external_work += work;
+}

@@ -1,6 +1,7 @@
-/* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step.
-   Reads bodies and the law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to
-   its end, computed at its origin, and the same whatever is skipped. */
+/* A force field. Particles in flight advance by steps of their own; for the others its force is added in each step. A
+   rigid body feels it at its centre and flies as its first particle: only that one has a flight. Reads bodies and the
+   law; writes bodies, their bounds and timers. Promises: a flight is a parabola from its origin to its end, computed at
+   its origin, and the same whatever is skipped. */
 #pragma once
 #include "../search/timers.h"
 #include "../particles/exits.h"
@@ -24,34 +25,6 @@ DEM_INLINE double dem__time_of(const dem_world *w, int64_t step) {
     return w->engine->run.start_time + (double)(step - w->engine->run.start_step) * w->engine->run.dt;
 }
 
-/* A rigid body feels the field at its centre and flies as its first particle: only that particle has a flight. Returns
-   whether i is a sphere or such a particle. */
-DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return !r || r->first == i;
-}
-
-/* Returns the radius of particle i, or of the sphere with the volume of its body [m]. */
-DEM_INLINE double dem__size_in_field(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? 0.5 * dem__equal_diameter(w, r) : w->particle[i].radius;
-}
-
-/* Gives particle i, or its body, a new parabola from here on. */
-static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem_vec a) {
-    dem__rigid *r = dem__rigid_of(w, i);
-    dem_particle *p = &w->particle[i];
-    if (r) {
-        w->engine->bodies.calls->set_origin(w, r);
-        r->x = x, r->v = v, r->a = a;
-        w->engine->bodies.calls->place(w, r);
-        return;
-    }
-    p->spin = dem__spin_at(w, i, dem__now(w, i));
-    p->x = x, p->v = v, p->a = a;
-    p->origin = w->step;
-}
-
 DEM_INLINE int dem__is_zero(dem_vec v) { return v.x == 0.0 && v.y == 0.0 && v.z == 0.0; }
 
 /* Returns what a law is told about particle i at x with velocity v, tau after its origin step. seen: room for what it
@@ -61,7 +34,7 @@ DEM_INLINE dem_force_point dem__field_point(const dem_world *w, ptrdiff_t i, dem
     dem_force_point at;
     at.position = w->engine->run.has_periodic ? dem__in_box(w, x) : x;
     at.velocity = v;
-    at.radius = dem__size_in_field(w, i), at.mass = w->particle[i].mass;
+    at.radius = 0.5 * dem__diameter_of(w, i), at.mass = w->particle[i].mass;
     at.time = time;
     at.gravity = dem__free_fall(w);
     at.user = w->engine->field.def.user;
@@ -107,14 +80,9 @@ DEM_INLINE dem__turning dem__turning_of(const dem_world *w, ptrdiff_t i, const d
 /* Lets the torque act on particle i, or its body, over a past time, at an origin that has just been set. Exact for a
    sphere if c is constant. Returns the energy gained [J]. */
 DEM_INLINE double dem__apply_drag_torque(dem_world *w, ptrdiff_t i, double passed, const dem__turning *q) {
-    dem__rigid *r = dem__rigid_of(w, i);
     const double before = dem__rotational(w, i), y = q->c * passed / q->inertia;
     const double part = y < 1e-3 ? 1.0 - y * (0.5 - y * (1.0 / 6.0 - y / 24.0)) : (1.0 - riddle_exp(-y)) / y;
-    const dem_vec impulse = dem__scale(-q->c * passed * part, q->spin);
-    if (r) {
-        r->momentum = dem__add(r->momentum, impulse);
-        w->engine->bodies.calls->place(w, r);
-    } else w->particle[i].spin = dem__plus(w->particle[i].spin, 1.0 / q->inertia, impulse);
+    dem__add_angular_momentum(w, i, dem__scale(-q->c * passed * part, q->spin));
     return dem__rotational(w, i) - before;
 }
 
@@ -187,7 +155,7 @@ DEM_INLINE int dem__steps_within(const dem_world *w, double time) {
 DEM_INLINE int dem__choose_flight(const dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, double tau,
                                   const dem__turning *turn, dem__flown *q, dem_vec (*law)(const dem_force_point *)) {
     const dem_force_field *def = &w->engine->field.def;
-    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * dem__size_in_field(w, i),
+    const double dt = w->engine->run.dt, time = w->time, limit = def->accuracy * 0.5 * dem__diameter_of(w, i),
                  probe = 16.0 * dt;
     const dem_vec first = dem__field_pull(w, i, x, v, time, tau, law), a = dem__add(dem__free_fall(w), first);
     const dem_vec there = dem__plus(x, probe, dem__plus(v, 0.5 * probe, a));
@@ -247,7 +215,7 @@ DEM_INLINE void dem__find_flight(dem_world *w, ptrdiff_t i, dem_vec (*law)(const
     const double h = (double)n * dt;
     field->until[i] = w->step + n;
     field->work[i] = q.work;
-    if (dem__rigid_of(w, i)) field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* dem__free_body adds it */
+    field->force[i] = dem_vec3(0.0, 0.0, 0.0); /* it is in the parabola */
     if (!(q.zero && falls)) {
         dem__begin_parabola(w, i, x, v, q.zero ? g : dem__scale(2.0 / h, q.way));
         if (brakes && !is_body) field->booked[i] = -dem__apply_drag_torque(w, i, passed, &turn);

@@ -58,7 +58,6 @@ static inline void dem__book_flights(dem_world *w, int leaving) {
 DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff_t k) {
     const dem__field *field = &w->engine->field;
     const dem__bound *c = &w->engine->bodies.bound[k];
-    const dem__rigid *r = dem__rigid_of(w, i);
     const double t = dem__since_listed(w, w->step), left = (double)(field->until[i] - w->step) * w->engine->run.dt;
     const dem_vec g = dem__free_fall(w), u = dem_vec3(c->ux, c->uy, c->uz);
     const dem_vec now = dem__sub(dem__plus(dem__drift_at(w, i, dem__now(w, i)), -t, g), u);
@@ -66,9 +65,7 @@ DEM_INLINE double dem__flight_deviation(const dem_world *w, ptrdiff_t i, ptrdiff
                  there = dem__length(dem__plus(now, left, dem__sub(dem__centre_pull(w, i), g))),
                  end = dem__length(dem__sub(dem__plus(field->end_velocity[i], -(t + left), g), u));
     const double most = here > there ? here : there;
-    const double turning_speed =
-        r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[k])) : 0.0;
-    return (most > end ? most : end) + turning_speed;
+    return (most > end ? most : end) + dem__turning_speed_of(w, k);
 }
 
 /* Sets a bound for particle k, which flies with i. It holds for about DEM__FLIGHTS flights like this one. */
@@ -100,14 +97,11 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
     ptrdiff_t reset = 0;
     for (ptrdiff_t q = 0; q < n; q++) {
         const int32_t i = list[q];
-        dem__rigid *r = dem__rigid_of(w, i);
+        const ptrdiff_t end = dem__pieces_of(w, i).end;
         const double tau = dem__now(w, i);
-        if (w->engine->run.has_periodic && w->particle[i].origin == w->step) {
-            if (r) bodies->calls->wrap(w, r);
-            else dem__wrap(w, i);
-        }
+        if (w->engine->run.has_periodic && w->particle[i].origin == w->step) dem__wrap(w, i);
         dem__set_timer(&field->timers, i, field->until[i]);
-        for (int32_t k = i; k < i + (r ? r->pieces : 1); k++) {
+        for (int32_t k = i; k < end; k++) {
             if (dem__flight_deviation(w, i, k) < bodies->bound[k].tolerance) continue; /* false for NaN */
             const double shifted = bodies->shifted[k];
             dem__bound_flight(w, i, k);
@@ -123,9 +117,9 @@ static inline int dem__follow_flights(dem_world *w, const int32_t *list, ptrdiff
 }
 
 /* Returns whether particle i, which takes steps, has the acceleration that it has without contacts and without the
-   field. Always 0 for a body. */
+   field. Always 0 for a body and for a fixed particle. */
 static inline int dem__feels_no_field(const dem_world *w, ptrdiff_t i) {
-    if (dem__rigid_of(w, i)) return 0;
+    if (!dem__is_free_sphere(w, i)) return 0;
     const dem_vec a =
         dem__plus(dem__free_fall(w), w->engine->bodies.sum[i].per_mass, dem__first(w->engine->bodies.load[i]));
     return dem__is_zero(dem__sub(w->particle[i].a, a));
@@ -198,13 +192,14 @@ static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
     const double t = dem__since_listed(w, w->step);
     for (ptrdiff_t k = 0; k < 2 * begun; k++) {
         const int32_t c = contacts->slots[k / 2], touched = k % 2 ? contacts->j[c] : contacts->i[c];
-        const dem__rigid *r = touched < 0 ? NULL : dem__rigid_of(w, touched);
-        const int32_t i = r ? r->first : touched;
-        if (i < 0 || field->until[i] == DEM__NO_FLIGHT) continue;
+        if (touched < 0) continue;
+        const dem__pieces own = dem__pieces_of(w, touched);
+        const int32_t i = (int32_t)own.first;
+        if (field->until[i] == DEM__NO_FLIGHT) continue;
         const double booked = field->booked[i];
         dem__run_field(w, &i, 1, DEM__END_FLIGHTS, 0.0);
         dem__book_field_work(w, field->work[i] - booked);
-        for (int32_t q = i; q < i + (r ? r->pieces : 1); q++)
+        for (ptrdiff_t q = own.first; q < own.end; q++)
             dem__set_tolerance_left(w, q, dem__length(dem__deviation(w, q, t)));
         dem__stop_timer(&field->timers, i);
     }
@@ -214,8 +209,7 @@ static inline void dem__end_flights(dem_world *w, ptrdiff_t begun) {
 static inline void dem__book_stepping(dem_world *w, double h) {
     for (ptrdiff_t k = 0; k < w->engine->bodies.active_count && w->engine->ledger.on && h > 0.0; k++) {
         const ptrdiff_t i = w->engine->bodies.active[k];
-        const dem__rigid *r = dem__rigid_of(w, i);
-        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.force[i], r ? r->v : w->particle[i].v));
+        dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.force[i], dem__centre_velocity(w, i)));
         dem__book_field_work(w, 0.5 * h * dem__dot(w->engine->field.torque[i], w->particle[i].spin));
     }
 }
@@ -241,8 +235,7 @@ static inline int dem__begin_flights(dem_world *w) {
     for (ptrdiff_t k = 0; k < field->steppers; k++) {
         const int32_t i = list[k];
         if (dem__is_flying(w, i)) list[n++] = i;
-        else if (w->alive[i] > 0 && w->touching[i] == 0 && !dem__rigid_of(w, i) &&
-                 !dem__is_fixed(w, i)) {  /* it has a load */
+        else if (w->alive[i] > 0 && w->touching[i] == 0 && dem__is_free_sphere(w, i)) { /* it has a load */
             dem__free_acceleration(w, i); /* rounded as after a check of its bound */
             w->particle[i].a = dem__plus(w->particle[i].a, w->engine->bodies.sum[i].per_mass, field->force[i]);
         }
@@ -258,8 +251,7 @@ static inline int dem__begin_flights(dem_world *w) {
    it. */
 static inline dem_vec dem__velocity_error_in_field(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__field *field = &w->engine->field;
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const ptrdiff_t first = r ? r->first : i; /* the flight belongs to the first particle */
+    const ptrdiff_t first = dem__pieces_of(w, i).first; /* the flight belongs to it */
     const dem_vec none = dem_vec3(0.0, 0.0, 0.0);
     if (w->engine->bodies.activity[i] || field->until[first] == DEM__NO_FLIGHT) return none;
     const double whole = (double)(field->until[first] - w->particle[i].origin) * w->engine->run.dt, share = tau / whole;
@@ -269,12 +261,8 @@ static inline dem_vec dem__velocity_error_in_field(const dem_world *w, ptrdiff_t
 
 /* Gives particle i, or its body, the most accurate velocity that is known, at an origin that has just been set. */
 static inline void dem__correct_velocity_in_field(dem_world *w, ptrdiff_t i, dem_vec error) {
-    dem__rigid *r = dem__rigid_of(w, i);
     dem__book_field_work(w, -dem__motion_energy(w, i));
-    if (r) {
-        r->v = dem__add(r->v, error);
-        w->engine->bodies.calls->place(w, r);
-    } else w->particle[i].v = dem__add(w->particle[i].v, error);
+    dem__add_velocity(w, i, error);
     dem__book_field_work(w, dem__motion_energy(w, i));
 }
 

@@ -90,8 +90,8 @@ DEM_API dem_status dem_gas_porosity(const dem_world *world, const dem_gas *gas, 
     for (ptrdiff_t k = 0; k < all; k++) porosity[k] = 0.0;
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__gas_cell cell;
-        const double d = 2.0 * dem__size_in_field(w, i);
-        const dem_vec place = dem__turned(gas, &f, dem__sub(dem_get_body(w, i).position, f.centre), -1.0);
+        const double d = dem__diameter_of(w, i);
+        const dem_vec place = dem__turned(gas, &f, dem__sub(dem__centre_now(w, i), f.centre), -1.0);
         if (w->alive[i] <= 0 || !dem__leads(w, i) || !dem__gas_cell_of(gas, dem__add(gas->centre, place), &cell))
             continue;
         for (int corner = 0; corner < 8; corner++) {

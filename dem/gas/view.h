@@ -115,18 +115,19 @@ static inline dem_vec dem__across(dem_vec u, int k) {
 
 /* Finds the outline of a body of spheres, over the diameter of the sphere of its own volume, and its surface. Lengths
    are rounded, so that bodies of one shape and several sizes have the same bits. */
-static inline void dem__find_outline(const dem_world *w, const dem__rigid *r, dem__outline *c, double *surface) {
-    const double grain = 1073741824.0, x = dem__equal_diameter(w, r);
+static inline void dem__find_outline(const dem_world *w, ptrdiff_t i, dem__outline *c, double *surface) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    const double grain = 1073741824.0, x = dem__diameter_of(w, i);
     dem__cover cap[DEM__CAPS];
     dem__exposed e;
     dem__content content;
     memset(&content, 0, sizeof content);
-    c->n = r->pieces;
+    c->n = (int)(own.end - own.first);
     for (int k = 0; k < c->n; k++) {
-        const dem_vec o = w->engine->bodies.offset[r->first + k];
+        const dem_vec o = w->engine->bodies.offset[own.first + k];
         c->centre[k] = dem_vec3(floor(o.x / x * grain + 0.5) / grain, floor(o.y / x * grain + 0.5) / grain,
                                 floor(o.z / x * grain + 0.5) / grain);
-        c->radius[k] = floor(w->particle[r->first + k].radius / x * grain + 0.5) / grain;
+        c->radius[k] = floor(w->particle[own.first + k].radius / x * grain + 0.5) / grain;
     }
     *surface = 0.0;
     for (int k = 0; k < c->n; k++) {
@@ -134,9 +135,9 @@ static inline void dem__find_outline(const dem_world *w, const dem__rigid *r, de
         dem__add_enclosed(&content, &e, c->centre[k], c->radius[k]);
         *surface += c->radius[k] * c->radius[k] * e.zero;
     }
-    const double own = riddle_cbrt(6.0 / RIDDLE_PI * content.volume);
-    for (int k = 0; k < c->n; k++) c->centre[k] = dem__scale(1.0 / own, c->centre[k]), c->radius[k] /= own;
-    *surface /= 0.25 * RIDDLE_PI * own * own;
+    const double d = riddle_cbrt(6.0 / RIDDLE_PI * content.volume);
+    for (int k = 0; k < c->n; k++) c->centre[k] = dem__scale(1.0 / d, c->centre[k]), c->radius[k] /= d;
+    *surface /= 0.25 * RIDDLE_PI * d * d;
 }
 
 /* Finds areas in a table, by interpolation in a square. seen: area along u, mean area across it. */
@@ -209,14 +210,12 @@ static inline dem_vec dem__flow_direction(dem_vec flow) {
 static DEM__NOINLINE void dem__find_seen_body(const dem__seen *s, dem_vec flow, double psi[3]) {
     const dem_world *w = s->world;
     const dem__field *field = &w->engine->field;
-    const dem__rigid *r = dem__rigid_of(w, s->first);
     const dem__view *view = &field->view[field->view_of[s->first] - 1];
     const dem_vec v = dem__flow_direction(flow);
-    const dem_quaternion turn = dem__pose_at(w, r, s->tau).turn;
+    const dem_quaternion turn = dem__body_turn_at(w, s->first, s->tau);
     double seen[2];
     if (view->facets.n > 0) {
-        dem__see_facets(&view->facets, view->surface, dem__to_body(dem__turn_of_polyhedron(w, s->first, r, turn), v),
-                        psi);
+        dem__see_facets(&view->facets, view->surface, dem__to_body(dem__turn_of_polyhedron(w, s->first, turn), v), psi);
         return;
     }
     dem__read_view(view, dem__to_body(turn, v), seen);
@@ -225,7 +224,7 @@ static DEM__NOINLINE void dem__find_seen_body(const dem__seen *s, dem_vec flow, 
 
 /* Returns what a law is told about the body of particle i, tau after its origin step; NULL for a sphere. */
 DEM_INLINE const dem__seen *dem__look_at(const dem_world *w, ptrdiff_t i, double tau, dem__seen *seen) {
-    if (!dem__rigid_of(w, i) || w->engine->field.view_of[i] <= 0) return NULL;
+    if (w->engine->field.view_of[i] <= 0) return NULL;
     seen->find = dem__find_seen_body, seen->world = w, seen->first = i, seen->tau = tau;
     return seen;
 }
@@ -257,23 +256,28 @@ static inline ptrdiff_t dem__view_with(dem_world *w, uint64_t key, int *is_new) 
     return field->views++;
 }
 
+/* Returns whether a flow sees particle i as one sphere: it is one, alone or as a clump, or part of a compound. */
+static inline int dem__is_seen_as_sphere(const dem_world *w, ptrdiff_t i) {
+    const dem__pieces own = dem__pieces_of(w, i);
+    return dem__is_part(w, i) || (!dem__shape_of(w, i) && own.end - own.first == 1);
+}
+
 /* Makes the views that bodies of a world lack. Returns 0 when out of memory. */
 static inline int dem__find_views(dem_world *w) {
     dem__field *field = &w->engine->field;
     dem__outline outline;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
         const dem_convex *s = dem__shape_of(w, i);
         uint64_t key = s ? (uint64_t)(s - w->engine->convex.shape) + 1 : 0xcbf29ce484222325u;
         double surface = 0.0;
         int is_new;
-        if (!r || r->first != i || field->view_of[i] != 0) continue;
-        if ((!s && r->pieces == 1) || dem__is_part(w, i)) {
+        if (!dem__leads(w, i) || field->view_of[i] != 0) continue;
+        if (dem__is_seen_as_sphere(w, i)) {
             field->view_of[i] = -1;
             continue;
         }
         if (!s) {
-            dem__find_outline(w, r, &outline, &surface);
+            dem__find_outline(w, i, &outline, &surface);
             for (int k = 0; k < outline.n; k++)
                 dem__hash_vec(&key, outline.centre[k]), dem__hash_f64(&key, &outline.radius[k], 1);
             key |= (uint64_t)1 << 63;
@@ -291,22 +295,21 @@ DEM_API dem_status dem_body_sphericities(const dem_world *world, ptrdiff_t i, de
     const dem_world *w = world;
     if (!w || !w->engine || i < 0 || i >= w->count || !psi || !dem__finite_vec(flow) || dem__length(flow) == 0.0)
         return DEM_BAD_ARGUMENT;
-    const dem__rigid *r = dem__rigid_of(w, i);
     const dem_convex *s = dem__shape_of(w, i);
     dem__facets facets;
     dem__outline outline;
     double surface, across = 0.0;
     psi[0] = psi[1] = psi[2] = 1.0;
-    if (!r || (!s && r->pieces == 1) || dem__is_part(w, i)) return DEM_OK;
+    if (dem__is_seen_as_sphere(w, i)) return DEM_OK;
     const dem_vec v = dem__flow_direction(flow);
-    const dem_quaternion turn = dem__pose_at(w, r, dem__now(w, r->first)).turn;
+    const dem_quaternion turn = dem__body_turn_at(w, i, dem__now(w, i));
     if (s) {
         surface = dem__find_facets(s, &facets);
-        dem__see_facets(&facets, surface, dem__to_body(dem__turn_of_polyhedron(w, i, r, turn), v), psi);
+        dem__see_facets(&facets, surface, dem__to_body(dem__turn_of_polyhedron(w, i, turn), v), psi);
         return DEM_OK;
     }
     const dem_vec u = dem__to_body(turn, v);
-    dem__find_outline(w, r, &outline, &surface);
+    dem__find_outline(w, i, &outline, &surface);
     for (int k = 0; k < DEM__VIEW_CIRCLE; k++)
         across += dem__seen_along(&outline, dem__across(u, k)) / (double)DEM__VIEW_CIRCLE;
     dem__sphericities_of(surface, dem__seen_along(&outline, u), across, psi);

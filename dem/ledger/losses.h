@@ -2,6 +2,7 @@
    particles. */
 #pragma once
 #include "../contacts/contacts.h"
+#include "../motion/fixed.h"
 
 /* Books the energy that the contact in slot c stores at its end: as removed if the caller or an exit ended it,
    otherwise as sliding loss, because its tangential spring is released. */
@@ -22,18 +23,6 @@ static inline double dem__stored_energy(const dem_world *w) {
     return sum;
 }
 
-/* Books the work that fixed particle i does by its motion in a step, by the trapezoidal rule. */
-static inline void dem__book_fixed(dem_world *w, ptrdiff_t i) {
-    const dem__bodies *bodies = &w->engine->bodies;
-    const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
-    for (int a = 0; a < 3; a++) {
-        const double of_links = bodies->load[i][a] - bodies->external[i][a],
-                     turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
-        dem__book_work_of_fixed(w, -half * (before[a] + now[a] + of_links) * dem_axis(w->particle[i].v, a));
-        dem__book_work_of_fixed(w, -half * (before[3 + a] + now[3 + a] + turning) * dem_axis(w->particle[i].spin, a));
-    }
-}
-
 /* Books what contacts dissipated in a step, and the work of walls and loads. */
 static inline void dem__book_losses(dem_world *w) {
     const dem__bodies *bodies = &w->engine->bodies;
@@ -47,10 +36,7 @@ static inline void dem__book_losses(dem_world *w) {
     }
     for (ptrdiff_t k = 0; bodies->loads_on && k < bodies->active_count; k++) {
         const ptrdiff_t i = bodies->active[k];
-        if (dem__is_fixed(w, i)) {
-            dem__book_fixed(w, i);
-            continue;
-        }
+        if (dem__work_as_fixed(w, i)) continue;
         l->external_work += w->engine->run.dt * dem__dot(dem__first(bodies->external[i]), w->particle[i].v);
         l->external_work += w->engine->run.dt * dem__dot(dem__second(bodies->external[i]), w->particle[i].spin);
     }

@@ -68,9 +68,11 @@ DEM_INLINE double dem__link_drift(const dem_world *w, ptrdiff_t i) {
            dem__length(dem__first(w->engine->bodies.load[i]));
 }
 
-/* Returns the kinetic energy of a sphere whose origin is the present step [J]. */
+/* Returns the kinetic energy of a sphere whose origin is the present step [J]; 0 if it is fixed, and for a body, whose
+   energy counts where it is kicked. */
 DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
     const dem_particle *p = &w->particle[i];
+    if (!dem__is_free_sphere(w, i)) return 0.0;
     return 0.5 * p->mass * dem__dot(p->v, p->v) + 0.5 * dem__inertia(w, i) * dem__dot(p->spin, p->spin);
 }
 
@@ -79,15 +81,10 @@ DEM_INLINE double dem__energy_at_origin(const dem_world *w, ptrdiff_t i) {
 static inline void dem__stop_linked(dem_world *w, ptrdiff_t i) {
     dem__bodies *bodies = &w->engine->bodies;
     dem__rigid *r = dem__rigid_of(w, i);
-    const dem_particle *p = &w->particle[i];
     dem__set_origin(w, i);
-    if (r) bodies->calls->wrap(w, r), bodies->calls->place(w, r);
-    else dem__wrap(w, i);
-    if (w->engine->ledger.on && r) dem__book_link_work(w, dem__link_work(w, i));
-    else if (w->engine->ledger.on && !dem__is_fixed(w, i)) {
-        const double work = w->engine->links.is_loaded[i] ? dem__link_work_until(w, i, p->x, p->spin) : 0.0;
-        dem__book_link_work(w, work - dem__energy_at_origin(w, i));
-    }
+    dem__wrap(w, i);
+    if (r) dem__place_pieces(w, r);
+    if (w->engine->ledger.on) dem__book_link_work(w, dem__link_work(w, i) - dem__energy_at_origin(w, i));
     memcpy(bodies->sum[i].load, bodies->load[i], sizeof bodies->load[i]);
     memcpy(bodies->load[i], bodies->external[i], sizeof bodies->load[i]);
 }
@@ -113,7 +110,7 @@ static inline void dem__kick_linked(dem_world *w, ptrdiff_t i, double half) {
     const dem_vec b = dem__scale(sum->per_inertia, dem__sub(dem__second(load), dem__second(sum->load)));
     p->v = dem__flushed_vec(dem__plus(p->v, half, a)), p->a = dem__add(p->a, a);
     p->spin = dem__flushed_vec(dem__plus(p->spin, half, b)), w->spin_rate[i] = dem__add(w->spin_rate[i], b);
-    if (w->engine->ledger.on) dem__book_link_work(w, dem__energy_at_origin(w, i));
+    dem__book_link_work(w, dem__energy_at_origin(w, i));
 }
 
 /* Keeps the bound of a particle whose links have been evaluated if it holds until the next evaluation; otherwise sets a
@@ -312,11 +309,11 @@ DEM_API dem_status dem_add_link(dem_world *world, ptrdiff_t i, ptrdiff_t j, int3
     if (!w->engine->links.law) return dem__refuse(w, "world: links have no law: call dem_set_links first");
     if (!state && w->engine->links.states > 0) return dem__refuse(w, "state: NULL, but the law has states");
     if (i == j) return dem__refuse(w, "j: the same particle as i");
-    if (dem__shape_of(w, i) || (j >= 0 && j < w->count && dem__shape_of(w, j))) return DEM_POLYHEDRON;
-    if (j >= 0 && j < w->count && dem__rigid_of(w, i) && dem__rigid_of(w, i) == dem__rigid_of(w, j))
-        return dem__refuse(w, "j: a part of the same body as i");
     if (j >= 0 ? !dem__is_present(w, j) : -1 - j >= w->walls)
         return dem__refuse(w, "j: no particle of this index is present, or no wall -1 - j");
+    if (dem__has_polyhedron(w, i, j)) return DEM_POLYHEDRON;
+    if (j >= 0 && dem__pieces_of(w, i).first == dem__pieces_of(w, j).first)
+        return dem__refuse(w, "j: a part of the same body as i");
     if (w->engine->links.count + 1 > w->engine->links.capacity) {
         dem__array list[DEM__ARRAYS_MAX];
         if (w->engine->links.count > INT32_MAX / 2 ||

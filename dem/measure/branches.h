@@ -3,13 +3,6 @@
 #include "../base/measure_api.h"
 #include "getters.h"
 
-/* Returns the vector from the centre of particle i's body to the particle; 0 for a sphere. */
-static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    return r ? dem__to_lab(dem__pose_at(w, r, dem__now(w, i)).turn, w->engine->bodies.offset[i])
-             : dem_vec3(0.0, 0.0, 0.0);
-}
-
 /* Return how many forces act between particles, and one of them. Contacts come first, then the forces of features. */
 static inline ptrdiff_t dem__forces(const dem_world *w) {
     ptrdiff_t n = w->engine->contacts.count;
@@ -43,9 +36,7 @@ static inline int dem__branch(const dem_world *w, ptrdiff_t k, dem_vec *from, de
                          w->particle[c.i].radius, c.element, &touch);
         *from = dem__sub(*to, dem__scale(w->particle[c.i].radius + touch.gap, touch.normal));
     }
-    if (w->engine->bodies.rigid) {
-        *to = dem__sub(*to, dem__arm_now(w, c.i));
-        if (c.j >= 0) *from = dem__sub(*from, dem__arm_now(w, c.j));
-    }
+    *to = dem__sub(*to, dem__arm_now(w, c.i));
+    if (c.j >= 0) *from = dem__sub(*from, dem__arm_now(w, c.j));
     return dem__dot(c.force, c.force) > 0.0;
 }

@@ -24,50 +24,11 @@ DEM_API double dem_mass(const dem_world *world, ptrdiff_t i) {
     return world && i >= 0 && i < world->count ? world->particle[i].mass : (double)NAN;
 }
 
-DEM_API dem_quaternion dem_orientation(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count)
-        return dem__quaternion((double)NAN, dem_vec3((double)NAN, (double)NAN, (double)NAN));
-    const dem__rigid *r = dem__rigid_of(world, i);
-    if (!r) return dem__quaternion(1.0, dem_vec3(0.0, 0.0, 0.0));
-    return dem__turns(dem__pose_at(world, r, dem__now(world, i)).turn,
-                      dem__opposite_turn(dem__given_frame(world, i, r)));
-}
-
-DEM_API dem_quaternion dem_shape_orientation(const dem_world *world, ptrdiff_t i) {
-    if (!world || i < 0 || i >= world->count || !dem__is_part(world, i)) return dem_orientation(world, i);
-    const dem__rigid *r = dem__rigid_of(world, i);
-    return dem__turns(dem__turn_of_polyhedron(world, i, r, dem__pose_at(world, r, dem__now(world, i)).turn),
-                      dem__opposite_turn(dem__turn_of_shape(dem__shape_of(world, i))));
-}
-
-DEM_API dem_body dem_get_body(const dem_world *world, ptrdiff_t i) {
-    dem_body body;
-    memset(&body, 0, sizeof body);
-    body.first = -1;
-    if (!world || i < 0 || i >= world->count) return body;
-    const dem__rigid *r = dem__rigid_of(world, i);
-    const dem__pieces own = dem__pieces_of(world, i);
-    const double tau = dem__now(world, i);
-    body.first = own.first, body.pieces = own.end - own.first;
-    body.mass = world->particle[i].mass;
-    body.diameter = r ? dem__equal_diameter(world, r) : 2.0 * world->particle[i].radius;
-    body.position = r ? dem__body_position(world, r) : dem_position(world, i);
-    body.velocity = dem__drift_at(world, i, tau);
-    body.velocity = dem__add(body.velocity, dem__velocity_error(world, i, tau));
-    body.spin = dem_spin(world, i), body.orientation = dem_orientation(world, i);
-    const double inertia = dem__inertia(world, i);
-    body.moments = r ? r->moments : dem_vec3(inertia, inertia, inertia);
-    body.axes = r ? dem__pose_at(world, r, tau).turn : body.orientation;
-    return body;
-}
-
 DEM_API dem_vec dem_momentum(const dem_world *world) {
     dem_vec sum = dem_vec3(0.0, 0.0, 0.0);
     for (ptrdiff_t i = 0; world && i < world->count; i++) {
-        const dem__rigid *r = dem__rigid_of(world, i);
-        if (!world->alive[i] || (r && r->first != i)) continue;
-        sum = dem__add(
-            sum, dem__scale(world->particle[i].mass, r ? dem_get_body(world, i).velocity : dem_velocity(world, i)));
+        if (!world->alive[i] || !dem__leads(world, i)) continue;
+        sum = dem__add(sum, dem__scale(world->particle[i].mass, dem__true_drift_at(world, i, dem__now(world, i))));
     }
     return sum;
 }
@@ -92,7 +53,7 @@ static inline void dem__get_place(const dem_world *w, ptrdiff_t slot, dem_contac
 static inline void dem__find_point(const dem_world *w, ptrdiff_t slot, dem_contact_info *info) {
     const dem_vec x = dem_position(w, info->i);
     const double radius = w->particle[info->i].radius;
-    if (slot >= 0 && (dem__shape_of(w, info->i) || (info->j >= 0 && dem__shape_of(w, info->j)))) {
+    if (slot >= 0 && dem__has_polyhedron(w, info->i, info->j)) {
         dem__get_place(w, slot, info);
         return;
     }

@@ -23,10 +23,8 @@ static inline int dem__images(const dem_world *w, dem_vec shift[27]) {
 /* Finds where particle i is counted, and its velocity there. A rigid body counts once, at its centre of mass. Returns 0
    for its other particles. */
 static inline int dem__counts(const dem_world *w, ptrdiff_t i, dem_vec *at, dem_vec *v) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (r && r->first != i) return 0;
-    *at = r ? dem__body_position(w, r) : dem_position(w, i);
-    *v = r ? dem__plus(r->v, dem__now(w, i), r->a) : dem_velocity(w, i);
+    if (!dem__leads(w, i)) return 0;
+    *at = dem__centre_now(w, i), *v = dem__true_drift_at(w, i, dem__now(w, i));
     return 1;
 }
 
@@ -64,8 +62,7 @@ static inline double dem__volume_in(const dem_world *w, const dem__measured *q, 
     const dem_convex *s = dem__shape_of(w, i);
     const double r = w->particle[i].radius;
     if (!s) return dem__ball_in(q->region, &q->inside, x, r);
-    const dem__rigid *body = dem__rigid_of(w, i);
-    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, body, dem__pose_at(w, body, dem__now(w, i)).turn);
+    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, dem__body_turn_at(w, i, dem__now(w, i)));
     return dem__polyhedron_in(q->region, &q->inside, s, x, turn) * (4.0 / 3.0 * RIDDLE_PI * r * r * r);
 }
 

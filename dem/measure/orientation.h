@@ -1,5 +1,6 @@
 /* How bodies are oriented: order tensor, order parameter. Reads a const world. */
 #pragma once
+#include "../bodies/getters.h"
 #include "measure.h"
 
 /* Diagonalises the symmetric matrix m by Jacobi's rotations: m becomes the diagonal matrix of its eigenvalues; the

@@ -31,17 +31,9 @@ DEM_API dem_status dem_set_gravity(dem_world *world, dem_vec gravity) {
         dem__rigid *r = dem__rigid_of(w, i);
         dem__restart(w, i);
         w->particle[i].a = dem__add(w->particle[i].a, change);
-        if (r && r->first == i) r->a = dem__add(r->a, change);
-    }
-    if (w->engine->ledger.on) {
-        for (ptrdiff_t i = 0; i < w->count; i++) {
-            const dem__rigid *r = dem__rigid_of(w, i);
-            const dem_vec x = r ? r->x : w->particle[i].x;
-            const double raised = w->alive[i] && (!r || r->first == i) && !dem__is_fixed(w, i)
-                                      ? -w->particle[i].mass * dem__dot(change, x)
-                                      : 0.0;
-            dem__book_gravity(w, raised);
-        }
+        if (!dem__leads(w, i)) continue;
+        if (r) r->a = dem__add(r->a, change);
+        dem__book_gravity(w, -w->particle[i].mass * dem__dot(change, r ? r->x : w->particle[i].x));
     }
     w->def.gravity = gravity;
     for (ptrdiff_t i = 0; i < w->count; i++) {

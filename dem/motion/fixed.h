@@ -104,20 +104,38 @@ DEM_API dem_status dem_get_fixed_force(const dem_world *world, ptrdiff_t i, dem_
     return DEM_OK;
 }
 
-/* Records the force on a fixed particle at the end of a step, without the caller's loads. half: half of the step [s].
- */
-DEM_INLINE void dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
+/* Records the force on particle i at the end of a step, without the caller's loads, if it is fixed. half: half of the
+   step [s]. Returns whether it is fixed. */
+DEM_INLINE int dem__note_fixed_force(dem_world *w, ptrdiff_t i, dem_vec force, dem_vec torque, double half) {
+    if (!dem__is_fixed(w, i)) return 0;
     dem__fixed *f = &w->engine->bodies.fixed[i];
     const double *external = w->engine->bodies.external[i];
     force = dem__sub(force, dem__first(external)), torque = dem__sub(torque, dem__second(external));
     f->impulse = dem__plus(f->impulse, half, dem__add(dem__first(f->load), force));
     for (int a = 0; a < 3; a++) f->load[a] = dem_axis(force, a), f->load[3 + a] = dem_axis(torque, a);
+    return 1;
 }
 
-/* Records the impulse of a partial step on a fixed particle, and its work if the particle moves. */
-static inline void dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
+/* Records the impulse of a partial step on particle i, and its work, if it is fixed. Returns whether it is fixed. */
+DEM_INLINE int dem__strike_fixed(dem_world *w, ptrdiff_t i, dem_vec impulse, dem_vec turn) {
+    if (!dem__is_fixed(w, i)) return 0;
     const dem_particle *p = &w->particle[i];
     w->engine->bodies.fixed[i].impulse = dem__add(w->engine->bodies.fixed[i].impulse, impulse);
-    if (w->engine->run.features & DEM_ENERGY)
-        dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
+    dem__book_work_of_fixed(w, -dem__dot(impulse, p->v) - dem__dot(turn, p->spin));
+    return 1;
+}
+
+/* Books the work that particle i does by its motion in a step, by the trapezoidal rule, if it is fixed. Returns whether
+   it is fixed. */
+static inline int dem__work_as_fixed(dem_world *w, ptrdiff_t i) {
+    if (!dem__is_fixed(w, i)) return 0;
+    const dem__bodies *bodies = &w->engine->bodies;
+    const double *now = bodies->sum[i].load, *before = bodies->fixed[i].load, half = 0.5 * w->engine->run.dt;
+    for (int a = 0; a < 3; a++) {
+        const double of_links = bodies->load[i][a] - bodies->external[i][a],
+                     turning = bodies->load[i][3 + a] - bodies->external[i][3 + a];
+        dem__book_work_of_fixed(w, -half * (before[a] + now[a] + of_links) * dem_axis(w->particle[i].v, a));
+        dem__book_work_of_fixed(w, -half * (before[3 + a] + now[3 + a] + turning) * dem_axis(w->particle[i].spin, a));
+    }
+    return 1;
 }

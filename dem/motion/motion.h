@@ -55,6 +55,25 @@ DEM_INLINE dem__pieces dem__pieces_of(const dem_world *w, ptrdiff_t i) {
     return own;
 }
 
+/* Returns whether particle i stands for all that moves as one: a single sphere, or the first particle of a body. */
+DEM_INLINE int dem__leads(const dem_world *w, ptrdiff_t i) { return dem__pieces_of(w, i).first == i; }
+
+/* Returns whether i and j cannot meet: particles of one body, or both fixed. */
+DEM_INLINE int dem__cannot_meet(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return (r && r == dem__rigid_of(w, j)) || (dem__is_fixed(w, i) && dem__is_fixed(w, j));
+}
+
+/* Returns whether a rigid body takes part in a contact of i and j; j < 0: of a wall. */
+DEM_INLINE int dem__has_body(const dem_world *w, ptrdiff_t i, ptrdiff_t j) {
+    return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
+}
+
+/* Returns whether particle i is a sphere that forces move: neither a part of a body nor fixed. */
+DEM_INLINE int dem__is_free_sphere(const dem_world *w, ptrdiff_t i) {
+    return !dem__rigid_of(w, i) && !dem__is_fixed(w, i);
+}
+
 /* Returns the acceleration of particle i, or of its rigid body, divided by the force on it [1/kg]; 0 if it is fixed. */
 DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) {
     return dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
@@ -64,11 +83,31 @@ DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, doubl
     return w->engine->bodies.calls->pose(w, r, tau);
 }
 
+/* Returns the orientation of the principal axes of particle i's body, tau after its origin step [s]. */
+static inline dem_quaternion dem__body_turn_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem__pose_at(w, dem__rigid_of(w, i), tau).turn;
+}
 /* Returns the orientation of a polyhedron's own axes, from that of its body. The body's axes may have another order; a
    part of a compound has a turn of its own. */
-static inline dem_quaternion dem__turn_of_polyhedron(const dem_world *w, ptrdiff_t i, const dem__rigid *r,
-                                                     dem_quaternion turn) {
-    return dem__turns(turn, dem__is_part(w, i) ? w->engine->convex.part[i] : dem__opposite_turn(r->frame));
+static inline dem_quaternion dem__turn_of_polyhedron(const dem_world *w, ptrdiff_t i, dem_quaternion turn) {
+    return dem__turns(turn,
+                      dem__is_part(w, i) ? w->engine->convex.part[i] : dem__opposite_turn(dem__rigid_of(w, i)->frame));
+}
+
+/* Returns the greatest speed in flight of a point of particle i's body that is an arm [m] away from its centre,
+   relative to it [m/s]. */
+DEM_INLINE double dem__turning_speed_at(const dem_world *w, ptrdiff_t i, double arm) {
+    return w->engine->bodies.calls->turning_speed(dem__rigid_of(w, i), arm);
+}
+/* Returns the same of the centre of particle i; 0 for a sphere. */
+DEM_INLINE double dem__turning_speed_of(const dem_world *w, ptrdiff_t i) {
+    return dem__rigid_of(w, i) ? dem__turning_speed_at(w, i, dem__length(w->engine->bodies.offset[i])) : 0.0;
+}
+
+/* Returns the vector from the centre of particle i's body to the particle now; 0 for a sphere. */
+static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
+    return dem__rigid_of(w, i) ? dem__to_lab(dem__body_turn_at(w, i, dem__now(w, i)), w->engine->bodies.offset[i])
+                               : dem_vec3(0.0, 0.0, 0.0);
 }
 
 /* Return position and velocity of a particle of a rigid body, tau after its origin step [s]. */
@@ -111,6 +150,11 @@ DEM_INLINE dem_vec dem__drift_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);
     return r ? dem__plus(r->v, tau, r->a) : dem__sphere_velocity_at(w, i, tau);
 }
+/* Returns the velocity of the same centre as it is stored. */
+DEM_INLINE dem_vec dem__centre_velocity(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? r->v : w->particle[i].v;
+}
 /* Returns the acceleration of the centre of particle i, or of its body. */
 DEM_INLINE dem_vec dem__centre_pull(const dem_world *w, ptrdiff_t i) {
     const dem__rigid *r = dem__rigid_of(w, i);
@@ -123,9 +167,12 @@ static inline dem_vec dem__velocity_error(const dem_world *w, ptrdiff_t i, doubl
     DEM__GET(w, error, velocity_error, (w, i, tau));
     return error;
 }
-/* Returns the velocity as accurately as it is known. */
+/* Return the velocity of particle i, and of its centre or that of its body, as accurately as they are known. */
 static inline dem_vec dem__true_velocity_at(const dem_world *w, ptrdiff_t i, double tau) {
     return dem__add(dem__velocity_at(w, i, tau), dem__velocity_error(w, i, tau));
+}
+static inline dem_vec dem__true_drift_at(const dem_world *w, ptrdiff_t i, double tau) {
+    return dem__add(dem__drift_at(w, i, tau), dem__velocity_error(w, i, tau));
 }
 DEM_INLINE dem_vec dem__spin_at(const dem_world *w, ptrdiff_t i, double tau) {
     const dem__rigid *r = dem__rigid_of(w, i);

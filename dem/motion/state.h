@@ -18,14 +18,41 @@ static inline void dem__set_origin(dem_world *w, ptrdiff_t i) {
     w->particle[i].origin = w->step;
 }
 
-/* Puts a stored position back into the periodic box. Where gravity has a component along the box, the particle gains
-   potential energy, which is booked. */
-DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
+/* Gives particle i, or its rigid body, a new parabola from here on. */
+static inline void dem__begin_parabola(dem_world *w, ptrdiff_t i, dem_vec x, dem_vec v, dem_vec a) {
+    dem__rigid *r = dem__rigid_of(w, i);
     dem_particle *p = &w->particle[i];
-    const dem_vec x = dem__in_box(w, p->x);
-    if (w->engine->ledger.on && !dem__is_fixed(w, i))
-        dem__book_wrap(w, -p->mass * dem__dot(dem__free_fall(w), dem__sub(x, p->x)));
-    p->x = x;
+    if (r) {
+        w->engine->bodies.calls->set_origin(w, r);
+        r->x = x, r->v = v, r->a = a;
+        w->engine->bodies.calls->place(w, r);
+        return;
+    }
+    p->spin = dem__spin_at(w, i, dem__now(w, i));
+    p->x = x, p->v = v, p->a = a;
+    p->origin = w->step;
+}
+
+/* Changes the velocity of particle i, or of its body, at an origin that has just been set. */
+static inline void dem__add_velocity(dem_world *w, ptrdiff_t i, dem_vec change) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        r->v = dem__add(r->v, change);
+        w->engine->bodies.calls->place(w, r);
+    } else w->particle[i].v = dem__add(w->particle[i].v, change);
+}
+
+/* Puts x, where particle i or the centre of its body is, back into the periodic box. Where gravity has a component
+   along the box, it gains potential energy, which is booked. */
+DEM_INLINE void dem__put_in_box(dem_world *w, ptrdiff_t i, dem_vec *x) {
+    const dem_vec in = dem__in_box(w, *x);
+    if (!dem__is_fixed(w, i)) dem__book_wrap(w, -w->particle[i].mass * dem__dot(dem__free_fall(w), dem__sub(in, *x)));
+    *x = in;
+}
+/* Puts the stored position of particle i, or of its body, back into the box. */
+DEM_INLINE void dem__wrap(dem_world *w, ptrdiff_t i) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    dem__put_in_box(w, i, r ? &r->x : &w->particle[i].x);
 }
 
 /* Returns the number of rigid bodies present. The array keeps removed bodies until lists are rebuilt. */
@@ -38,6 +65,39 @@ static inline ptrdiff_t dem__bodies_present(const dem_world *w) {
 
 DEM_INLINE double dem__inertia(const dem_world *w, ptrdiff_t i) {
     return 0.4 * w->particle[i].mass * w->particle[i].radius * w->particle[i].radius;
+}
+
+/* Changes the angular momentum of particle i, or of its body, at an origin that has just been set. */
+static inline void dem__add_angular_momentum(dem_world *w, ptrdiff_t i, dem_vec change) {
+    dem__rigid *r = dem__rigid_of(w, i);
+    if (r) {
+        r->momentum = dem__add(r->momentum, change);
+        w->engine->bodies.calls->place(w, r);
+    } else w->particle[i].spin = dem__plus(w->particle[i].spin, 1.0 / dem__inertia(w, i), change);
+}
+
+/* Returns the diameter of particle i, or of a sphere with the mass of its body and the material of its first particle
+   [m]. */
+static inline double dem__diameter_of(const dem_world *w, ptrdiff_t i) {
+    const dem__rigid *r = dem__rigid_of(w, i);
+    return r ? riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density)
+             : 2.0 * w->particle[i].radius;
+}
+
+/* Returns what a contact of i and j counts on, of a mass or a moment of inertia of each: a fixed particle counts as
+   infinitely heavy. */
+DEM_INLINE double dem__reduced(const dem_world *w, ptrdiff_t i, ptrdiff_t j, double of_i, double of_j) {
+    return dem__is_fixed(w, j) ? of_i : dem__is_fixed(w, i) ? of_j : of_i * of_j / (of_i + of_j);
+}
+
+/* Predicts how an impact that has just begun changes the velocities of i and j by its middle, when both have the normal
+   velocity of their common centre of mass. New bounds rely on it. */
+DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
+    if (!(closing > 0.0)) return; /* the contact has ended */
+    double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
+    if (w->engine->bodies.has_fixed && j >= 0) part = dem__is_fixed(w, i) ? 0.0 : dem__is_fixed(w, j) ? 1.0 : part;
+    w->engine->bodies.impact[i] = dem__scale(part * closing, n);
+    if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
 }
 
 /* Returns the kinetic energy of particle i [J]. The energies of a rigid body are those of its first particle, so that
@@ -171,10 +231,9 @@ static inline dem_quaternion dem__given_frame(const dem_world *w, ptrdiff_t i, c
     return own.w != 1.0 ? dem__turns(own, r->frame) : r->frame;
 }
 
-/* Returns the position of a rigid body now, within the periodic box. */
-static inline dem_vec dem__body_position(const dem_world *w, const dem__rigid *r) {
-    const double tau = dem__now(w, r->first);
-    return dem__in_box(w, dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)));
+/* Returns the position of the centre of particle i, or of its rigid body, now, within the periodic box. */
+static inline dem_vec dem__centre_now(const dem_world *w, ptrdiff_t i) {
+    return dem__in_box(w, dem__centre_at(w, i, dem__now(w, i)));
 }
 
 static inline int dem__is_present(const dem_world *w, ptrdiff_t i) {

@@ -1,12 +1,7 @@
 /* Records of particles that pass exits. Reads bodies; writes the records, and marks particles that leave. Promises: the
    order of records does not depend on the order of tests. */
 #pragma once
-#include "../motion/motion.h"
-
-/* Returns the diameter of a sphere with a body's mass and the material of its first particle [m]. */
-static inline double dem__equal_diameter(const dem_world *w, const dem__rigid *r) {
-    return riddle_cbrt(6.0 / RIDDLE_PI * r->mass / w->def.material[w->material[r->first]].density);
-}
+#include "../motion/state.h"
 
 /* Records a particle, or its rigid body, that passes an exit in this step, and marks it for removal at the end of the
    step. */
@@ -14,12 +9,8 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
     dem__run *run = &w->engine->run;
     dem__bodies *bodies = &w->engine->bodies;
     double tau = (double)(w->step + 1 - w->particle[i].origin) * run->dt;
-    dem_vec x = dem__at(w, i, tau), v = dem__true_velocity_at(w, i, tau);
-    const dem__rigid *r = dem__rigid_of(w, i);
-    if (r) {
-        const dem__pose p = dem__pose_at(w, r, tau);
-        i = r->first, x = p.x, v = p.v;
-    }
+    const dem__pieces own = dem__pieces_of(w, i);
+    i = own.first;
     if (w->alive[i] < 0) { /* it passed another exit in this step: the smaller index counts, whatever the order of
                               tests */
         ptrdiff_t k = w->passed_count - 1;
@@ -47,13 +38,12 @@ static inline void dem__pass_exit(dem_world *w, ptrdiff_t i, int wall) {
         w->passed[at] = w->passed[at - 1];
     dem_passed *p = &w->passed[at];
     p->time = time;
-    p->diameter = r ? dem__equal_diameter(w, r) : 2.0 * w->particle[i].radius;
-    p->position = dem__in_box(w, x);
-    p->velocity = v;
+    p->diameter = dem__diameter_of(w, i);
+    p->position = dem__in_box(w, dem__centre_at(w, i, tau));
+    p->velocity = dem__true_drift_at(w, i, tau);
     p->id = w->id[i];
     p->group = w->group[i];
     p->exit = wall;
-    const dem__pieces own = dem__pieces_of(w, i);
     for (ptrdiff_t k = own.first; k < own.end; k++) w->alive[k] = DEM_LEAVING; /* removed at the end of the step */
     run->leaving = 1;
 }

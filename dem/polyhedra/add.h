@@ -127,6 +127,14 @@ static inline dem_status dem__load_polyhedra(const dem__file *file, dem_world *w
     return DEM_OK;
 }
 
+/* Where there are shapes, saves keep no faces that spheres have found at meshes: none is trusted. */
+static inline void dem__forget_faces(dem_world *w) {
+    const dem__contacts *contacts = &w->engine->contacts;
+    DEM__EACH_CONTACT(w, c) {
+        if (contacts->j[c] < 0 && !dem__shape_of(w, contacts->i[c])) contacts->touch[DEM__PLACE_SLACK][c] = 0.0;
+    }
+}
+
 static inline dem__feature dem__feature_polyhedra(void) {
     dem__feature f = dem__new_feature(DEM__POLYHEDRA_FEATURE);
     f.list_arrays = dem__list_arrays_of_polyhedra;
@@ -141,6 +149,7 @@ static inline dem__feature dem__feature_polyhedra(void) {
     f.is_used = dem__has_shapes;
     f.load_first = dem__load_shapes;
     f.load = dem__load_polyhedra;
+    f.loaded = dem__forget_faces;
     return f;
 }
 

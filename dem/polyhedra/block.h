@@ -152,9 +152,8 @@ static inline void dem__exclude_convex(dem_world *w, const dem__chunk *in, ptrdi
 /* Sets what a law needs for a contact of polyhedra: the radii of the roundings, mass and curvature at its point. */
 static inline void dem__prepare_convex(const dem_world *w, ptrdiff_t c, dem_birth *b) {
     const ptrdiff_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    const double per_i = dem__is_fixed(w, i) ? 0.0 : 1.0 / w->particle[i].mass;
     b->radius_i = dem__touching_radius(w, i);
-    b->mass = 1.0 / (per_i + (j >= 0 && !dem__is_fixed(w, j) ? 1.0 / w->particle[j].mass : 0.0));
+    b->mass = 1.0 / (dem__per_mass(w, i) + (j >= 0 ? dem__per_mass(w, j) : 0.0));
     if (j >= 0) b->radius_j = dem__touching_radius(w, j);
     else b->curvature = w->engine->contacts.touch[DEM__PLACE_CURVATURE][c];
 }

@@ -4,6 +4,7 @@
 #pragma once
 #include "../bodies/clump_shape.h"
 #include "../bodies/clumps.h"
+#include "../bodies/getters.h"
 #include "add.h"
 
 #define DEM__SAME_FACE 0.1 /* distance of the planes of two faces that make one, over the rounding radius */
@@ -226,4 +227,10 @@ DEM_API dem_status dem_add_compounds(dem_world *world, ptrdiff_t n, const dem_co
         dem__put_compound(w, c, &def);
     }
     return DEM_OK;
+}
+
+DEM_API dem_quaternion dem_shape_orientation(const dem_world *world, ptrdiff_t i) {
+    if (!world || i < 0 || i >= world->count || !dem__is_part(world, i)) return dem_orientation(world, i);
+    return dem__turns(dem__turn_of_polyhedron(world, i, dem__body_turn_at(world, i, dem__now(world, i))),
+                      dem__opposite_turn(dem__turn_of_shape(dem__shape_of(world, i))));
 }

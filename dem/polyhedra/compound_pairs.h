@@ -7,7 +7,7 @@
 
 /* Returns the first part of the compound of particle i, or i, or the wall -1 - i. */
 DEM_INLINE int32_t dem__first_part(const dem_world *w, int32_t i) {
-    return i >= 0 && dem__is_part(w, i) ? dem__rigid_of(w, i)->first : i;
+    return i >= 0 && dem__is_part(w, i) ? (int32_t)dem__pieces_of(w, i).first : i;
 }
 
 /* Returns whether two pairs are between the same bodies. */

@@ -10,7 +10,7 @@
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, i);
     const dem__pose p = dem__pose_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
-    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, r, p.turn);
+    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, p.turn);
     dem__placed *place = &w->engine->convex.place[i];
     place->x =
         dem__in_box(w, dem__is_part(w, i) ? dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i])) : p.x);

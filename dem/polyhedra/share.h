@@ -109,11 +109,10 @@ static inline double dem__damping_of(const dem_world *w, const dem__convex_pair 
                                      const dem__shared *s, double power) {
     const double length = dem__length(s->normal), least = 0.5 * s->parts; /* normals may face each other */
     const double per = 1.0 / (length > least ? length : least), depth = s->energy / s->springs;
-    double whole = dem__is_fixed(w, pair->i) ? 0.0 : 1.0 / w->particle[pair->i].mass,
-           turning = dem__per_turning(w, pair->i, dem__scale(per, s->on_i));
+    double whole = dem__per_mass(w, pair->i), turning = dem__per_turning(w, pair->i, dem__scale(per, s->on_i));
     if (pair->j >= 0) {
         const dem_vec on_j = dem__add(s->on_i, dem__cross(apart, s->normal));
-        whole += dem__is_fixed(w, pair->j) ? 0.0 : 1.0 / w->particle[pair->j].mass;
+        whole += dem__per_mass(w, pair->j);
         turning += dem__per_turning(w, pair->j, dem__scale(per, on_j));
     }
     const double stiffness = s->springs / dem__force_at(depth, power); /* over that of the pair */

@@ -28,10 +28,10 @@ DEM_INLINE void dem__skip_until(const dem_world *w, dem__convex_pair *p, int64_t
 DEM_INLINE int dem__is_in_flight(const dem_world *w, ptrdiff_t i) {
     return w->engine->bodies.activity[i] == DEM__FLYING && !(w->engine->links.on && !dem__shape_of(w, i));
 }
-/* Returns the greatest speed of particle i relative to the centre of its clump or compound, from its rotation [m/s]. */
-DEM_INLINE double dem__turning_speed_of(const dem_world *w, ptrdiff_t i) {
-    const dem__rigid *r = dem__shape_of(w, i) && !dem__is_part(w, i) ? NULL : dem__rigid_of(w, i);
-    return r ? w->engine->bodies.calls->turning_speed(r, dem__length(w->engine->bodies.offset[i])) : 0.0;
+/* Returns the greatest speed of particle i relative to the centre of its clump or compound, from its rotation [m/s]; 0
+   for a polyhedron alone. */
+DEM_INLINE double dem__part_speed_of(const dem_world *w, ptrdiff_t i) {
+    return dem__shape_of(w, i) && !dem__is_part(w, i) ? 0.0 : dem__turning_speed_of(w, i);
 }
 /* Returns the distance of the farthest point of a polyhedron that is within `reach` of its centre from the centre of
    its body [m]. */
@@ -42,8 +42,7 @@ DEM_INLINE double dem__reach_in_body(const dem_world *w, ptrdiff_t i, double rea
    [m/s]. */
 DEM_INLINE double dem__surface_speed_of(const dem_world *w, ptrdiff_t i) {
     const dem_convex *s = dem__shape_of(w, i);
-    return s ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, i), dem__reach_in_body(w, i, s->reach))
-             : dem__turning_speed_of(w, i);
+    return s ? dem__turning_speed_at(w, i, dem__reach_in_body(w, i, s->reach)) : dem__turning_speed_of(w, i);
 }
 /* Returns the time from the origin step of particle i to a step [s]. */
 DEM_INLINE double dem__flown_until(const dem_world *w, ptrdiff_t i, int64_t step) {
@@ -81,7 +80,7 @@ static inline void dem__look_at_spheres(const dem_world *w, dem__convex_pair *p,
     p->is_close = dem__dot(d, d) < reach * reach;
     if (p->is_close || !dem__may_skip(w, p)) return;
     const double speed =
-        dem__length(dem__drift_between(w, p, step)) + dem__turning_speed_of(w, p->i) + dem__turning_speed_of(w, p->j);
+        dem__length(dem__drift_between(w, p, step)) + dem__part_speed_of(w, p->i) + dem__part_speed_of(w, p->j);
     dem__skip_until(w, p, step,
                     dem__steps_until(w, dem__time_to_cover(dem__length(d) - reach, speed, dem__pull_between(w, p))));
 }
@@ -157,11 +156,10 @@ static inline void dem__skip_wall(const dem_world *w, dem__convex_pair *p, int64
                   centre = dem__is_part(w, p->i) ? dem__in_box(w, dem__centre_at(w, p->i, tau)) : x;
     const dem__approach q = dem__approach_to(w, wall, centre, v, a);
     const double arm = dem__reach_in_body(w, p->i, reach);
-    const double surface_speed =
-        arm > 0.0 ? w->engine->bodies.calls->turning_speed(dem__rigid_of(w, p->i), arm) + arm * wall->spin_bound : 0.0;
+    const double surface_speed = arm > 0.0 ? dem__turning_speed_at(w, p->i, arm) + arm * wall->spin_bound : 0.0;
     const double touch = dem__time_to_cover(gap - slack, q.speed + surface_speed, q.pull),
-                 cross = dem__time_to_cover(crossing - slack, dem__length(v) + dem__turning_speed_of(w, p->i),
-                                            dem__length(a));
+                 cross =
+                     dem__time_to_cover(crossing - slack, dem__length(v) + dem__part_speed_of(w, p->i), dem__length(a));
     const int steps = dem__steps_until(w, cross < touch ? cross : touch);
     p->speed = wall->speed_bound, p->spin = wall->spin_bound;
     dem__skip_until(w, p, step, steps < q.most ? steps : q.most);

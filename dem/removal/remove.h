@@ -92,11 +92,7 @@ DEM_API ptrdiff_t dem_remove_region(dem_world *world, const dem_region *region) 
         return -(ptrdiff_t)dem__refuse(w, "region: NULL, or a length, a place or an axis is out of range");
     w->engine->run.running = 1;
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
-        if (r && r->first != i) continue;
-        if (!w->alive[i] ||
-            !dem_region_holds(region, r ? dem__body_position(w, r) : dem__in_box(w, dem__at(w, i, dem__now(w, i)))))
-            continue;
+        if (!w->alive[i] || !dem__leads(w, i) || !dem_region_holds(region, dem__centre_now(w, i))) continue;
         dem__detach_particle(w, i);
         removed++;
     }

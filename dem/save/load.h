@@ -265,8 +265,6 @@ static inline void dem__derive_loaded(dem_world *w) {
         dem__activate(w, i);
         if (j >= 0) dem__activate(w, j);
         else contacts->wall_next[c] = first[i], first[i] = (int32_t)c;
-        if (j < 0 && w->engine->convex.shapes > 0 && !dem__shape_of(w, i))
-            contacts->touch[DEM__PLACE_SLACK][c] = 0.0; /* no cached face is trusted */
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
         dem__set_inverse_mass(w, i);

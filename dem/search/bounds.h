@@ -44,7 +44,7 @@ DEM_INLINE void dem__set_bound(dem_world *w, ptrdiff_t i, int64_t step, dem_vec 
     const dem_vec g = dem__free_fall(w), impact = w->touching[i] == 1 ? bodies->impact[i] : dem_vec3(0.0, 0.0, 0.0);
     const dem__rigid *body =
         w->touching[i] == 0 ? dem__rigid_of(w, i) : NULL; /* a body in flight turns about its centre of mass */
-    const double turning_speed = body ? bodies->calls->turning_speed(body, dem__length(bodies->offset[i])) : 0.0;
+    const double turning_speed = body ? dem__turning_speed_of(w, i) : 0.0;
     const dem_vec u = body ? dem__plus(body->v, (double)(step - w->particle[i].origin) * w->engine->run.dt, body->a)
                            : dem__add(v, impact);
     const double turn = body ? dem__length(dem__sub(v, u)) : dem__length(impact),

@@ -215,12 +215,11 @@ static inline void dem__search_range(dem_world *w, ptrdiff_t first, ptrdiff_t en
 /* Removes pairs within a rigid body, and pairs of two fixed particles. */
 static inline void dem__drop_skipped_pairs(dem_world *w) {
     dem__pairs *pairs = &w->engine->pairs;
-    const int32_t *of = w->engine->bodies.rigid_of;
     ptrdiff_t kept = 0;
     for (ptrdiff_t p = 0; p < pairs->count; p++) {
         const dem__near q = pairs->near[p];
         pairs->near[kept] = q;
-        kept += !(of && of[q.i] > 0 && of[q.i] == of[q.j]) && !(dem__is_fixed(w, q.i) && dem__is_fixed(w, q.j));
+        kept += !dem__cannot_meet(w, q.i, q.j);
     }
     pairs->count = kept;
 }

@@ -137,10 +137,9 @@ static DEM__NOINLINE int dem__undo_detection(dem_world *w) {
         if (p >= 0) w->engine->pairs.timers.due[p] = DEM__NEVER;
     }
     for (ptrdiff_t i = 0; i < w->count; i++) {
-        const dem__rigid *r = dem__rigid_of(w, i);
         if (w->alive[i] >= 0) continue;
         w->alive[i] = 1;
-        if (!r || r->first == i) w->passed_count--, w->passed_total--;
+        if (dem__leads(w, i)) w->passed_count--, w->passed_total--;
     }
     w->engine->run.leaving = 0;
     for (int k = 0; k < w->walls; k++) dem__move_wall(&w->wall[k], w->time);

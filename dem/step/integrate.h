@@ -10,34 +10,42 @@ DEM_INLINE ptrdiff_t dem__prefetch_until(const dem_world *w, ptrdiff_t first, pt
     return 4 * w->engine->bodies.active_count < w->count ? end - DEM__AHEAD : first;
 }
 
-/* Moves active particles first .. end-1 to the end of the step, and their velocities to its middle. rigid: leaves out
-   particles of rigid bodies. turns: a constant, 0 where spins do not change. */
-DEM_INLINE void dem__advance_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int rigid, int turns) {
-    const int64_t step = w->step + (h > 0.0);
-    const ptrdiff_t apart = dem__prefetch_until(w, first, end);
-    const double dt = w->engine->run.dt;
-    dem_vec low = dem_vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL), high = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
+/* The periodic box, which is infinite along the other axes. */
+typedef struct dem__box {
+    dem_vec low, high;
+} dem__box;
+DEM_INLINE dem__box dem__periodic_box(const dem_world *w) {
+    dem__box b;
+    b.low = dem_vec3(-HUGE_VAL, -HUGE_VAL, -HUGE_VAL), b.high = dem_vec3(HUGE_VAL, HUGE_VAL, HUGE_VAL);
     for (int a = 0; a < 3; a++) {
         if (!w->def.periodic[a]) continue;
-        *dem_axis_of(&low, a) = dem_axis(w->def.low, a), *dem_axis_of(&high, a) = dem_axis(w->def.high, a);
+        *dem_axis_of(&b.low, a) = dem_axis(w->def.low, a), *dem_axis_of(&b.high, a) = dem_axis(w->def.high, a);
     }
+    return b;
+}
+/* Moves sphere i to the end of the step, and its velocities to its middle. turns: a constant, 0 where spins do not
+   change. */
+DEM_INLINE void dem__advance_sphere(dem_world *w, ptrdiff_t i, double h, const dem__box *b, int turns) {
+    dem_particle *p = &w->particle[i];
+    const double t = (double)(w->step + (h > 0.0) - p->origin) * w->engine->run.dt, middle = t - 0.5 * h;
+    p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle);
+    if (turns) p->spin = dem__sphere_spin_at(w, i, middle);
+    p->origin = w->step; /* for hooks, which see the present step */
+    const int inside = (p->x.x >= b->low.x) & (p->x.x < b->high.x) & (p->x.y >= b->low.y) & (p->x.y < b->high.y) &
+                       (p->x.z >= b->low.z) & (p->x.z < b->high.z);
+    if (!inside && w->engine->run.has_periodic) dem__put_in_box(w, i, &p->x);
+}
+DEM_INLINE void dem__advance_spheres(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end, int turns) {
+    const ptrdiff_t apart = dem__prefetch_until(w, first, end);
+    const dem__box b = dem__periodic_box(w);
     for (ptrdiff_t k = first; k < end; k++) {
-        const ptrdiff_t i = w->engine->bodies.active[k];
         if (k < apart) dem__prefetch_particle(w, w->engine->bodies.active[k + DEM__AHEAD]);
-        if (rigid && dem__rigid_of(w, i)) continue;
-        dem_particle *p = &w->particle[i];
-        const double t = (double)(step - p->origin) * dt, middle = t - 0.5 * h;
-        p->x = dem__sphere_at(w, i, t), p->v = dem__sphere_velocity_at(w, i, middle);
-        if (turns) p->spin = dem__sphere_spin_at(w, i, middle);
-        p->origin = w->step; /* for hooks, which see the present step */
-        const int inside = (p->x.x >= low.x) & (p->x.x < high.x) & (p->x.y >= low.y) & (p->x.y < high.y) &
-                           (p->x.z >= low.z) & (p->x.z < high.z);
-        if (!inside && w->engine->run.has_periodic) dem__wrap(w, i);
+        dem__advance_sphere(w, w->engine->bodies.active[k], h, &b, turns);
     }
 }
 DEM_INLINE void dem__advance_turning_or_not(dem_world *w, double h, ptrdiff_t first, ptrdiff_t end) {
-    if (w->engine->run.turns) dem__advance_all(w, h, first, end, 0, 1);
-    else dem__advance_all(w, h, first, end, 0, 0);
+    if (w->engine->run.turns) dem__advance_spheres(w, h, first, end, 1);
+    else dem__advance_spheres(w, h, first, end, 0);
 }
 DEM__AVX2_CLONE(dem__advance_part, (dem_world * w, double h, ptrdiff_t first, ptrdiff_t end), (w, h, first, end),
                 dem__advance_turning_or_not(w, h, first, end))
@@ -107,10 +115,9 @@ DEM_INLINE void dem__kick_all(dem_world *w, double h, ptrdiff_t first, ptrdiff_t
             force = dem__add(force, dem__first(bodies->load[i]));
             torque = dem__add(torque, dem__second(bodies->load[i]));
         }
-        if (loads && dem__is_fixed(w, i)) {
-            dem__note_fixed_force(w, i, force, torque, half);
+        if (loads && dem__note_fixed_force(w, i, force, torque, half))
             pull = dem__scale(-1.0, gravity), torque = dem_vec3(0.0, 0.0, 0.0);
-        } else pull = dem__scale(sum->per_mass, force);
+        else pull = dem__scale(sum->per_mass, force);
         p->a = dem__add(gravity, pull);
         p->v = dem__flushed_vec(dem__plus(p->v, half, p->a));
         if (turns) {
@@ -168,32 +175,22 @@ static inline ptrdiff_t dem__mark_deviating(dem_world *w, int32_t *particle, ptr
 typedef struct dem__kicked {
     double h, check[DEM__PARTS_MAX]; /* check: 0, or NaN if a force is not finite */
     ptrdiff_t deviating[DEM__PARTS_MAX];
+    int bodies; /* whether there are rigid bodies, whose particles one thread marks together */
 } dem__kicked;
 static inline void dem__kick_range(dem_world *w, ptrdiff_t first, ptrdiff_t end, int part, void *context) {
     dem__kicked *kicked = (dem__kicked *)context;
     dem__kick_part(w, kicked->h, first, end, &kicked->check[part], &kicked->deviating[part]);
     kicked->deviating[part] =
         dem__find_deviating(w, kicked->h, w->engine->scratch.index + first, kicked->deviating[part]);
-    if (!w->engine->bodies.rigid)
+    if (!kicked->bodies)
         kicked->deviating[part] = dem__mark_deviating(w, w->engine->scratch.index + first, kicked->deviating[part]);
-}
-/* Computes the accelerations of all loaded bodies without contacts in the same way as dem__check_bounds. dem__kick_all
-   computes them from sums over particles, which round differently. Which bodies are checked depends on what a step
-   skips, and results must not depend on that. */
-static DEM__NOINLINE void dem__place_loaded_bodies(dem_world *w) {
-    for (ptrdiff_t k = 0; k < w->engine->bodies.active_count; k++) {
-        const ptrdiff_t i = w->engine->bodies.active[k];
-        dem__rigid *r = dem__rigid_of(w, i);
-        if (!r || r->first != i || w->touching[i] > 0) continue;
-        w->engine->bodies.calls->place(w, r); /* sets the arms that the torque needs */
-        w->engine->bodies.calls->fall(w, r);
-    }
 }
 
 /* Returns whether spins may change in the steps of this run. */
 static inline int dem__may_turn(const dem_world *w) {
-    int may = w->engine->run.has_friction || w->engine->bodies.adds_loads || w->engine->bodies.rigid;
-    for (int k = 0; k < w->engine->features; k++) may |= w->engine->feature[k].add_forces != NULL;
+    const dem__feature *f = w->engine->feature;
+    int may = w->engine->run.has_friction || w->engine->bodies.adds_loads;
+    for (int k = 0; k < w->engine->features; k++) may |= f[k].turns || f[k].add_forces;
     return may;
 }
 
@@ -205,36 +202,20 @@ static inline int dem__kick(dem_world *w, double h) {
     dem__kicked kicked;
     double all = 0.0;
     if (n == 0) return 1;
-    kicked.h = h;
-    if (w->engine->bodies.rigid) dem__in_parts(w, parts, n, w->engine->bodies.calls->kick, &h);
+    kicked.h = h, kicked.bodies = w->engine->bodies.rigid != NULL;
+    DEM__TELL(w, kick, (w, h));
     dem__in_parts(w, parts, n, dem__kick_range, &kicked);
     for (int q = 0; q < parts; q++) {
         const int32_t *particle = w->engine->scratch.index + dem__part(n, q, parts);
         dem__bodies *bodies = &w->engine->bodies;
-        for (ptrdiff_t k = 0; k < kicked.deviating[q] && bodies->rigid; k++) dem__mark_to_check(w, particle[k]);
-        for (ptrdiff_t k = 0; k < kicked.deviating[q] && !bodies->rigid; k++)
+        for (ptrdiff_t k = 0; k < kicked.deviating[q] && kicked.bodies; k++) dem__mark_to_check(w, particle[k]);
+        for (ptrdiff_t k = 0; k < kicked.deviating[q] && !kicked.bodies; k++)
             bodies->to_check[bodies->to_check_count++] = particle[k];
         all += kicked.check[q];
     }
     w->engine->run.turns = dem__may_turn(w); /* without rotation no particle has a spin rate from here on */
-    if (w->engine->bodies.rigid && w->engine->bodies.loads_on) dem__place_loaded_bodies(w);
+    DEM__TELL(w, kicked, (w));
     return all == 0.0;
-}
-
-/* Predicts how an impact that has just begun changes the velocities of i and j by its middle, when both have the normal
-   velocity of their common centre of mass. New bounds rely on it. */
-DEM_INLINE void dem__expect_impact(dem_world *w, ptrdiff_t i, ptrdiff_t j, dem_vec n, double closing) {
-    if (!(closing > 0.0)) return; /* the contact has ended */
-    double part = j < 0 ? 1.0 : w->particle[j].mass / (w->particle[i].mass + w->particle[j].mass);
-    if (w->engine->bodies.has_fixed && j >= 0) part = dem__is_fixed(w, i) ? 0.0 : dem__is_fixed(w, j) ? 1.0 : part;
-    w->engine->bodies.impact[i] = dem__scale(part * closing, n);
-    if (j >= 0) w->engine->bodies.impact[j] = dem__scale((part - 1.0) * closing, n);
-}
-
-/* Returns whether a rigid body takes part in the contact in slot c. */
-DEM_INLINE int dem__has_body(const dem_world *w, int32_t c) {
-    const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c];
-    return dem__rigid_of(w, i) || (j >= 0 && dem__rigid_of(w, j));
 }
 
 /* Applies the impulse and the shift of the contact in slot c, which began or ended within the step. marks: whether to
@@ -243,27 +224,22 @@ static inline void dem__apply_correction(dem_world *w, int32_t c, int has_fricti
     dem__contacts *contacts = &w->engine->contacts;
     const dem__correction *h = &contacts->correction[c];
     const int32_t i = contacts->i[c], j = contacts->j[c];
-    if (dem__has_body(w, c)) {
+    if (dem__has_body(w, i, j)) {
         w->engine->bodies.calls->push(w, c, has_friction);
         return;
     }
     const dem_vec n = dem_vec3(h->n[0], h->n[1], h->n[2]), impulse = dem__first(h->impulse);
     for (int side = 0; side < (j >= 0 ? 2 : 1); side++) {
         const int32_t a = side ? j : i;
-        if (dem__is_fixed(w, a)) {
-            const dem_vec turn = has_friction ? dem__first(h->impulse + (side ? 6 : 3)) : dem_vec3(0.0, 0.0, 0.0);
-            dem__strike_fixed(w, a, dem__scale(side ? -1.0 : 1.0, impulse), turn);
-            continue;
-        }
+        const dem_vec turn = has_friction ? dem__first(h->impulse + (side ? 6 : 3)) : dem_vec3(0.0, 0.0, 0.0);
+        if (dem__strike_fixed(w, a, dem__scale(side ? -1.0 : 1.0, impulse), turn)) continue;
         if (marks) dem__mark_to_check(w, a);
         dem_particle *p = &w->particle[a];
         const double m = (side ? -1.0 : 1.0) / p->mass;
         p->v = dem__plus(p->v, m, impulse);
         p->x = dem__plus(p->x, m * h->shift, n);
         w->engine->bodies.shifted[a] += fabs(m * h->shift);
-        if (!has_friction) continue;
-        const dem_vec torque = dem__first(h->impulse + (side ? 6 : 3));
-        p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, a), torque);
+        if (has_friction) p->spin = dem__plus(p->spin, 1.0 / dem__inertia(w, a), turn);
     }
     if (j < 0) {
         const dem_vec place = w->particle[i].x, t = has_friction ? dem__second(h->impulse) : dem_vec3(0.0, 0.0, 0.0);
@@ -285,7 +261,7 @@ DEM_INLINE int dem__is_inner(const dem_world *w, ptrdiff_t q, int32_t c) {
     const dem__chunk *in = &w->engine->contacts.chunk[q];
     const int32_t i = w->engine->contacts.i[c], j = w->engine->contacts.j[c], *rank = w->engine->bodies.rank;
     const int32_t stop = q > 0 ? in[-1].first_rank : INT32_MAX;
-    if (j < 0 || dem__has_body(w, c) || dem__is_fixed(w, i) || dem__is_fixed(w, j)) return 0;
+    if (j < 0 || !dem__is_free_sphere(w, i) || !dem__is_free_sphere(w, j)) return 0;
     return rank[i] >= in->first_rank && rank[i] < stop && rank[j] >= in->first_rank && rank[j] < stop;
 }
 /* Prefetches what the correction of the contact in slot c writes. */
@@ -327,7 +303,7 @@ static inline void dem__correct_others(dem_world *w, int has_friction) {
     for (int m = 0; m < n; m++) dem__apply_correction(w, waits[m], has_friction, 1);
 }
 /* Applies the corrections of all partial steps. With chunks, those within one chunk come first, so that threads share
-   them. Shifts of rigid bodies come last. */
+   them. */
 static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     const dem__contacts *contacts = &w->engine->contacts;
     const int chunks = contacts->chunk_count;
@@ -337,13 +313,7 @@ static inline void dem__apply_corrections(dem_world *w, int has_friction) {
     if (chunks > 1)
         dem__in_parts(w, dem__parts_of(w, 8 * marked, chunks), chunks, dem__correct_inner_range, &has_friction);
     dem__correct_others(w, has_friction);
-    for (int q = 0; w->engine->bodies.rigid && q < contacts->chunk_count; q++) {
-        const dem__chunk *in = &contacts->chunk[q];
-        for (ptrdiff_t k = 0; k < in->marked; k++) {
-            const int32_t c = contacts->slots[in->first + k];
-            if (contacts->partial[c] && dem__has_body(w, c)) w->engine->bodies.calls->shift(w, c);
-        }
-    }
+    DEM__TELL(w, corrected, (w));
 }
 
 /* What a thread found in its share of to_check: how many particles have new bounds, how many of these need earlier wall

@@ -346,27 +346,20 @@ DEM__KERNEL_OF(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM
 DEM__KERNEL_OF(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
 DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
-    /* kernels with a ledger always compute friction and rolling; features that the caller did not name have constants
-       of zero */
-    switch (features) {
-    case DEM_LINEAR: return dem__run_kernel(world, duration, dem__kernel_linear(), features);
-    case DEM_LINEAR | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_linear_friction(), features);
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
-        return dem__run_kernel(world, duration, dem__kernel_linear_rolling(), features);
-    case DEM_HERTZ: return dem__run_kernel(world, duration, dem__kernel_hertz(), features);
-    case DEM_HERTZ | DEM_FRICTION: return dem__run_kernel(world, duration, dem__kernel_hertz_friction(), features);
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING:
-        return dem__run_kernel(world, duration, dem__kernel_hertz_rolling(), features);
-    case DEM_LINEAR | DEM_ENERGY:
-    case DEM_LINEAR | DEM_FRICTION | DEM_ENERGY:
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem__run_kernel(world, duration, dem__kernel_linear_energy(), features);
-    case DEM_HERTZ | DEM_ENERGY:
-    case DEM_HERTZ | DEM_FRICTION | DEM_ENERGY:
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY:
-        return dem__run_kernel(world, duration, dem__kernel_hertz_energy(), features);
+    const dem_kernel *kernel;
+    switch (features & ~DEM_ENERGY) {
+    case DEM_LINEAR: kernel = dem__kernel_linear(); break;
+    case DEM_LINEAR | DEM_FRICTION: kernel = dem__kernel_linear_friction(); break;
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING: kernel = dem__kernel_linear_rolling(); break;
+    case DEM_HERTZ: kernel = dem__kernel_hertz(); break;
+    case DEM_HERTZ | DEM_FRICTION: kernel = dem__kernel_hertz_friction(); break;
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING: kernel = dem__kernel_hertz_rolling(); break;
     default:
         return dem__refuse(world, "features: no shipped law has these: DEM_LINEAR or DEM_HERTZ, DEM_ROLLING only with "
                                   "DEM_FRICTION");
     }
+    /* kernels with a ledger always compute friction and rolling; features that the caller did not name have constants
+       of zero */
+    if (features & DEM_ENERGY) kernel = features & DEM_HERTZ ? dem__kernel_hertz_energy() : dem__kernel_linear_energy();
+    return dem__run_kernel(world, duration, kernel, features);
 }

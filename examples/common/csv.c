@@ -281,10 +281,13 @@ static const unit units[] = {
     {"kg", 'M', 1.0},
     {"g", 'M', 1e-3},
     {"mg", 'M', 1e-6},
+    {"Mg", 'M', 1e3},
     {"t", 'M', 1e3},
     {"m3", 'V', 1.0},
     {"l", 'V', 1e-3},
     {"ml", 'V', 1e-6},
+    {"mL", 'V', 1e-6},
+    {"Ml", 'V', 1e3},
     {"cm3", 'V', 1e-6},
     {"mm3", 'V', 1e-9},
     {"m2", 'A', 1.0},
@@ -295,7 +298,8 @@ static const unit units[] = {
     {"in", 'L', 0.0254},
     {"pa", 'P', 1.0},
     {"kpa", 'P', 1e3},
-    {"mpa", 'P', 1e6},
+    {"MPa", 'P', 1e6},
+    {"mPa", 'P', 1e-3},
     {"bar", 'P', 1e5},
     {"mbar", 'P', 100.0},
     {"hpa", 'P', 100.0},
@@ -331,10 +335,26 @@ static const unit units[] = {
     {"-", 's', 1.0},
 };
 
+static char small_letter(char c) { return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); }
+
+static bool same_letters(const char *a, const char *b) {
+    while (*a && small_letter(*a) == small_letter(*b)) a++, b++;
+    return *a == *b;
+}
+
+/* Letters may be of any case unless that tells two units apart: BAR is bar, but MPA may be MPa or mPa, and measures
+   nothing. */
 static const unit *unit_of(const char *name) {
-    for (size_t k = 0; k < sizeof units / sizeof *units; k++)
+    static const unit either = {"", '?', 1.0};
+    const unit *alike = NULL;
+    bool several = false;
+    for (size_t k = 0; k < sizeof units / sizeof *units; k++) {
         if (strcmp(name, units[k].name) == 0) return &units[k];
-    return NULL;
+        if (!same_letters(name, units[k].name)) continue;
+        several |= alike && alike->si != units[k].si;
+        alike = &units[k];
+    }
+    return several ? &either : alike;
 }
 
 int csv_unit(const char *name, char *dimension, double *si) {
@@ -343,14 +363,17 @@ int csv_unit(const char *name, char *dimension, double *si) {
     return found != NULL;
 }
 
-static char small_letter(char c) { return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); }
+static void make_small(char *text) {
+    for (; *text; text++) *text = small_letter(*text);
+}
 
 /* A name in small letters, cut into what it names and its unit; found: the unit's row, NULL without one. false: a unit
    in brackets that is none of the table. */
 static bool split_name(const char *name, char *base, size_t size, const unit **found) {
-    size_t n = 0;
+    size_t n = strlen(name);
     *found = NULL;
-    for (; *name && n + 1 < size; name++) base[n++] = small_letter(*name);
+    if (n + 1 > size) n = size - 1;
+    memcpy(base, name, n);
     base[n] = '\0';
     const char close = n > 0 ? base[n - 1] : '\0';
     char *open = close == ']' ? strrchr(base, '[') : close == ')' ? strrchr(base, '(') : NULL;
@@ -362,7 +385,7 @@ static bool split_name(const char *name, char *base, size_t size, const unit **f
         *found = unit_of(inside);
         while (open > base && (is_blank(open[-1]) || open[-1] == '_')) open--;
         *open = '\0';
-        return *found != NULL;
+        return make_small(base), *found != NULL;
     }
     for (char *bar = strchr(base, '_'); bar; bar = strchr(bar + 1, '_')) {
         *found = unit_of(bar + 1);
@@ -370,7 +393,7 @@ static bool split_name(const char *name, char *base, size_t size, const unit **f
         *bar = '\0';
         break;
     }
-    return true;
+    return make_small(base), true;
 }
 
 static void say_columns(const csv_data *data, char *message, int size, const char *format, const char *name) {

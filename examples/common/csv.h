@@ -39,7 +39,8 @@ int csv_find(const csv_data *data, const char *name, double *factor, char *messa
 /* 1: its unit is one of the dimension ('L' length, 'v' velocity, 'w' spin, 's' share, '#' number without unit), or it
    has no unit. */
 int csv_measures(const char *name, char dimension);
-/* Of a unit in small letters; 0: there is none of this name. */
+/* 0: there is no unit of this name. Letters may be of any case but where it tells two units apart: mPa and MPa, mg and
+   Mg, ml and Ml. Of MPA the dimension is '?'. */
 int csv_unit(const char *name, char *dimension, double *si);
 /* Where the quotes around a cell end, before one of these characters or the end of the text: the place of the closing
    quote from the cell's beginning on; 0: the cell has none around it. Doubled quotes within close nothing. */

@@ -209,7 +209,8 @@ static int read_column(const sheet_text *t, const int *rows, int n, sheet_column
 static void say_how(sheet *s, const sheet_text *t, const sheet_marks *marks, const sheet_column *want, int n,
                     const char *path) {
     const int size = (int)sizeof s->how;
-    int at = snprintf(s->how, (size_t)size, "%.150s: %s%d rows", path, sheet_marks_text(t, marks), s->rows);
+    char said[SHEET_MARKS];
+    int at = snprintf(s->how, (size_t)size, "%.150s: %s%d rows", path, sheet_marks_text(t, marks, said), s->rows);
     for (int w = 0; w < n && at >= 0 && at < size; w++) {
         if (want[w].index < 0) continue;
         at += snprintf(s->how + at, (size_t)(size - at), "%s %s from '%.40s'", w ? "," : ";", want[w].name,
@@ -277,7 +278,7 @@ int sheet_parse(const char *bytes, long size, const char *path, sheet_column *wa
     failed = failed || sheet_find_marks(&t, after, column, used, path, &marks, message, message_size);
     for (int w = 0; w < wants && !failed; w++) {
         sheet_column *c = &want[w];
-        c->value = NULL, c->unit = "";
+        c->value = NULL;
         if (c->index < 0) continue;
         failed = read_column(&t, kept, rows, c, &marks, values + w * rows, path, message, message_size);
         c->value = values + w * rows,

@@ -29,13 +29,12 @@ typedef struct sheet_column {
     bool needed;         /* else it may be missing */
     const double *value; /* out: [rows] in SI, NaN for an empty cell and for text; NULL: the column is not there */
     const char *heading; /* out: as it stood */
-    const char *unit;    /* out: "mm", "%"; "" without one */
     int index;           /* out: of the file's columns; -1: not there */
     double factor;       /* out: by which numbers of cells without a unit of their own are multiplied */
 } sheet_column;
 
 static inline sheet_column sheet_want(const char *name, char dimension, bool needed) {
-    sheet_column column = {name, dimension, needed, 0, 0, 0, -1, 1.0};
+    sheet_column column = {name, dimension, needed, 0, 0, -1, 1.0};
     return column;
 }
 

@@ -48,6 +48,7 @@ typedef struct amount {
     int column, tare; /* -1: none */
     sheet_heading heading;
     const char *name;
+    bool plain; /* its heading is the name alone: shares, unless all are whole numbers */
 } amount;
 
 /* What the columns are. */
@@ -561,7 +562,8 @@ static int settle_kind(reader *r, int j) {
     amount *a = &r->l.amount[j];
     double sum = 0.0, most = 0.0;
     for (int k = 0; k < r->n; k++) sum += r->row[k].value[j], most = fmax(most, r->row[k].value[j]);
-    if (a->kind == NONE) /* feed, coarse, fine without a word */
+    a->plain = a->kind == NONE;
+    if (a->plain) /* feed, coarse, fine without a word */
         a->kind =
             r->classes || r->pan ? RETAINED
             : rises(r, j) && most > 0.0 && fabs(r->row[r->n - 1].value[j] / (most > 1.5 ? 100.0 : 1.0) - 1.0) < 0.01
@@ -620,6 +622,20 @@ static void place_deviations(const reader *r, int j, sheet_sizes *out) {
     out->above[j] = 0.0;
 }
 
+/* Whether columns that are named alone (feed, coarse, fine) are parts or counts: none has fractions, none adds up to
+   100. */
+static bool are_counts(const reader *r) {
+    bool counts = true;
+    for (int j = 0; j < r->l.amounts; j++) {
+        double all = 0.0;
+        if (r->l.amount[j].column < 0 || !r->l.amount[j].plain) continue;
+        for (int k = 0; k < r->n; k++)
+            all += r->row[k].value[j], counts &= r->row[k].value[j] == floor(r->row[k].value[j]);
+        counts &= fabs(all - 100.0) > 3.0;
+    }
+    return counts;
+}
+
 /* Shares of classes or of single sizes must be a whole: else they are cumulated, or some are missing. Without a unit,
    whole numbers may be parts or counts, if they do not rise to 100. */
 static int check_whole(const reader *r, int j, double all) {
@@ -635,7 +651,8 @@ static int check_whole(const reader *r, int j, double all) {
     const bool said = a->heading.dimension == 's' || r->scaled[j];
     const double unit = a->heading.si == 1.0 && !r->scaled[j] && most > 1.5 ? 100.0 : 1.0;
     const bool curve = rises(r, j) && r->row[0].value[j] < last && fabs(last / unit - 1.0) < 0.01 && all / unit > 1.03;
-    if (!said && (!(bits_of(&a->heading, NULL) & (WORD_SHARE | WORD_FRACTION)) || (whole && !curve))) return 0;
+    const bool share = a->plain || (bits_of(&a->heading, NULL) & (WORD_SHARE | WORD_FRACTION));
+    if (!said && (!share || (whole && !curve && (!a->plain || are_counts(r))))) return 0;
     if (fabs(all / unit - 1.0) <= 0.03) return 0;
     return sheet_refuse(r->message, r->message_size, "%s: column '%.60s' adds up to %.4g %%, not to 100%s", r->path,
                         r->names[a->column], 100.0 * all / unit,
@@ -767,9 +784,10 @@ static void say_how(const reader *r, bool top_down, sheet_sizes *out) {
                                                    : l->phi >= 0  ? l->phi
                                                                   : l->mesh;
     const char *what = out->single ? "share" : "finer";
+    char said[SHEET_MARKS];
     int at = snprintf(out->how, (size_t)size, "%.150s: %s%s of '%.40s' by '%.40s', %s%s", r->path,
-                      sheet_marks_text(r->text, &r->marks), kind_text[a->kind], r->names[a->column], r->names[place],
-                      r->classes ? "classes, " : "", top_down ? "top-down" : "bottom-up");
+                      sheet_marks_text(r->text, &r->marks, said), kind_text[a->kind], r->names[a->column],
+                      r->names[place], r->classes ? "classes, " : "", top_down ? "top-down" : "bottom-up");
     for (int j = 1; j < l->amounts && at >= 0 && at < size; j++)
         if (l->amount[j].column >= 0)
             at += snprintf(out->how + at, (size_t)(size - at), ", '%.40s'", r->names[l->amount[j].column]);

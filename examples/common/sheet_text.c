@@ -231,7 +231,10 @@ int sheet_cut(const char *bytes, long size, const char *path, sheet_text *out, c
 
 /* ---- words and units ---- */
 
-void sheet_fold(const char *text, char *out, size_t size) {
+static char small(char c) { return (char)(c >= 'A' && c <= 'Z' ? c + 32 : c); }
+
+/* cased: plain letters stay as they are, since of a unit they may count: mPa, MPa. Both ways have one length. */
+static void fold(const char *text, char *out, size_t size, bool cased) {
     static const struct {
         uint32_t rune;
         const char *text;
@@ -247,7 +250,7 @@ void sheet_fold(const char *text, char *out, size_t size) {
         if ((length = utf8_get(at, left, &c)) == 0) length = 1, c = '?';
         at += length, left -= length;
         if (c < 0x80) {
-            out[n++] = (char)(c >= 'A' && c <= 'Z' ? c + 32 : c);
+            out[n++] = cased ? (char)c : small((char)c);
             continue;
         }
         const char *as = "?";
@@ -257,6 +260,8 @@ void sheet_fold(const char *text, char *out, size_t size) {
     }
     out[n] = '\0';
 }
+
+void sheet_fold(const char *text, char *out, size_t size) { fold(text, out, size, false); }
 
 bool sheet_is_word(const char *words, const char *word) {
     const size_t n = strlen(word);
@@ -283,7 +288,7 @@ static bool is_percent(const char *text) {
     return false;
 }
 
-/* A unit in small letters, without blanks around. */
+/* A unit, folded with its letters as they are, without blanks around. */
 static bool unit_of(const char *text, char *dimension, double *si) {
     static const struct {
         const char *name, *as;
@@ -295,53 +300,50 @@ static bool unit_of(const char *text, char *dimension, double *si) {
                   {"inch", "in"},       {"inches", "in"},     {"zoll", "in"},          {"\"", "in"},
                   {"''", "in"},         {"kg/m^2", "kg/m2"},  {"m^3", "m3"},           {"cm^3", "cm3"},
                   {"fraction", "-"},    {"1", "-"},           {"promille", "permille"}};
-    char plain[24];
+    char plain[24], as_written[24];
     size_t n = strlen(text);
     while (n > 0 && (text[n - 1] == ' ' || (text[n - 1] == '.' && n > 1))) n--;
     while (n > 0 && *text == ' ') text++, n--;
     if (n == 0 || n >= sizeof plain) return false;
-    memcpy(plain, text, n);
-    plain[n] = '\0';
+    for (size_t k = 0; k < n; k++) as_written[k] = text[k], plain[k] = small(text[k]);
+    as_written[n] = plain[n] = '\0';
     *si = 0.01, *dimension = 's';
     if (is_percent(plain)) return true;
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
-        if (strcmp(plain, others[k].name) == 0) strcpy(plain, others[k].as);
-    return csv_unit(plain, dimension, si) != 0;
+        if (strcmp(plain, others[k].name) == 0) strcpy(as_written, others[k].as);
+    return csv_unit(as_written, dimension, si) != 0;
 }
 
-static void take_unit(sheet_heading *h, const char *text, char dimension, double si) {
-    while (*text == ' ') text++;
-    snprintf(h->unit, sizeof h->unit, "%.20s", text);
-    for (size_t n = strlen(h->unit); n > 0 && h->unit[n - 1] == ' ';) h->unit[--n] = '\0';
+static void take_unit(sheet_heading *h, char dimension, double si) {
     h->dimension = dimension, h->si = si;
     h->percent = dimension == 's' && si == 0.01;
 }
 
 /* Takes the unit off a folded heading: the last brackets that hold one, else what follows a blank, _, comma, slash or
-   "in" at its end. */
-static void cut_unit(char *base, sheet_heading *h) {
+   "in" at its end. cased: the same with its letters as they are. */
+static void cut_unit(char *base, const char *cased, sheet_heading *h) {
     char dimension;
     double si;
     for (char *open = base; (open = strpbrk(open, "[(")) != NULL; open++) {
         char *close = strchr(open, *open == '[' ? ']' : ')'), inside[40];
         if (!close || close - open > 30) continue;
-        memcpy(inside, open + 1, (size_t)(close - open - 1));
+        memcpy(inside, cased + (open + 1 - base), (size_t)(close - open - 1));
         inside[close - open - 1] = '\0';
-        const char *unit = strncmp(inside, "in ", 3) == 0 ? inside + 3 : inside;
+        const char *unit = strncmp(open + 1, "in ", 3) == 0 ? inside + 3 : inside;
         if (!unit_of(unit, &dimension, &si)) continue;
-        take_unit(h, unit, dimension, si);
+        take_unit(h, dimension, si);
         memset(open, ' ', (size_t)(close - open + 1));
         return;
     }
     for (char *at = base; *at; at++) {
         if (at > base && !strchr(" _,/", at[-1])) continue;
         const char *unit = strncmp(at, "in ", 3) == 0 && at[3] ? at + 3 : strncmp(at, "in_", 3) == 0 ? at + 3 : at;
-        if (strlen(unit) > 20 || !unit_of(unit, &dimension, &si) ||
+        if (strlen(unit) > 20 || !unit_of(cased + (unit - base), &dimension, &si) ||
             (dimension == 's' && si == 1.0 && !strchr("-1", unit[0])))
             continue;
         /* Symbols: "Zeit t". */
         if (unit[0] && !unit[1] && strchr("tm", *unit) && (at == base || at[-1] == ' ') && unit == at) continue;
-        take_unit(h, unit, dimension, si);
+        take_unit(h, dimension, si);
         *at = '\0';
         return;
     }
@@ -349,7 +351,7 @@ static void cut_unit(char *base, sheet_heading *h) {
 
 void sheet_read_heading(const char *text, sheet_heading *h) {
     static const sheet_heading empty;
-    char base[200], apart[200];
+    char base[200], cased[200], apart[200];
     size_t n = 0;
     *h = empty;
     h->si = 1.0;
@@ -363,8 +365,9 @@ void sheet_read_heading(const char *text, sheet_heading *h) {
     char *q = strstr(apart, "Q3");
     if (!q) q = strstr(apart, "Q0");
     if (q && (q == apart || q[-1] == ' ')) memcpy(q, "QQ", 2); /* Q3: the sum; q3: the density */
-    sheet_fold(apart, base, sizeof base);
-    cut_unit(base, h);
+    fold(apart, base, sizeof base, false);
+    fold(apart, cased, sizeof cased, true);
+    cut_unit(base, cased, h);
     for (char *at = base; *at && h->n < 8;) {
         if (*at == '%') {
             h->percent = true;
@@ -385,7 +388,7 @@ void sheet_read_heading(const char *text, sheet_heading *h) {
         else if (strcmp(h->words[h->n - 1], "qq") == 0) strcpy(h->words[h->n - 1], "passing");
         at += length;
     }
-    if (h->percent && !h->dimension) h->dimension = 's', h->si = 0.01, strcpy(h->unit, "%");
+    if (h->percent && !h->dimension) h->dimension = 's', h->si = 0.01;
 }
 
 int sheet_headings(const sheet_text *t, int row, int lines, const char **names, char *room, size_t size) {
@@ -468,8 +471,8 @@ static bool in_doubt(const char *token, size_t n, size_t mark) {
 
 /* A column whose marks are all in doubt, beside numbers without one: 4.000, 2.000, 500. Do they separate thousands? If
    only one of the two readings rises or falls down the column, it is that; else a number of three digits or a last 0 of
-   decimals tells: with decimals of one format every number would have them. */
-static bool may_be_thousands(const sheet_text *t, int from, int column) {
+   decimals tells: with decimals of one format every number would have them. 1: they may; 0: nothing tells; -1: no. */
+static int may_be_thousands(const sheet_text *t, int from, int column) {
     double before[2] = {0.0, 0.0};
     bool rises[2] = {true, true}, falls[2] = {true, true}, hint = false, bare = false, marked = false;
     for (int r = from, n = 0; r < t->rows; r++) {
@@ -495,13 +498,16 @@ static bool may_be_thousands(const sheet_text *t, int from, int column) {
         }
     }
     const bool decimals = rises[0] || falls[0], thousands = rises[1] || falls[1];
-    return bare && marked && (decimals == thousands ? hint : thousands);
+    if (!marked || (decimals && !thousands)) return -1;
+    return bare && (decimals == thousands ? hint : thousands);
 }
 
 int sheet_find_marks(const sheet_text *t, int from, const int *column, int n, const char *path, sheet_marks *marks,
                      char *message, int message_size) {
     bool sure[2] = {false, false}, grouped[2] = {false, false}; /* of commas, of points */
     int doubt[2] = {-1, -1}, row_of[2] = {0, 0};
+    const char *token[2] = {NULL, NULL};
+    marks->doubtful[0] = '\0';
     for (int r = from; r < t->rows; r++)
         for (int k = 0; k < n; k++) {
             if (column[k] < 0 || column[k] >= t->first[r + 1] - t->first[r]) continue;
@@ -516,7 +522,7 @@ int sheet_find_marks(const sheet_text *t, int from, const int *column, int n, co
                 else if (commas + points == 1) {
                     const int mark = points;
                     if (!in_doubt(at, length, last)) sure[mark] = true;
-                    else if (doubt[mark] < 0) doubt[mark] = t->first[r] + column[k], row_of[mark] = r;
+                    else if (doubt[mark] < 0) doubt[mark] = t->first[r] + column[k], row_of[mark] = r, token[mark] = at;
                 }
                 at += length ? length : 1;
             }
@@ -526,8 +532,12 @@ int sheet_find_marks(const sheet_text *t, int from, const int *column, int n, co
         bool clear = sure[mark]
                          ? !sure[other] && !grouped[mark]
                          : grouped[mark] || (!sure[other] && doubt[other] < 0 && (mark == 1 || t->separator != ','));
-        for (int k = 0; k < n && clear && !sure[mark] && !grouped[mark]; k++)
-            clear = !may_be_thousands(t, from, column[k]);
+        bool told = true;
+        for (int k = 0; k < n && clear && !sure[mark] && !grouped[mark]; k++) {
+            const int thousands = may_be_thousands(t, from, column[k]);
+            clear = thousands <= 0, told &= thousands < 0;
+        }
+        if (doubt[mark] >= 0 && !told) snprintf(marks->doubtful, sizeof marks->doubtful, "%s", token[mark]);
         if (doubt[mark] < 0 || clear) continue;
         return sheet_refuse(message, message_size,
                             "%s:%d: '%.60s' may be in thousands: write numbers without a mark for them", path,
@@ -540,10 +550,16 @@ int sheet_find_marks(const sheet_text *t, int from, const int *column, int n, co
     return 0;
 }
 
-const char *sheet_marks_text(const sheet_text *t, const sheet_marks *marks) {
-    return marks->decimal == ','                          ? "decimal commas, "
-           : t->separator == ';' && marks->decimal == '.' ? "decimal points, "
-                                                          : "";
+const char *sheet_marks_text(const sheet_text *t, const sheet_marks *marks, char text[SHEET_MARKS]) {
+    const char *kind = marks->decimal == ',' ? "decimal commas" : "decimal points", *end;
+    double value;
+    text[0] = '\0';
+    if (marks->doubtful[0] && sheet_scan(marks->doubtful, marks, &value, &end))
+        snprintf(text, SHEET_MARKS, "%s (no number shows whether '%.*s' means %.10g or %.10g: it is read as %.10g), ",
+                 kind, (int)(end - marks->doubtful), marks->doubtful, value, 1e3 * value, value);
+    else if (marks->decimal == ',' || (t->separator == ';' && marks->decimal == '.'))
+        snprintf(text, SHEET_MARKS, "%s, ", kind);
+    return text;
 }
 
 bool sheet_scan(const char *text, const sheet_marks *marks, double *value, const char **end) {
@@ -587,7 +603,7 @@ int sheet_unit(const char *text, char *dimension, double *si) {
     char folded[40];
     while (*text == ' ') text++;
     if (!*text) return 0;
-    sheet_fold(text, folded, sizeof folded);
+    fold(text, folded, sizeof folded, true);
     return unit_of(folded, dimension, si) ? 1 : -1;
 }
 

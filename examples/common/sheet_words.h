@@ -150,7 +150,7 @@ typedef struct sheet_heading {
     char words[8][40]; /* in small letters */
     int n;
     bool percent;
-    char dimension, unit[24]; /* dimension 0: no unit */
+    char dimension; /* 0: no unit */
     double si;
 } sheet_heading;
 
@@ -158,7 +158,10 @@ typedef struct sheet_heading {
 typedef struct sheet_marks {
     char decimal; /* '.', ',', or 0: both are used, never in doubt */
     bool grouped; /* the other mark separates thousands */
+    /* A number with three decimals, where none of the table shows that the mark is not one of thousands; else "". */
+    char doubtful[16];
 } sheet_marks;
+enum { SHEET_MARKS = 160 };
 
 /* A text cut into cells, before anybody knows where its heading is. */
 typedef struct sheet_text {
@@ -191,6 +194,7 @@ int sheet_refuse(char *message, int size, const char *format, ...);
 /* "path: what name; the columns are ..." */
 int sheet_refuse_columns(char *message, int size, const char *path, const char *what, const char *name,
                          const char *const *names, int n);
-const char *sheet_marks_text(const sheet_text *t, const sheet_marks *marks);
+/* "decimal commas, ", with what is in doubt. */
+const char *sheet_marks_text(const sheet_text *t, const sheet_marks *marks, char text[SHEET_MARKS]);
 
 #endif

@@ -33,10 +33,30 @@ static inline double counting_error(double free_holes, double holes) {
     return sqrt(f * (1.0 - f) / holes);
 }
 
+/* A curve through counts of holes, whole numbers, n at most BLOCKING_TEST_ROWS; f and sigma: the readings and their
+   standard errors. These are those of the curve: of a single count near 0 or 1 they are too small, and ranges too
+   narrow. Fewer than three readings have no curve. */
+static inline blocking_status fit_counts(const blocking_fit_def *def, const double *t, const double *free_holes,
+                                         const double *holes, size_t n, double *f, double *sigma,
+                                         blocking_fit_result *fit) {
+    static size_t count[2][BLOCKING_TEST_ROWS];
+    for (size_t i = 0; i < n; i++) {
+        if (!(holes[i] > 0.0 && holes[i] <= 1e9 && free_holes[i] >= 0.0 && free_holes[i] <= holes[i] &&
+              holes[i] == floor(holes[i]) && free_holes[i] == floor(free_holes[i])))
+            return BLOCKING_BAD_COUNT;
+        count[0][i] = (size_t)free_holes[i], count[1][i] = (size_t)holes[i];
+        f[i] = free_holes[i] / holes[i];
+        sigma[i] = counting_error(free_holes[i], holes[i]);
+    }
+    return blocking_fit_holes(def, t, count[0], count[1], n, f, sigma, fit);
+}
+
 /* The law of the tests in the file of option --tests. Leaves with one line if the file is no good. */
 static inline void read_blocking_law(const program *self, const char *path, blocking_law *law) {
     static blocking_test tests[BLOCKING_TESTS];
     static double t[BLOCKING_TEST_ROWS], f[BLOCKING_TEST_ROWS], sigma[BLOCKING_TEST_ROWS];
+    const blocking_fit_def def = blocking_default_fit_def();
+    blocking_fit_result unused;
     enum { TEST, TIME, FACTOR, HARD, MOISTURE, FREE, HOLES, FRACTION, COLUMNS };
     sheet data;
     char message[600];
@@ -51,27 +71,37 @@ static inline void read_blocking_law(const program *self, const char *path, bloc
     int n = 0;
     for (int i = 0; i < data.rows; i++) {
         const char *name = data.cell[i * data.columns + c[TEST].index];
+        const double factor = c[FACTOR].value[i], hard = c[HARD].value ? c[HARD].value[i] : 0.5,
+                     moisture = c[MOISTURE].value ? c[MOISTURE].value[i] : 0.0;
         if (i == 0 || strcmp(name, data.cell[(i - 1) * data.columns + c[TEST].index]) != 0) {
             if (n == BLOCKING_TESTS) program_refuse(self, "tests", path, "a file with at most 200 tests");
             tests[n].t = t + i, tests[n].f = f + i, tests[n].sigma = counted ? sigma + i : NULL;
             tests[n].n = 0;
-            tests[n].K = c[FACTOR].value[i];
-            tests[n].x_h = c[HARD].value ? c[HARD].value[i] : 0.5;
-            tests[n].moisture = c[MOISTURE].value ? c[MOISTURE].value[i] : 0.0;
+            tests[n].K = factor, tests[n].x_h = hard, tests[n].moisture = moisture;
             n++;
         }
-        const double holes = counted ? c[HOLES].value[i] : 1.0,
-                     free_holes = counted ? c[FREE].value[i] : c[FRACTION].value[i];
+        const blocking_test *test = &tests[n - 1];
+        if (factor != test->K || hard != test->x_h || moisture != test->moisture) {
+            snprintf(message, sizeof message,
+                     "line %d: K, x_h and moisture are those of a test, the same in all its rows", data.line[i]);
+            refuse_file(self, "tests", path, blocking_tests_file, message);
+        }
         t[i] = c[TIME].value[i];
-        f[i] = free_holes / holes;
-        sigma[i] = counted ? counting_error(free_holes, holes) : 0.0;
+        if (!counted) f[i] = c[FRACTION].value[i];
         tests[n - 1].n++;
     }
-    size_t bad;
-    blocking_status status = blocking_fit_law(tests, (size_t)n, law, &bad);
+    size_t bad = 0, at = 0;
+    blocking_status status = BLOCKING_OK;
+    for (int k = 0; k < n && counted && status != BLOCKING_BAD_COUNT; at += tests[k++].n) {
+        bad = (size_t)k;
+        status =
+            fit_counts(&def, t + at, c[FREE].value + at, c[HOLES].value + at, tests[k].n, f + at, sigma + at, &unused);
+    }
+    if (status != BLOCKING_BAD_COUNT) status = blocking_fit_law(tests, (size_t)n, law, &bad);
     sheet_free(&data);
     if (status == BLOCKING_OK) return;
-    snprintf(message, sizeof message, "test %d: %s", (int)bad + 1, blocking_status_text(status));
+    if (bad < (size_t)n) snprintf(message, sizeof message, "test %d: %s", (int)bad + 1, blocking_status_text(status));
+    else snprintf(message, sizeof message, "%s", blocking_status_text(status));
     refuse_file(self, "tests", path, blocking_tests_file, message);
 }
 

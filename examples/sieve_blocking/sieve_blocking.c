@@ -144,6 +144,10 @@ static void read_readings(const program *self, const char *path, readings *r) {
         r->holes[r->n - 1] += r->counted ? c[HOLES].value[i] : 1.0;
         if (r->counted && !(r->holes[r->n - 1] > 0.0 && r->free_holes[r->n - 1] <= r->holes[r->n - 1]))
             refuse_file(self, "data", path, counts_file, blocking_status_text(BLOCKING_BAD_COUNT));
+        if (r->counted &&
+            !(c[FREE].value[i] == floor(c[FREE].value[i]) && c[HOLES].value[i] == floor(c[HOLES].value[i])))
+            refuse_file(self, "data", path, counts_file,
+                        "holes are counted in whole numbers; means of several counts go in as fractions");
     }
     sheet_free(&data);
 }
@@ -153,11 +157,9 @@ static void read_readings(const program *self, const char *path, readings *r) {
 static blocking_status fit_readings(readings *r, blocking_fit_result *fit) {
     blocking_fit_def def = blocking_default_fit_def();
     def.z = z95;
-    for (int i = 0; i < r->n; i++) {
-        r->f[i] = r->free_holes[i] / r->holes[i];
-        if (r->counted) r->sigma[i] = counting_error(r->free_holes[i], r->holes[i]);
-    }
-    return blocking_fit(&def, r->t, r->f, r->counted ? r->sigma : NULL, (size_t)r->n, fit);
+    if (r->counted) return fit_counts(&def, r->t, r->free_holes, r->holes, (size_t)r->n, r->f, r->sigma, fit);
+    for (int i = 0; i < r->n; i++) r->f[i] = r->free_holes[i] / r->holes[i];
+    return blocking_fit(&def, r->t, r->f, NULL, (size_t)r->n, fit);
 }
 
 static void report_fit(json *report, const readings *r, blocking_status status, const blocking_fit_result *fit,
@@ -681,7 +683,7 @@ static wish default_wish(void) {
 static void check_wish(const program *self, const wish *w) {
     const bool process = w->simulated || w->swept || w->compared;
     if (is_given(self, "k") && (is_given(self, "frequency-hz") || is_given(self, "amplitude-mm") ||
-                                   is_given(self, "direction-deg") || is_given(self, "slope-deg")))
+                                is_given(self, "direction-deg") || is_given(self, "slope-deg")))
         program_refuse(self, "k", NULL, "either --k or the motion of the deck");
     if (w->sizes && is_given(self, "xh")) program_refuse(self, "xh", NULL, "either --xh or --sizes");
     if (w->tests && (w->data || process))

@@ -5,7 +5,7 @@
 #include <string.h>
 
 static const char magic[16] = "riddle scene 5\n";
-enum { BEFORE_VERSION = 13 }; /* bytes */
+const char state_head[] = "riddle scene ";
 
 /* Fowler, Noll & Vo's hash, 64 bits. */
 uint64_t state_checksum(const void *start, size_t size) {
@@ -73,7 +73,7 @@ void state_begin_writing(scene_state *io) {
 int state_begin_reading(scene_state *io, unsigned char *bytes, size_t size) {
     memset(io, 0, sizeof *io);
     io->reading = 1, io->bytes = bytes;
-    if (size < sizeof magic + 8 || memcmp(bytes, magic, BEFORE_VERSION) != 0) return -1;
+    if (size < sizeof magic + 8 || memcmp(bytes, state_head, sizeof state_head - 1) != 0) return -1;
     if (memcmp(bytes, magic, sizeof magic) != 0) return 1;
     io->size = size - 8, io->at = io->size;
     scene_state tail = *io;

@@ -13,6 +13,8 @@ typedef struct scene_state {
 } scene_state;
 
 uint64_t state_checksum(const void *bytes, size_t size);
+/* What a save of any version begins with. */
+extern const char state_head[14];
 void state_begin_writing(scene_state *io);
 /* 0; -1: no whole save; 1: one of another version. bytes become the state's. */
 int state_begin_reading(scene_state *io, unsigned char *bytes, size_t size);
