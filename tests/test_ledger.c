@@ -454,11 +454,45 @@ static void test_struck_bed(void **state) {
     dem_free(&w);
 }
 
+/* ---- walls that turn ---- */
+
+/* Bodies in a drum or a box that turns, against rolling resistance: the ledger has the work that the wall counts, which
+   is its torque times its angle, and closes. */
+static void test_work_against_rolling_resistance(void **state) {
+    (void)state;
+    void (*const add[3])(dem_world *, double, double, double) = {ball, clump_at, brick_at};
+    for (int k = 0; k < 6; k++) {
+        dem_world w;
+        make(&w, 0.5, v3(0, 0, -9.81));
+        dem_pair_def pair = w.def.pair[0][0];
+        pair.restitution = 0.5, pair.rolling = 2e-4;
+        assert_int_equal(dem_set_pair(&w, 0, 0, &pair), DEM_OK);
+        assert_int_equal(dem_set_time_step(&w, 1e-5), DEM_OK);
+        const int wall = k < 3 ? dem_add_cylinder(&w, 0, v3(0, 0, 0), v3(0, 1, 0), 0.02, 1)
+                               : dem_add_box(&w, 0, v3(-0.015, -0.01, -0.015), v3(0.015, 0.01, 0.015));
+        assert_true(wall == 0);
+        dem_add_plane(&w, 0, v3(0, -0.01, 0), v3(0, 1, 0)), dem_add_plane(&w, 0, v3(0, 0.01, 0), v3(0, -1, 0));
+        assert_int_equal(dem_rotate(&w, wall, v3(0, 0, 0), v3(0, 1, 0), 12.0), DEM_OK);
+        for (int i = 0; i < 6; i++) add[k % 3](&w, 0.007 * (i % 3 - 1), 0.001 * (i % 3), i < 3 ? -0.006 : 0.005);
+        run(&w, 0.15, DEM_LINEAR | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY);
+        const dem_energy_ledger l = dem_energy(&w);
+        const double work = w.wall[wall].work;
+        near_relative(work, -12.0 * dem_wall_angular_impulse(&w, wall, v3(0, 0, 0)).y, 1e-9, "work = torque x angle");
+        near_relative(l.wall_work, work, 1e-3, "work in the ledger");
+        near_absolute(l.error, 0.0, 6e-3 * work, "error of the ledger");
+        dem_free(&w);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_acts_on_links),  cmocka_unit_test(test_links_that_end),
-        cmocka_unit_test(test_acts_in_fields), cmocka_unit_test(test_removed_in_field),
-        cmocka_unit_test(test_order_of_sums),  cmocka_unit_test(test_struck_bed),
+        cmocka_unit_test(test_acts_on_links),
+        cmocka_unit_test(test_links_that_end),
+        cmocka_unit_test(test_acts_in_fields),
+        cmocka_unit_test(test_removed_in_field),
+        cmocka_unit_test(test_order_of_sums),
+        cmocka_unit_test(test_struck_bed),
+        cmocka_unit_test(test_work_against_rolling_resistance),
     };
     return cmocka_run_group_tests_name("ledger", tests, NULL, NULL);
 }

@@ -258,14 +258,19 @@ DEM_INLINE void dem__apply_law(const dem_world *w, dem__work *x, const int32_t *
     }
 }
 
-/* Computes the work of walls on their contacts from powers, by the trapezoidal rule. */
+/* Computes the work of walls on their contacts from powers, by the trapezoidal rule. A wall that turns works also
+   against rolling resistance: its force counts at the centre of the particle, with the torque about it. */
 DEM_INLINE void dem__put_wall_work(const dem__work *x, int n, const dem__columns *old, const dem__columns *at,
-                                   double half) {
+                                   double half, int rolling) {
     for (int k = 0; k < n; k++) at->loss[3][k] = 0.0, at->power[2][k] = old->power[2][k];
     for (int q = 0; q < x->walls; q++) {
         const int k = x->wall[q].row;
-        const dem_vec v = x->wall[q].velocity;
-        const double power = at->out[0][k] * v.x + at->out[1][k] * v.y + at->out[2][k] * v.z;
+        const dem_wall *wall = x->wall[q].wall;
+        const dem_vec normal = dem_vec3(x->rows.nx[k], x->rows.ny[k], x->rows.nz[k]);
+        const int turns = rolling && wall->spin != 0.0;
+        const dem_vec v = turns ? dem__surface_velocity(wall, x->wall[q].particle->x, normal) : x->wall[q].velocity;
+        double power = at->out[0][k] * v.x + at->out[1][k] * v.y + at->out[2][k] * v.z;
+        for (int a = 0; a < 3 && turns; a++) power += at->out[3 + a][k] * wall->spin * dem_axis(wall->spin_axis, a);
         at->loss[3][k] = half * (old->power[2][k] + power);
         at->power[2][k] = power;
     }
@@ -343,7 +348,8 @@ DEM_INLINE void dem__evaluate_chunk(dem_world *w, dem__work *x, ptrdiff_t chunk,
             const dem__columns same = at; /* with the address of `at` itself, clang would not vectorise the law */
             dem__finish_other_rows(other, w, x, base, n, &same, 0.5 * h, features);
         }
-        if (features & DEM_ENERGY) dem__put_wall_work(x, n, &old, &at, 0.5 * h);
+        if (features & DEM_ENERGY)
+            dem__put_wall_work(x, n, &old, &at, 0.5 * h, (w->engine->run.features & DEM_ROLLING) != 0);
         if (only_ledger) {
             dem__store_ledger(&old, &at, n);
             continue;

@@ -146,7 +146,8 @@ static void read_readings(const program *self, const char *path, readings *r) {
             refuse_file(self, "data", path, counts_file, blocking_status_text(BLOCKING_BAD_COUNT));
         if (r->counted &&
             !(c[FREE].value[i] == floor(c[FREE].value[i]) && c[HOLES].value[i] == floor(c[HOLES].value[i])))
-            refuse_file(self, "data", path, counts_file, "holes are counted in whole numbers");
+            refuse_file(self, "data", path, counts_file,
+                        "holes are counted in whole numbers; means of several counts go in as fractions");
     }
     sheet_free(&data);
 }
