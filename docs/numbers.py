@@ -441,7 +441,8 @@ def filter_cake(r, csv, json):
         """Mean over the seeds and its 95 % interval (Student's, 2 degrees of freedom)."""
         values = [factor * of(run) for run in runs]
         half = 4.303 * statistics.stdev(values) / math.sqrt(len(values))
-        return f"{statistics.mean(values):.{digits}f} ± {half:.{digits}f}{unit}"
+        number = f"{statistics.mean(values):.{digits}f} ± {half:.{digits}f}"
+        return f"({number}){unit}" if unit.startswith("e") else number + unit
 
     def resistance(run):
         return (1e6 / run["filtrate_velocity_m_per_s"][-1] - run["r_m0_per_m"]) / run["cake_height_m"]
