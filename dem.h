@@ -13553,18 +13553,18 @@ static inline void dem__add_exposed(dem__exposed *e, const dem__exposed *of) {
 enum { DEM__HALVINGS = 12 };
 static inline void dem__expose_zone(dem__exposed *e, dem__zone z, int m, const dem__cover *cap) {
     dem__zone left[DEM__HALVINGS + 1]; /* zones left, each half as wide as the one before */
-    int todo = 0;
-    left[todo++] = z;
-    while (todo > 0) {
+    int n = 0;
+    left[n++] = z;
+    while (n > 0) {
         dem__exposed whole, halves;
-        dem__zone low = left[--todo], high = low;
+        dem__zone low = left[--n], high = low;
         memset(&whole, 0, sizeof whole), memset(&halves, 0, sizeof halves);
         low.to = high.from = 0.5 * (high.from + high.to);
-        dem__add_zone(&whole, &left[todo], m, cap);
+        dem__add_zone(&whole, &left[n], m, cap);
         dem__add_zone(&halves, &low, m, cap), dem__add_zone(&halves, &high, m, cap);
         const double change = fabs(halves.zero - whole.zero) + fabs(halves.one[0] - whole.one[0]) +
                               fabs(halves.one[1] - whole.one[1]) + fabs(halves.two[2][2] - whole.two[2][2]);
-        if (change > 1e-13 && todo + 2 <= DEM__HALVINGS) left[todo++] = high, left[todo++] = low;
+        if (change > 1e-13 && n + 2 <= DEM__HALVINGS) left[n++] = high, left[n++] = low;
         else dem__add_exposed(e, &halves);
     }
 }

@@ -335,10 +335,10 @@ static const unit units[] = {
     {"-", 's', 1.0},
 };
 
-static char small_letter(char c) { return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); }
+char csv_small(char c) { return (char)(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c); }
 
 static bool same_letters(const char *a, const char *b) {
-    while (*a && small_letter(*a) == small_letter(*b)) a++, b++;
+    while (*a && csv_small(*a) == csv_small(*b)) a++, b++;
     return *a == *b;
 }
 
@@ -364,7 +364,7 @@ int csv_unit(const char *name, char *dimension, double *si) {
 }
 
 static void make_small(char *text) {
-    for (; *text; text++) *text = small_letter(*text);
+    for (; *text; text++) *text = csv_small(*text);
 }
 
 /* A name in small letters, cut into what it names and its unit; found: the unit's row, NULL without one. false: a unit
@@ -408,7 +408,7 @@ int csv_is(const char *name, const char *wanted, double *factor) {
     char base[128], asked[128];
     const unit *in, *out;
     /* most columns of most tables: csv_value asks for every cell */
-    if (small_letter(*name) != small_letter(*wanted)) return 0;
+    if (csv_small(*name) != csv_small(*wanted)) return 0;
     const bool known = split_name(name, base, sizeof base, &in);
     split_name(wanted, asked, sizeof asked, &out);
     if (strcmp(base, asked) != 0 || (out && known && !in)) return 0;

@@ -42,6 +42,8 @@ int csv_measures(const char *name, char dimension);
 /* 0: there is no unit of this name. Letters may be of any case but where it tells two units apart: mPa and MPa, mg and
    Mg, ml and Ml. Of MPA the dimension is '?'. */
 int csv_unit(const char *name, char *dimension, double *si);
+/* A plain letter as a small one, whatever the locale. */
+char csv_small(char c);
 /* Where the quotes around a cell end, before one of these characters or the end of the text: the place of the closing
    quote from the cell's beginning on; 0: the cell has none around it. Doubled quotes within close nothing. */
 size_t csv_quoted(const char *cell, const char *stops);

@@ -231,8 +231,6 @@ int sheet_cut(const char *bytes, long size, const char *path, sheet_text *out, c
 
 /* ---- words and units ---- */
 
-static char small(char c) { return (char)(c >= 'A' && c <= 'Z' ? c + 32 : c); }
-
 /* cased: plain letters stay as they are, since of a unit they may count: mPa, MPa. Both ways have one length. */
 static void fold(const char *text, char *out, size_t size, bool cased) {
     static const struct {
@@ -250,7 +248,7 @@ static void fold(const char *text, char *out, size_t size, bool cased) {
         if ((length = utf8_get(at, left, &c)) == 0) length = 1, c = '?';
         at += length, left -= length;
         if (c < 0x80) {
-            out[n++] = cased ? (char)c : small((char)c);
+            out[n++] = cased ? (char)c : csv_small((char)c);
             continue;
         }
         const char *as = "?";
@@ -305,7 +303,7 @@ static bool unit_of(const char *text, char *dimension, double *si) {
     while (n > 0 && (text[n - 1] == ' ' || (text[n - 1] == '.' && n > 1))) n--;
     while (n > 0 && *text == ' ') text++, n--;
     if (n == 0 || n >= sizeof plain) return false;
-    for (size_t k = 0; k < n; k++) as_written[k] = text[k], plain[k] = small(text[k]);
+    for (size_t k = 0; k < n; k++) as_written[k] = text[k], plain[k] = csv_small(text[k]);
     as_written[n] = plain[n] = '\0';
     *si = 0.01, *dimension = 's';
     if (is_percent(plain)) return true;
