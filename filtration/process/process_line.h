@@ -23,8 +23,8 @@ enum {
     FILTRATION__KINDS = FILTRATION__FITS * FILTRATION__DRIFTS
 };
 static const filtration__drifting filtration__drifts[FILTRATION__DRIFTS] = {{0.0, 0.4}, {7.0, 0.6}};
-static const double filtration__weight_prior[FILTRATION__WEIGHTS] = {6.0, 2.7, 2.7, 1.0}; /* about equal chances where
-                                             volumes lie evenly; see filtration__fill_priors */
+/* About equal chances where volumes lie evenly; see filtration__fill_priors. */
+static const double filtration__weight_prior[FILTRATION__WEIGHTS] = {6.0, 2.7, 2.7, 1.0};
 static const filtration__roughness filtration__roughs[FILTRATION__ROUGHS] = {
     /* independent errors */
     {0.0, 0.0, 1.0, 1},
