@@ -821,6 +821,7 @@ typedef struct dem_kernel {
     const dem_law *law;
     int features;
     dem_loop_fn loop;
+    void (*add_ledger)(struct dem_world *world); /* NULL without DEM_ENERGY */
 } dem_kernel;
 
 /* The same for a law of links: DEM_LINK_KERNEL(name, law). */
@@ -8930,15 +8931,16 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
         dem__correct_partial_step(world, c, q, was, &(law), features);                                                 \
     }                                                                                                                  \
     DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))
+#define DEM__LEDGER_OF(features) ((features)&DEM_ENERGY ? dem__add_ledger : NULL)
 #define DEM_KERNEL(name, law, features)                                                                                \
     DEM__KERNEL_LOOPS(name, law, features)                                                                             \
-    static const dem_kernel name = {&(law), features, name##_loop};
+    static const dem_kernel name = {&(law), features, name##_loop, DEM__LEDGER_OF(features)};
 /* A kernel that compilers leave out where nothing calls name(). gcc at -O0 keeps constants that nobody reads, and what
    they point to, but not those in an inline function. Tables of functions are written in the same way. */
 #define DEM__KERNEL_OF(name, law, features)                                                                            \
     DEM__KERNEL_LOOPS(name, law, features)                                                                             \
     static inline const dem_kernel *name(void) {                                                                       \
-        static const dem_kernel kernel = {&(law), features, name##_loop};                                              \
+        static const dem_kernel kernel = {&(law), features, name##_loop, DEM__LEDGER_OF(features)};                    \
         return &kernel;                                                                                                \
     }
 
@@ -11200,6 +11202,7 @@ static inline dem__feature dem__feature_ledger(void) {
     f.is_used = dem__has_ledger;
     return f;
 }
+static inline void dem__add_ledger(dem_world *w) { dem__add_feature(w, dem__feature_ledger()); }
 
 /* ---------------------------------------------------------------------------------------------- >>step/integrate.h */
 /* Motion of particles within a step, and how it changes their bounds. Reads forces, walls, the list; writes bodies and
@@ -11997,14 +12000,15 @@ static inline dem_status dem__check_run(const dem_world *w, const dem_kernel *ke
 
 /* Gives contacts the arrays that law, ledger and threads need. Returns 0 when out of memory; then nothing has
    changed. */
-static inline int dem__fit_contact_arrays(dem_world *w, const dem_law *law, int features) {
+static inline int dem__fit_contact_arrays(dem_world *w, const dem_kernel *kernel, int features) {
+    const dem_law *law = kernel->law;
     dem__contacts *contacts = &w->engine->contacts;
     const int states = contacts->states, constants = contacts->constants;
     const int postpones = dem__may_postpone(w) && !contacts->postponed;
     const int books = (features & DEM_ENERGY) && !w->engine->ledger.on;
     dem__array list[DEM__ARRAYS_MAX];
     if (law->states == states && law->constants <= constants && !books && !postpones) return 1;
-    if (books) dem__add_feature(w, dem__feature_ledger());
+    if (books) kernel->add_ledger(w);
     contacts->states = law->states;
     contacts->constants = law->constants > constants ? law->constants : constants;
     if (!dem__grow_group(w, list, dem__contact_arrays(w, list), &contacts->block, &contacts->bytes, &contacts->capacity,
@@ -12033,9 +12037,10 @@ static inline double dem__step_ratio(const dem_world *w, int features) {
 static inline dem_status dem__run_kernel(dem_world *world, double duration, const dem_kernel *kernel, int features) {
     dem_world *w = world;
     if (dem__lacks_memory(w)) return DEM_BAD_ARGUMENT;
-    if (!kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare)
-        return dem__refuse(
-            w, "kernel: NULL, without a loop, or of a law without functions or with too many states or constants");
+    if (!kernel || !kernel->loop || !dem__is_law(kernel->law) || !kernel->law->prepare ||
+        ((features & DEM_ENERGY) && !kernel->add_ledger))
+        return dem__refuse(w, "kernel: NULL, without a loop or its ledger, or of a law without functions or with too "
+                              "many states or constants");
     if (!dem__not_negative(duration)) return dem__refuse(w, "duration: below 0 or not finite");
     if (dem__is_running(w)) return DEM_BUSY;
     const double dt = w->engine->run.dt, owed = w->owed + duration, remaining = owed / dt;
@@ -12043,7 +12048,7 @@ static inline dem_status dem__run_kernel(dem_world *world, double duration, cons
     const dem_status status = dem__check_run(w, kernel, features);
     if (status != DEM_OK) return status;
     w->status = DEM_OK; /* the caller may have repaired any other failure */
-    if (!dem__make_work(w) || !dem__fit_contact_arrays(w, kernel->law, features)) return DEM_OUT_OF_MEMORY;
+    if (!dem__make_work(w) || !dem__fit_contact_arrays(w, kernel, features)) return DEM_OUT_OF_MEMORY;
     w->engine->contacts.has_history = kernel->law->states > 0 && !dem__has_void_history(kernel, features);
     w->engine->contacts.law = dem__law_mark(kernel->law);
     const int64_t steps = remaining > 0.0 ? (int64_t)floor(remaining + 0.5) : 0;
@@ -12094,24 +12099,41 @@ DEM__KERNEL_OF(dem__kernel_hertz_friction, dem_law_hertz_friction, DEM_HERTZ | D
 DEM__KERNEL_OF(dem__kernel_hertz_rolling, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING)
 DEM__KERNEL_OF(dem__kernel_hertz_energy, dem_law_hertz_rolling, DEM_HERTZ | DEM_FRICTION | DEM_ROLLING | DEM_ENERGY)
 
-DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
-    const dem_kernel *kernel;
+/* The kernel for features that a shipped law has. Kernels with a ledger always compute friction and rolling; features
+   that the caller did not name have constants of zero. */
+#define DEM__KERNEL_FOR(features)                                                                                      \
+    ((features)&DEM_ENERGY ? ((features)&DEM_HERTZ ? dem__kernel_hertz_energy() : dem__kernel_linear_energy())         \
+                           : ((features)&DEM_HERTZ ? ((features)&DEM_ROLLING    ? dem__kernel_hertz_rolling()          \
+                                                      : (features)&DEM_FRICTION ? dem__kernel_hertz_friction()         \
+                                                                                : dem__kernel_hertz())                 \
+                                                   : ((features)&DEM_ROLLING    ? dem__kernel_linear_rolling()         \
+                                                      : (features)&DEM_FRICTION ? dem__kernel_linear_friction()        \
+                                                                                : dem__kernel_linear())))
+
+static inline dem_status dem__run_shipped(dem_world *world, double duration, const dem_kernel *kernel, int features) {
     switch (features & ~DEM_ENERGY) {
-    case DEM_LINEAR: kernel = dem__kernel_linear(); break;
-    case DEM_LINEAR | DEM_FRICTION: kernel = dem__kernel_linear_friction(); break;
-    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING: kernel = dem__kernel_linear_rolling(); break;
-    case DEM_HERTZ: kernel = dem__kernel_hertz(); break;
-    case DEM_HERTZ | DEM_FRICTION: kernel = dem__kernel_hertz_friction(); break;
-    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING: kernel = dem__kernel_hertz_rolling(); break;
+    case DEM_LINEAR:
+    case DEM_LINEAR | DEM_FRICTION:
+    case DEM_LINEAR | DEM_FRICTION | DEM_ROLLING:
+    case DEM_HERTZ:
+    case DEM_HERTZ | DEM_FRICTION:
+    case DEM_HERTZ | DEM_FRICTION | DEM_ROLLING: return dem__run_kernel(world, duration, kernel, features);
     default:
         return dem__refuse(world, "features: no shipped law has these: DEM_LINEAR or DEM_HERTZ, DEM_ROLLING only with "
                                   "DEM_FRICTION");
     }
-    /* kernels with a ledger always compute friction and rolling; features that the caller did not name have constants
-       of zero */
-    if (features & DEM_ENERGY) kernel = features & DEM_HERTZ ? dem__kernel_hertz_energy() : dem__kernel_linear_energy();
-    return dem__run_kernel(world, duration, kernel, features);
 }
+
+DEM__CHOICE dem_status dem_run(dem_world *world, double duration, int features) {
+    return dem__run_shipped(world, duration, DEM__KERNEL_FOR(features), features);
+}
+/* Compilers optimise every function that is named before they find out which constants reach it. Where features are
+   written as a constant, this macro leaves them only one kernel to look at: an eighth of the compile time. */
+#ifdef __GNUC__
+#define dem_run(world, duration, features)                                                                             \
+    (__builtin_constant_p(features) ? dem__run_shipped(world, duration, DEM__KERNEL_FOR(features), features)           \
+                                    : (dem_run)(world, duration, features))
+#endif
 
 /* ------------------------------------------------------------------------------------------------ >>bodies/rigid.h */
 /* Motion of rigid bodies, and the table of functions that the engine calls for them (dem__body_calls in base/engine.h).
@@ -22484,7 +22506,7 @@ static inline void dem__derive_loaded(dem_world *w) {
 
 /* Adds every feature that a file may contain. A loaded world keeps those that it uses. */
 static inline void dem__expect_features(dem_world *w) {
-    dem__add_feature(w, dem__feature_ledger());
+    dem__add_ledger(w);
     dem__add_feature(w, dem__feature_links());
     dem__add_feature(w, dem__feature_field());
     dem__add_feature(w, dem__feature_fixed());

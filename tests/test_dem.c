@@ -2010,6 +2010,8 @@ static void test_hostile_calls(void **state) {
         assert_int_equal(dem_run_law(&w, 1e-5, NULL), DEM_BAD_ARGUMENT);
     kernel = kernel_sticky, kernel.loop = NULL;
     assert_int_equal(dem_run_law(&w, 1e-5, &kernel), DEM_BAD_ARGUMENT);
+    kernel = kernel_sticky, kernel.features |= DEM_ENERGY;
+    assert_int_equal(dem_run_law(&w, 1e-5, &kernel), DEM_BAD_ARGUMENT);
     kernel = kernel_sticky, kernel.law = &law;
     law.states = DEM_STATE_MAX + 1;
     assert_int_equal(dem_run_law(&w, 1e-5, &kernel), DEM_BAD_ARGUMENT);

@@ -87,6 +87,7 @@ typedef struct dem_kernel {
     const dem_law *law;
     int features;
     dem_loop_fn loop;
+    void (*add_ledger)(struct dem_world *world); /* NULL without DEM_ENERGY */
 } dem_kernel;
 
 /* The same for a law of links: DEM_LINK_KERNEL(name, law). */

@@ -390,14 +390,15 @@ DEM_INLINE void dem__kernel(dem_world *w, ptrdiff_t first, ptrdiff_t end, int pa
         dem__correct_partial_step(world, c, q, was, &(law), features);                                                 \
     }                                                                                                                  \
     DEM__LOOP(name##_loop, dem__kernel(world, first, end, part, &(law), name##_edge, features))
+#define DEM__LEDGER_OF(features) ((features)&DEM_ENERGY ? dem__add_ledger : NULL)
 #define DEM_KERNEL(name, law, features)                                                                                \
     DEM__KERNEL_LOOPS(name, law, features)                                                                             \
-    static const dem_kernel name = {&(law), features, name##_loop};
+    static const dem_kernel name = {&(law), features, name##_loop, DEM__LEDGER_OF(features)};
 /* A kernel that compilers leave out where nothing calls name(). gcc at -O0 keeps constants that nobody reads, and what
    they point to, but not those in an inline function. Tables of functions are written in the same way. */
 #define DEM__KERNEL_OF(name, law, features)                                                                            \
     DEM__KERNEL_LOOPS(name, law, features)                                                                             \
     static inline const dem_kernel *name(void) {                                                                       \
-        static const dem_kernel kernel = {&(law), features, name##_loop};                                              \
+        static const dem_kernel kernel = {&(law), features, name##_loop, DEM__LEDGER_OF(features)};                    \
         return &kernel;                                                                                                \
     }

@@ -144,3 +144,4 @@ static inline dem__feature dem__feature_ledger(void) {
     f.is_used = dem__has_ledger;
     return f;
 }
+static inline void dem__add_ledger(dem_world *w) { dem__add_feature(w, dem__feature_ledger()); }

@@ -276,7 +276,7 @@ static inline void dem__derive_loaded(dem_world *w) {
 
 /* Adds every feature that a file may contain. A loaded world keeps those that it uses. */
 static inline void dem__expect_features(dem_world *w) {
-    dem__add_feature(w, dem__feature_ledger());
+    dem__add_ledger(w);
     dem__add_feature(w, dem__feature_links());
     dem__add_feature(w, dem__feature_field());
     dem__add_feature(w, dem__feature_fixed());
