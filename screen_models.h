@@ -401,9 +401,11 @@ typedef struct screen_fit_result {
                                             parameters; at least 1 */
     double student;                      /* half-width of the ranges in errors: screen_student(0.95, dof) */
     double low[SCREEN_MAX_PARAMETERS];   /* 95 % range: parameter -+ student errors (a rate constant by a factor), cut
-                                            at the bounds. Errors are those of the model linearised at the fit. Where
-                                            few cases carry many parameters (model 2 from four), the model is nonlinear
-                                            within the range, which then holds a little too rarely */
+                                            at the bounds; of a moisture exponent, a quotient, by Fieller: from bound
+                                            to bound where its exponent may be 0. Errors are those of the model
+                                            linearised at the fit. Where few cases carry many parameters (model 2 from
+                                            four), the model is nonlinear within the range, which then holds a little
+                                            too rarely */
     double high[SCREEN_MAX_PARAMETERS];
     double correlation[SCREEN_MAX_PARAMETERS][SCREEN_MAX_PARAMETERS];
     int determined[SCREEN_MAX_PARAMETERS]; /* 0: the range reaches farther than ln 2 (rate constant) or max(1, |value|)
@@ -3078,18 +3080,30 @@ static inline int screen__covariance(int n, screen__matrix curvature, const int 
     return solved;
 }
 
-/* Sets value, error, range and verdict of one parameter. */
+/* Computes the range of a moisture exponent, a quotient of two coefficients: the values g for which
+   product - g exponent is 0 within its error (Fieller 1954). Where the exponent may be 0, any g may be true. */
+static inline void screen__quotient_range(double exponent, double product, double student, screen__matrix cov, int j,
+                                          double *low, double *high) {
+    const double t = student * student, a = exponent * exponent - t * cov[j - 1][j - 1],
+                 b = exponent * product - t * cov[j - 1][j], c = product * product - t * cov[j][j];
+    const double root = b * b - a * c > 0.0 ? sqrt(b * b - a * c) : 0.0;
+    const int is_bounded = a > 0.0;
+    *low = is_bounded ? (b - root) / a : -HUGE_VAL;
+    *high = is_bounded ? (b + root) / a : HUGE_VAL;
+}
+
+/* Sets value, error, range and verdict of one parameter; low and high: its range before it is cut at the bounds. */
 static inline void screen__judge_one(const screen__problem *p, const screen_fit_options *options, const double *q,
-                                     int j, double error, screen_fit_result *out) {
+                                     int j, double error, double low, double high, screen_fit_result *out) {
     int rate = screen__is_rate(p->model, j), fixed = options->low[j] == options->high[j],
         idle = !fixed && p->low[j] == p->high[j];
     out->parameter[j] = rate ? riddle_exp(q[j]) : q[j];
     out->at_bound[j] = !fixed && !idle && (q[j] <= p->low[j] || q[j] >= p->high[j]);
     out->error[j] = fixed ? 0.0 : idle ? HUGE_VAL : out->at_bound[j] ? (double)NAN : error;
-    double reach = out->student * error, least = rate ? RIDDLE_LN2_HI : fabs(q[j]) > 1.0 ? fabs(q[j]) : 1.0;
-    double low = q[j] - reach > p->low[j] ? q[j] - reach : p->low[j],
-           high = q[j] + reach < p->high[j] ? q[j] + reach : p->high[j];
-    out->determined[j] = fixed || (!idle && reach <= least);
+    const double least = rate ? RIDDLE_LN2_HI : fabs(q[j]) > 1.0 ? fabs(q[j]) : 1.0;
+    out->determined[j] = fixed || (!idle && q[j] - low <= least && high - q[j] <= least);
+    low = low > p->low[j] ? low : p->low[j];
+    high = high < p->high[j] ? high : p->high[j];
     if (idle) { /* held for want of influence: any value will do */
         low = screen__to_q(p->model, j, options->low[j]);
         high = screen__to_q(p->model, j, options->high[j]);
@@ -3133,7 +3147,7 @@ static inline void screen__judge(screen__problem *p, const screen_fit_options *o
     int n = p->parameters, still[SCREEN_MAX_PARAMETERS] = {0}, bounded[SCREEN_MAX_PARAMETERS] = {0};
     double c[SCREEN_MAX_PARAMETERS], plain[SCREEN_MAX_PARAMETERS], unused[SCREEN_MAX_PARAMETERS] = {0.0};
     screen__sums sums;
-    screen__matrix t, a, cov, of_all;
+    screen__matrix t, a, cov, of_all, of_products;
     screen__to_coefficients(p->model, n, p->centre, q, c);
     screen__evaluate(p, c, 0.0, 1, 0, &sums);
     out->deviation = sums.deviation;
@@ -3155,11 +3169,21 @@ static inline void screen__judge(screen__problem *p, const screen_fit_options *o
     }
     int solved = screen__covariance(n, a, bounded, variance, cov),
         solved_all = screen__covariance(n, a, still, variance, of_all);
+    /* Once more by exponent x moisture exponent, in which all is linear where the exponent is 0. */
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) a[i][j] = sums.curvature[i][j], t[i][j] = i == j ? 1.0 : 0.0;
+    for (int r = 0; r < screen__rates(p->model); r++)
+        t[3 * r][3 * r + 1] = p->centre[2 * r], t[3 * r][3 * r + 2] = p->centre[2 * r + 1];
+    screen__by_q(n, t, a, unused);
+    const int solved_products = screen__covariance(n, a, bounded, variance, of_products);
     out->undetermined = 0;
     for (int j = 0; j < n; j++) { /* one at its bound has the range of the fit without that bound, cut there */
         double square = bounded[j] ? of_all[j][j] : cov[j][j];
         double error = (bounded[j] ? solved_all : solved) && square > 0.0 ? sqrt(square) : HUGE_VAL;
-        screen__judge_one(p, options, q, j, error, out);
+        double low = q[j] - out->student * error, high = q[j] + out->student * error;
+        if (screen__is_wet(p->model, j) && !bounded[j] && !bounded[j - 1] && solved_products)
+            screen__quotient_range(c[j - 1], c[j], out->student, of_products, j, &low, &high);
+        screen__judge_one(p, options, q, j, error, low, high, out);
     }
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
