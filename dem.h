@@ -2513,9 +2513,10 @@ typedef struct dem__rigid {
     double mass;              /* [kg] */
     double rate;              /* of the contacts of a clump over k/m; not saved */
     int32_t first, pieces;    /* of its particles */
-    double
-        rotation_steps; /* rotation steps of a flight, with three different moments, that have been integrated, */
-    dem_quaternion ahead; /* and the orientation there; neither is saved */
+    /* How many rotation steps of a flight, with three different moments, have been integrated, and the orientation
+       there. -1: that at the end of the present step. Neither is saved. */
+    double rotation_steps;
+    dem_quaternion ahead;
 } dem__rigid;
 
 /* State of a rigid body at a time: position and velocity of its centre of mass, spin, angular momentum, orientation. */
@@ -2528,8 +2529,9 @@ typedef struct dem__pose {
    body of a world sets the table (dem__reserve_bodies), so that a program that neither adds a body nor loads a world
    compiles none of them. */
 typedef struct dem__body_calls {
-    dem__pose (*pose)(const dem_world *w, const dem__rigid *r, double tau); /* returns the state at tau [s] after
-                                                                                     the origin step */
+    /* return the state, and the orientation alone, at tau [s] after the origin step */
+    dem__pose (*pose)(const dem_world *w, const dem__rigid *r, double tau);
+    dem_quaternion (*turn)(const dem_world *w, const dem__rigid *r, double tau);
     void (*set_origin)(dem_world *w, dem__rigid *r); /* makes the present step the origin */
     void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity,
                        dem_vec spin);           /* sets velocity and spin at the origin */
@@ -3714,10 +3716,14 @@ DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) {
 DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, double tau) {
     return w->engine->bodies.calls->pose(w, r, tau);
 }
+/* Returns the centre of mass of a body alone. */
+DEM_INLINE dem_vec dem__body_at(const dem__rigid *r, double tau) {
+    return dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a));
+}
 
 /* Returns the orientation of the principal axes of particle i's body, tau after its origin step [s]. */
 static inline dem_quaternion dem__body_turn_at(const dem_world *w, ptrdiff_t i, double tau) {
-    return dem__pose_at(w, dem__rigid_of(w, i), tau).turn;
+    return w->engine->bodies.calls->turn(w, dem__rigid_of(w, i), tau);
 }
 /* Returns the orientation of a polyhedron's own axes, from that of its body. The body's axes may have another order; a
    part of a compound has a turn of its own. */
@@ -3744,8 +3750,7 @@ static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
 
 /* Return position and velocity of a particle of a rigid body, tau after its origin step [s]. */
 static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
-    const dem__pose p = dem__pose_at(w, r, tau);
-    return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));
+    return dem__add(dem__body_at(r, tau), dem__to_lab(dem__body_turn_at(w, i, tau), w->engine->bodies.offset[i]));
 }
 static DEM__NOINLINE dem_vec dem__piece_velocity_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
     const dem__pose p = dem__pose_at(w, r, tau);
@@ -6449,7 +6454,7 @@ static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test 
 static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t e, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, t->i);
     const double tau = (double)(step - w->particle[t->i].origin) * w->engine->run.dt;
-    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__pose_at(w, r, tau).x))) dem__pass_exit(w, t->i, t->k);
+    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__body_at(r, tau)))) dem__pass_exit(w, t->i, t->k);
     else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
 }
 
@@ -12195,10 +12200,14 @@ DEM_INLINE dem_quaternion dem__turn_at(const dem_world *w, const dem__rigid *r, 
     return dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, single);
 }
 
+static inline dem_quaternion dem__find_turn(const dem_world *w, const dem__rigid *r, double tau) {
+    return dem__turn_at(w, r, tau);
+}
+
 /* Returns the state of a rigid body, tau after its origin step [s]. */
 static inline dem__pose dem__find_pose(const dem_world *w, const dem__rigid *r, double tau) {
     dem__pose p;
-    p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
+    p.x = dem__body_at(r, tau), p.v = dem__plus(r->v, tau, r->a);
     p.momentum = dem__plus(r->momentum, tau, r->torque);
     p.turn = dem__turn_at(w, r, tau);
     p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
@@ -12243,7 +12252,7 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     dem__bodies *bodies = &w->engine->bodies;
     const double middle = tau - 0.5 * h;
     const int steps = tau <= h; /* otherwise its flight ends in this step */
-    const dem_quaternion end = dem__turn_at(w, r, tau);
+    const dem_quaternion end = h > 0.0 && r->rotation_steps < 0.0 ? r->ahead : dem__turn_at(w, r, tau);
     const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__turn_at(w, r, tau - h);
     const dem__axes axes = dem__axes_of(end);
     const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
@@ -12478,9 +12487,10 @@ static inline void dem__shift_corrected(dem_world *w) {
 }
 
 static inline const dem__body_calls *dem__rigid_bodies(void) {
-    static const dem__body_calls row = {dem__find_pose,           dem__set_body_origin, dem__set_body_motion,
-                                        dem__place_pieces,        dem__free_body,       dem__test_due_with_bodies,
-                                        dem__advance_with_bodies, dem__push_bodies,     dem__turning_speed};
+    static const dem__body_calls row = {
+        dem__find_pose,    dem__find_turn,    dem__set_body_origin,      dem__set_body_motion,
+        dem__place_pieces, dem__free_body,    dem__test_due_with_bodies, dem__advance_with_bodies,
+        dem__push_bodies,  dem__turning_speed};
     return &row;
 }
 
@@ -18775,7 +18785,7 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
     double length, middle,
-        half; /* [m]; of the part near the other core: its middle, along the edge, and half its length */
+        half;         /* [m]; of the part near the other core: its middle, along the edge, and half its length */
     int number, ends; /* ends: bits of the ends that are corners, which have their own points */
     int sided;        /* edge of a wall: whether it is touched only from the side of `outward` */
     double deep;      /* edge of a wall: how much deeper than the radii it may be in the core [m] */
@@ -18822,8 +18832,7 @@ DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, do
 /* Chooses the corners whose height times sign is below `low`. */
 DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
     side->n = 0, side->limit = low, side->sign = sign;
-    for (int k = 0; k < side->shape->corners;
-         k++) { /* without branches here and below: they could not be predicted */
+    for (int k = 0; k < side->shape->corners; k++) { /* without branches here and below: they could not be predicted */
         side->corner[side->n] = (uint8_t)k;
         side->n += side->is_near[k] = sign * side->height[k] < low;
     }
@@ -19027,8 +19036,7 @@ static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) 
     unsigned of[6] = {0, 0, 0, 0, 0, 0};
     for (int f = 0; f < 6 && s->is_box; f++) {
         const double *n = s->plane[f];
-        of[f] = (n[0] < -0.5) | (unsigned)(n[0] > 0.5) << 1 | (unsigned)(n[1] < -0.5) << 2 |
-                (unsigned)(n[1] > 0.5) << 3 | (unsigned)(n[2] < -0.5) << 4 | (unsigned)(n[2] > 0.5) << 5;
+        of[f] = 1u << (2 * (fabs(n[1]) > 0.5) + 4 * (fabs(n[2]) > 0.5) + (n[0] + n[1] + n[2] > 0.0));
     }
     for (int m = 0; m < list->n; m++) {
         const uint8_t *face = s->edge_face[list->number[m]];
@@ -20500,12 +20508,14 @@ static DEM__NOINLINE ptrdiff_t dem__points_of_bodies(dem_world *w, ptrdiff_t lea
 
 /* Places a polyhedron at a step. */
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const dem__pose p = dem__pose_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
-    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, p.turn);
+    dem__rigid *r = dem__rigid_of(w, i);
+    const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
+    const dem_quaternion of_body = dem__body_turn_at(w, i, tau), turn = dem__turn_of_polyhedron(w, i, of_body);
     dem__placed *place = &w->engine->convex.place[i];
-    place->x =
-        dem__in_box(w, dem__is_part(w, i) ? dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i])) : p.x);
+    dem_vec x = dem__body_at(r, tau);
+    if (dem__is_part(w, i)) x = dem__add(x, dem__to_lab(of_body, w->engine->bodies.offset[i]));
+    else if (w->engine->bodies.activity[i] != DEM__FLYING) r->rotation_steps = -1.0, r->ahead = of_body;
+    place->x = dem__in_box(w, x);
     place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn),
     place->axis[2] = dem__third_axis(turn);
 }
@@ -20976,10 +20986,12 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
         const double weight = contacts->touch[DEM__PLACE_WEIGHT][c],
                      power = weight / contacts->touch[DEM__PLACE_DAMPING][c]; /* from the true speed */
         const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
-        for (int a = 0; a < 9; a++) out[a][k] *= weight;
-        const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f),
+        const dem_vec f = dem__scale(weight, dem_vec3(out[0][k], out[1][k], out[2][k])), on_i = dem__cross(arm, f),
                       on_j = dem__cross(other, f);
-        for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
+        out[0][k] = f.x, out[1][k] = f.y, out[2][k] = f.z;
+        out[3][k] = weight * out[3][k] + on_i.x, out[6][k] = weight * out[6][k] - on_j.x;
+        out[4][k] = weight * out[4][k] + on_i.y, out[7][k] = weight * out[7][k] - on_j.y;
+        out[5][k] = weight * out[5][k] + on_i.z, out[8][k] = weight * out[8][k] - on_j.z;
         if (!w->engine->run.only_ledger) dem__pull(w, t, c, out, k);
         if (!(features & DEM_ENERGY)) continue;
         /* losses are means of the power before, which has its weight, and of the power now; without a force, the energy

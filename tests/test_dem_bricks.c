@@ -58,6 +58,42 @@ static void test_rest(void **state) {
     dem_free(&w);
 }
 
+/* A step that cannot be finished, because a pair of materials has no constants, leaves no trace in the orientation of a
+   brick that tumbles in contact: after the pair is set, the run goes on like one that had it from the start, although
+   a new wall asks for the forces anew. */
+static void test_failed_step_turns_nothing(void **state) {
+    (void)state;
+    static const double above[3] = {0, 0, 0.03}, d = 0.005;
+    uint64_t hash[2];
+    int64_t failed_at = 0;
+    for (int later = 1; later >= 0; later--) {
+        dem_def def = dem_default_def();
+        dem_world w;
+        for (int k = 0; k < 2; k++) dem_add_material(&def, 1000.0, 1e7, 0.3);
+        dem_pair_def *own = dem_pair(&def, 0, 0);
+        own->stiffness = 1e4, own->restitution = 0.5, own->friction = 0.5;
+        if (!later) *dem_pair(&def, 0, 1) = *own;
+        def.dt = 1e-5;
+        assert_int_equal(dem_init(&w, &def, NULL), DEM_OK);
+        ground(&w);
+        put(&w, brick(&w, 0.01, 0.01, 0.0208, 0.03), 0, 0, 0.0104, 1, 0, 0, 0);
+        assert_int_equal(dem_set_motion(&w, 0, dem_vec3(0, 0, 0), dem_vec3(3, 2, 5)), DEM_OK);
+        assert_int_equal(dem_add_spheres(&w, 1, above, &d, 1, 0), DEM_OK);
+        if (later) {
+            assert_int_equal(dem_run(&w, 1.0, DEM_LINEAR | DEM_FRICTION), DEM_PAIR_NOT_SET);
+            failed_at = w.step;
+            assert_true(failed_at > 100 && dem_contact_count(&w) > 0);
+            *dem_pair(&w.def, 0, 1) = *dem_pair(&w.def, 0, 0);
+        } else RUN(&w, (double)failed_at * def.dt);
+        assert_int_equal(w.step, failed_at);
+        assert_int_equal(dem_add_plane(&w, 0, dem_vec3(-1, 0, 0), dem_vec3(1, 0, 0)), 1);
+        RUN(&w, 0.01);
+        hash[later] = dem_hash(&w);
+        dem_free(&w);
+    }
+    assert_true(hash[0] == hash[1]);
+}
+
 /* What is read of a contact is what acts: its normal, point and force give the force and the torque that a fixed body
    and a wall feel. A cube and a ball slide and roll over a fixed brick, across a periodic edge, another cube over a
    tilted plane. */
@@ -607,7 +643,6 @@ static void test_as_given(void **state) {
     assert_true(cases > 200 && largest[0] > 20 && largest[1] > 20 && largest[2] > 20 && largest[3] > 20);
 }
 
-
 /* ---- faces, edges and corners that land ---- */
 
 /* An upright prism of 1 mm across and half as high. */
@@ -777,14 +812,24 @@ static void test_stack_of_tablets(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rest),     cmocka_unit_test(test_contacts_read),
-        cmocka_unit_test(test_slide),    cmocka_unit_test(test_tip),
-        cmocka_unit_test(test_rock),     cmocka_unit_test(test_hits),
-        cmocka_unit_test(test_rebound), cmocka_unit_test(test_landings), cmocka_unit_test(test_tumble),
-        cmocka_unit_test(test_stack_of_tablets),  cmocka_unit_test(test_pile),
-        cmocka_unit_test(test_spheres),  cmocka_unit_test(test_feed),
-        cmocka_unit_test(test_refused),  cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_groups),   cmocka_unit_test(test_saved_in_a_funnel),
+        cmocka_unit_test(test_rest),
+        cmocka_unit_test(test_failed_step_turns_nothing),
+        cmocka_unit_test(test_contacts_read),
+        cmocka_unit_test(test_slide),
+        cmocka_unit_test(test_tip),
+        cmocka_unit_test(test_rock),
+        cmocka_unit_test(test_hits),
+        cmocka_unit_test(test_rebound),
+        cmocka_unit_test(test_landings),
+        cmocka_unit_test(test_tumble),
+        cmocka_unit_test(test_stack_of_tablets),
+        cmocka_unit_test(test_pile),
+        cmocka_unit_test(test_spheres),
+        cmocka_unit_test(test_feed),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_saved_in_a_funnel),
         cmocka_unit_test(test_as_given),
     };
     if (getenv("RIDDLE_TEST")) cmocka_set_test_filter(getenv("RIDDLE_TEST"));

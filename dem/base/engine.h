@@ -96,9 +96,10 @@ typedef struct dem__rigid {
     double mass;              /* [kg] */
     double rate;              /* of the contacts of a clump over k/m; not saved */
     int32_t first, pieces;    /* of its particles */
-    double
-        rotation_steps; /* rotation steps of a flight, with three different moments, that have been integrated, */
-    dem_quaternion ahead; /* and the orientation there; neither is saved */
+    /* How many rotation steps of a flight, with three different moments, have been integrated, and the orientation
+       there. -1: that at the end of the present step. Neither is saved. */
+    double rotation_steps;
+    dem_quaternion ahead;
 } dem__rigid;
 
 /* State of a rigid body at a time: position and velocity of its centre of mass, spin, angular momentum, orientation. */
@@ -111,8 +112,9 @@ typedef struct dem__pose {
    body of a world sets the table (dem__reserve_bodies), so that a program that neither adds a body nor loads a world
    compiles none of them. */
 typedef struct dem__body_calls {
-    dem__pose (*pose)(const dem_world *w, const dem__rigid *r, double tau); /* returns the state at tau [s] after
-                                                                                     the origin step */
+    /* return the state, and the orientation alone, at tau [s] after the origin step */
+    dem__pose (*pose)(const dem_world *w, const dem__rigid *r, double tau);
+    dem_quaternion (*turn)(const dem_world *w, const dem__rigid *r, double tau);
     void (*set_origin)(dem_world *w, dem__rigid *r); /* makes the present step the origin */
     void (*set_motion)(dem_world *w, dem__rigid *r, dem_vec velocity,
                        dem_vec spin);           /* sets velocity and spin at the origin */

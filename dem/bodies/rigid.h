@@ -60,10 +60,14 @@ DEM_INLINE dem_quaternion dem__turn_at(const dem_world *w, const dem__rigid *r, 
     return dem__turn_free(r->turn, dem__plus(r->momentum, 0.5 * tau, r->torque), r->moments, tau, single);
 }
 
+static inline dem_quaternion dem__find_turn(const dem_world *w, const dem__rigid *r, double tau) {
+    return dem__turn_at(w, r, tau);
+}
+
 /* Returns the state of a rigid body, tau after its origin step [s]. */
 static inline dem__pose dem__find_pose(const dem_world *w, const dem__rigid *r, double tau) {
     dem__pose p;
-    p.x = dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a)), p.v = dem__plus(r->v, tau, r->a);
+    p.x = dem__body_at(r, tau), p.v = dem__plus(r->v, tau, r->a);
     p.momentum = dem__plus(r->momentum, tau, r->torque);
     p.turn = dem__turn_at(w, r, tau);
     p.spin = dem__spin_of(p.turn, r->moments, p.momentum);
@@ -108,7 +112,7 @@ DEM_INLINE void dem__advance_body(dem_world *w, dem__rigid *r, double tau, doubl
     dem__bodies *bodies = &w->engine->bodies;
     const double middle = tau - 0.5 * h;
     const int steps = tau <= h; /* otherwise its flight ends in this step */
-    const dem_quaternion end = dem__turn_at(w, r, tau);
+    const dem_quaternion end = h > 0.0 && r->rotation_steps < 0.0 ? r->ahead : dem__turn_at(w, r, tau);
     const dem_quaternion from = steps || h == 0.0 ? r->turn : dem__turn_at(w, r, tau - h);
     const dem__axes axes = dem__axes_of(end);
     const dem_vec momentum = dem__plus(r->momentum, middle, r->torque);
@@ -343,9 +347,10 @@ static inline void dem__shift_corrected(dem_world *w) {
 }
 
 static inline const dem__body_calls *dem__rigid_bodies(void) {
-    static const dem__body_calls row = {dem__find_pose,           dem__set_body_origin, dem__set_body_motion,
-                                        dem__place_pieces,        dem__free_body,       dem__test_due_with_bodies,
-                                        dem__advance_with_bodies, dem__push_bodies,     dem__turning_speed};
+    static const dem__body_calls row = {
+        dem__find_pose,    dem__find_turn,    dem__set_body_origin,      dem__set_body_motion,
+        dem__place_pieces, dem__free_body,    dem__test_due_with_bodies, dem__advance_with_bodies,
+        dem__push_bodies,  dem__turning_speed};
     return &row;
 }
 

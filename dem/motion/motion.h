@@ -82,10 +82,14 @@ DEM_INLINE double dem__per_mass(const dem_world *w, ptrdiff_t i) {
 DEM_INLINE dem__pose dem__pose_at(const dem_world *w, const dem__rigid *r, double tau) {
     return w->engine->bodies.calls->pose(w, r, tau);
 }
+/* Returns the centre of mass of a body alone. */
+DEM_INLINE dem_vec dem__body_at(const dem__rigid *r, double tau) {
+    return dem__plus(r->x, tau, dem__plus(r->v, 0.5 * tau, r->a));
+}
 
 /* Returns the orientation of the principal axes of particle i's body, tau after its origin step [s]. */
 static inline dem_quaternion dem__body_turn_at(const dem_world *w, ptrdiff_t i, double tau) {
-    return dem__pose_at(w, dem__rigid_of(w, i), tau).turn;
+    return w->engine->bodies.calls->turn(w, dem__rigid_of(w, i), tau);
 }
 /* Returns the orientation of a polyhedron's own axes, from that of its body. The body's axes may have another order; a
    part of a compound has a turn of its own. */
@@ -112,8 +116,7 @@ static inline dem_vec dem__arm_now(const dem_world *w, ptrdiff_t i) {
 
 /* Return position and velocity of a particle of a rigid body, tau after its origin step [s]. */
 static DEM__NOINLINE dem_vec dem__piece_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
-    const dem__pose p = dem__pose_at(w, r, tau);
-    return dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i]));
+    return dem__add(dem__body_at(r, tau), dem__to_lab(dem__body_turn_at(w, i, tau), w->engine->bodies.offset[i]));
 }
 static DEM__NOINLINE dem_vec dem__piece_velocity_at(const dem_world *w, const dem__rigid *r, ptrdiff_t i, double tau) {
     const dem__pose p = dem__pose_at(w, r, tau);

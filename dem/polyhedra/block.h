@@ -122,10 +122,12 @@ static DEM__NOINLINE void dem__finish_convex_rows(const dem_world *w, const dem_
         const double weight = contacts->touch[DEM__PLACE_WEIGHT][c],
                      power = weight / contacts->touch[DEM__PLACE_DAMPING][c]; /* from the true speed */
         const dem_vec arm = dem__place_arm(w, c), other = dem__other_arm(b, t, k, arm);
-        for (int a = 0; a < 9; a++) out[a][k] *= weight;
-        const dem_vec f = dem_vec3(out[0][k], out[1][k], out[2][k]), on_i = dem__cross(arm, f),
+        const dem_vec f = dem__scale(weight, dem_vec3(out[0][k], out[1][k], out[2][k])), on_i = dem__cross(arm, f),
                       on_j = dem__cross(other, f);
-        for (int a = 0; a < 3; a++) out[3 + a][k] += dem_axis(on_i, a), out[6 + a][k] -= dem_axis(on_j, a);
+        out[0][k] = f.x, out[1][k] = f.y, out[2][k] = f.z;
+        out[3][k] = weight * out[3][k] + on_i.x, out[6][k] = weight * out[6][k] - on_j.x;
+        out[4][k] = weight * out[4][k] + on_i.y, out[7][k] = weight * out[7][k] - on_j.y;
+        out[5][k] = weight * out[5][k] + on_i.z, out[8][k] = weight * out[8][k] - on_j.z;
         if (!w->engine->run.only_ledger) dem__pull(w, t, c, out, k);
         if (!(features & DEM_ENERGY)) continue;
         /* losses are means of the power before, which has its weight, and of the power now; without a force, the energy

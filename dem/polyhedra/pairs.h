@@ -8,12 +8,14 @@
 
 /* Places a polyhedron at a step. */
 static inline void dem__place_polyhedron(dem_world *w, ptrdiff_t i, int64_t step) {
-    const dem__rigid *r = dem__rigid_of(w, i);
-    const dem__pose p = dem__pose_at(w, r, (double)(step - w->particle[i].origin) * w->engine->run.dt);
-    const dem_quaternion turn = dem__turn_of_polyhedron(w, i, p.turn);
+    dem__rigid *r = dem__rigid_of(w, i);
+    const double tau = (double)(step - w->particle[i].origin) * w->engine->run.dt;
+    const dem_quaternion of_body = dem__body_turn_at(w, i, tau), turn = dem__turn_of_polyhedron(w, i, of_body);
     dem__placed *place = &w->engine->convex.place[i];
-    place->x =
-        dem__in_box(w, dem__is_part(w, i) ? dem__add(p.x, dem__to_lab(p.turn, w->engine->bodies.offset[i])) : p.x);
+    dem_vec x = dem__body_at(r, tau);
+    if (dem__is_part(w, i)) x = dem__add(x, dem__to_lab(of_body, w->engine->bodies.offset[i]));
+    else if (w->engine->bodies.activity[i] != DEM__FLYING) r->rotation_steps = -1.0, r->ahead = of_body;
+    place->x = dem__in_box(w, x);
     place->axis[0] = dem__first_axis(turn), place->axis[1] = dem__second_axis(turn),
     place->axis[2] = dem__third_axis(turn);
 }

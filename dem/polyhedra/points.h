@@ -119,7 +119,7 @@ DEM_INLINE double dem__from_core(const dem_convex *s, const dem__placed *place, 
 typedef struct dem__placed_edge {
     dem_vec from, along, in[2], outward;
     double length, middle,
-        half; /* [m]; of the part near the other core: its middle, along the edge, and half its length */
+        half;         /* [m]; of the part near the other core: its middle, along the edge, and half its length */
     int number, ends; /* ends: bits of the ends that are corners, which have their own points */
     int sided;        /* edge of a wall: whether it is touched only from the side of `outward` */
     double deep;      /* edge of a wall: how much deeper than the radii it may be in the core [m] */
@@ -166,8 +166,7 @@ DEM_INLINE void dem__find_heights(dem__side *side, dem_vec n, double *lowest, do
 /* Chooses the corners whose height times sign is below `low`. */
 DEM_INLINE void dem__choose_corners(dem__side *side, double low, double sign) {
     side->n = 0, side->limit = low, side->sign = sign;
-    for (int k = 0; k < side->shape->corners;
-         k++) { /* without branches here and below: they could not be predicted */
+    for (int k = 0; k < side->shape->corners; k++) { /* without branches here and below: they could not be predicted */
         side->corner[side->n] = (uint8_t)k;
         side->n += side->is_near[k] = sign * side->height[k] < low;
     }
@@ -371,8 +370,7 @@ static inline void dem__find_sides(const dem__side *side, dem__edge_list *list) 
     unsigned of[6] = {0, 0, 0, 0, 0, 0};
     for (int f = 0; f < 6 && s->is_box; f++) {
         const double *n = s->plane[f];
-        of[f] = (n[0] < -0.5) | (unsigned)(n[0] > 0.5) << 1 | (unsigned)(n[1] < -0.5) << 2 |
-                (unsigned)(n[1] > 0.5) << 3 | (unsigned)(n[2] < -0.5) << 4 | (unsigned)(n[2] > 0.5) << 5;
+        of[f] = 1u << (2 * (fabs(n[1]) > 0.5) + 4 * (fabs(n[2]) > 0.5) + (n[0] + n[1] + n[2] > 0.0));
     }
     for (int m = 0; m < list->n; m++) {
         const uint8_t *face = s->edge_face[list->number[m]];

@@ -212,7 +212,7 @@ static inline double dem__time_to_wall(const dem_world *w, const dem__wall_test 
 static inline void dem__test_exit(dem_world *w, const dem__wall_test *t, int32_t e, int64_t step) {
     const dem__rigid *r = dem__rigid_of(w, t->i);
     const double tau = (double)(step - w->particle[t->i].origin) * w->engine->run.dt;
-    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__pose_at(w, r, tau).x))) dem__pass_exit(w, t->i, t->k);
+    if (!r || dem__has_passed(t->wall, dem__in_box(w, dem__body_at(r, tau)))) dem__pass_exit(w, t->i, t->k);
     else if (w->def.skip & DEM_SKIP_SPACE) dem__set_timer(&w->engine->walls.timers, e, step + 1);
 }
 
