@@ -11,9 +11,9 @@
    sieve by dem.h, of
                                                              spheres, and fits those; --sweep: five K and three x_h
                                                              beside Table 3
-   Your own counts:   sieve_blocking --data counts.csv       columns time_s,free_holes,holes (one row a template; rows
-                      of one time are
-                                                             added up) or time_s,free_fraction
+   Your own counts:   sieve_blocking --data counts.csv       columns time_s,free_holes,holes (one row a template, in
+                                                             any order; rows of one time are added up) or
+                                                             time_s,free_fraction
    Your own tests:    sieve_blocking --tests tests.csv       columns test,time_s,K,x_h,moisture and counts: laws for k1
                       and k2
    Your own grains:   sieve_blocking --sizes sieve.csv       columns size_mm,passing (fraction finer, 0..1): gives x_h
@@ -121,6 +121,19 @@ static void draw_readings(readings *r, const row *from, int holes, uint64_t seed
     }
 }
 
+/* Returns the place of the reading at time t [s], which it makes if there is none: sheets may list one template after the
+   other. -1: no room. */
+static int reading_at(readings *r, double t) {
+    int k = 0;
+    while (k < r->n && r->t[k] < t) k++;
+    if (k < r->n && r->t[k] == t) return k;
+    if (r->n == MOST_READINGS) return -1;
+    for (int m = r->n++; m > k; m--)
+        r->t[m] = r->t[m - 1], r->free_holes[m] = r->free_holes[m - 1], r->holes[m] = r->holes[m - 1];
+    r->t[k] = t, r->free_holes[k] = r->holes[k] = 0.0;
+    return k;
+}
+
 static void read_readings(const program *self, const char *path, readings *r) {
     enum { TIME, FREE, HOLES, FRACTION, COLUMNS };
     sheet data;
@@ -133,16 +146,11 @@ static void read_readings(const program *self, const char *path, readings *r) {
     common_print("%s\n", data.how);
     r->n = 0;
     for (int i = 0; i < data.rows; i++) {
-        const double t = c[TIME].value[i];
-        if (r->n == 0 || t != r->t[r->n - 1]) {
-            if (r->n == MOST_READINGS) program_refuse(self, "data", path, "a file with at most 200 different times");
-            r->t[r->n] = t;
-            r->free_holes[r->n] = r->holes[r->n] = 0.0;
-            r->n++;
-        }
-        r->free_holes[r->n - 1] += r->counted ? c[FREE].value[i] : c[FRACTION].value[i];
-        r->holes[r->n - 1] += r->counted ? c[HOLES].value[i] : 1.0;
-        if (r->counted && !(r->holes[r->n - 1] > 0.0 && r->free_holes[r->n - 1] <= r->holes[r->n - 1]))
+        const int k = reading_at(r, c[TIME].value[i]);
+        if (k < 0) program_refuse(self, "data", path, "a file with at most 200 different times");
+        r->free_holes[k] += r->counted ? c[FREE].value[i] : c[FRACTION].value[i];
+        r->holes[k] += r->counted ? c[HOLES].value[i] : 1.0;
+        if (r->counted && !(r->holes[k] > 0.0 && r->free_holes[k] <= r->holes[k]))
             refuse_file(self, "data", path, counts_file, blocking_status_text(BLOCKING_BAD_COUNT));
         if (r->counted &&
             !(c[FREE].value[i] == floor(c[FREE].value[i]) && c[HOLES].value[i] == floor(c[HOLES].value[i])))
