@@ -430,6 +430,12 @@ def filter_cake_short(r, csv, json):
     }
 
 
+def calibration(r, csv, json):
+    friction, heap = r["parameters"]["friction"], r["targets"][0]
+    return {key: f"{friction[key]:.2f}" for key in ("value", "low", "high")} | {
+        "heap_low": f"{heap['simulated_low']:.1f}", "heap_high": f"{heap['simulated_high']:.1f}"}
+
+
 def cake_of_three_seeds(voxels, json):
     runs = [json(f"{seed}.json") for seed in (1, 2, 3)]
 
