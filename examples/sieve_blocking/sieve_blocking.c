@@ -121,8 +121,8 @@ static void draw_readings(readings *r, const row *from, int holes, uint64_t seed
     }
 }
 
-/* Returns the place of the reading at time t [s], which it makes if there is none: sheets may list one template after the
-   other. -1: no room. */
+/* Returns the place of the reading at time t [s], which it makes if there is none: sheets may list one template after
+   the other. -1: no room. */
 static int reading_at(readings *r, double t) {
     int k = 0;
     while (k < r->n && r->t[k] < t) k++;
